@@ -1,0 +1,258 @@
+"""What drives the arm, as frozen data: torques over time, joint tracking at a control rate, a law in Python."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.errors import InputError
+
+Array = NDArray[np.float64]
+Interpolation = Literal["hold", "linear", "cubic"]
+INTERPOLATIONS = ("hold", "linear", "cubic")
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Values over time, held or interpolated; as a command, torques [N m or N] and zero after the end.
+
+    Args:
+        t: times (samples,) [s], strictly increasing; the run starts at the first.
+        values: (samples, n), one column a joint in the order of q, or a mapping from joint to (samples,).
+        interpolation: ``hold`` (from this sample to the next), ``linear`` or ``cubic`` (a C2 spline).
+
+    Raises:
+        InputError: shapes that do not fit, values that are not finite, time that does not increase.
+    """
+
+    t: Array
+    values: Array
+    interpolation: Interpolation = "hold"
+    joints: tuple[str, ...] | None = None
+
+    def __init__(
+        self, t: ArrayLike, values: ArrayLike | Mapping[str, ArrayLike], interpolation: Interpolation = "hold"
+    ) -> None:
+        joints = None
+        if isinstance(values, Mapping):
+            joints = tuple(str(joint) for joint in values)
+            values = np.column_stack([_numbers("values", column) for column in values.values()])
+        times, table = _numbers("t", t), _numbers("values", values)
+        table = table[:, None] if table.ndim == 1 else table
+        if times.ndim != 1 or len(times) < 2 or table.ndim != 2 or len(table) != len(times):
+            shapes = f"t {times.shape}, values {table.shape}"
+            raise InputError("t is (samples,) and values (samples, n), 2 samples or more", key="samples", value=shapes)
+        for name, array in (("t", times), ("values", table)):
+            if not np.isfinite(array).all():
+                row = int(np.argwhere(~np.isfinite(array))[0][0])
+                raise InputError("a finite number is needed", key=f"samples.{name}[{row}]", value=array[row], row=row)
+        if not (np.diff(times) > 0).all():
+            row = int(np.argmin(np.diff(times) > 0)) + 1
+            raise InputError("time must increase", key=f"samples.t[{row}]", value=float(times[row]), row=row)
+        if interpolation not in INTERPOLATIONS:
+            remedy = f"it is {', '.join(INTERPOLATIONS)}"
+            raise InputError("no such interpolation", key="interpolation", value=interpolation, remedy=remedy)
+        for array in (times, table):
+            array.setflags(write=False)
+        for key, entry in (("t", times), ("values", table), ("interpolation", interpolation), ("joints", joints)):
+            object.__setattr__(self, key, entry)
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last sample [s]."""
+        return float(self.t[-1] - self.t[0])
+
+    def columns(self, joint_names: Sequence[str]) -> Array:
+        """The values in the order of `joint_names`; a joint that was not named gets zeros.
+
+        Raises:
+            InputError: a column too many or too few, or of a joint that is not there.
+        """
+        if self.joints is None:
+            if self.values.shape[1] != len(joint_names):
+                got = self.values.shape[1]
+                remedy = f"the joints are {', '.join(joint_names)}"
+                raise InputError(f"{len(joint_names)} columns are needed", key="samples.values", value=got, remedy=remedy)
+            return self.values
+        out = np.zeros((len(self.t), len(joint_names)))
+        for k, joint in enumerate(self.joints):
+            if joint not in joint_names:
+                remedy = f"the joints are {', '.join(joint_names)}"
+                raise InputError("the robot has no such joint", key="samples.values", value=joint, remedy=remedy)
+            out[:, list(joint_names).index(joint)] = self.values[:, k]
+        return out
+
+    def pieces(self, columns: Array) -> tuple[Array, Array, Array]:
+        """Breaks (from 0), polynomial coefficients (segments, degree + 1, width) and the last value, for the core."""
+        t = np.ascontiguousarray(self.t - self.t[0])
+        if self.interpolation == "hold":
+            coef = columns[:-1, None, :]
+        elif self.interpolation == "linear":
+            slope = np.diff(columns, axis=0) / np.diff(t)[:, None]
+            coef = np.stack([columns[:-1], slope], axis=1)
+        else:
+            from scipy.interpolate import CubicSpline
+
+            coef = CubicSpline(t, columns).c[::-1].transpose(1, 0, 2)
+        return t, np.ascontiguousarray(coef), np.ascontiguousarray(columns[-1])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PD:
+    """Joint tracking at a control rate, the torque held in between.
+
+    ``tau = feedforward(t) + kp (reference - y) + kd (reference' - y')``, y = theta or q. After the reference's end the
+    arm is held where it ended, and there is no feedforward.
+
+    Args:
+        reference: positions [rad or m] (`Samples`, interpolated cubic or linear for a velocity that makes sense), a
+            recording with ``q`` or ``theta`` columns, or its path.
+        kp: [N m/rad], one for all, one per joint, or a mapping by joint.
+        kd: [N m s/rad], likewise.
+        rate: of the controller [Hz].
+        feedback: ``theta`` (motor side) or ``q`` (link side).
+        feedforward: torques to add (`Samples`, a recording with ``tau`` columns, or its path).
+    """
+
+    reference: Any
+    kp: float | ArrayLike | Mapping[str, float]
+    kd: float | ArrayLike | Mapping[str, float]
+    rate: float = 1000.0
+    feedback: Literal["theta", "q"] = "theta"
+    feedforward: Any = None
+
+    def __init__(
+        self,
+        reference: Any,
+        kp: float | ArrayLike | Mapping[str, float],
+        kd: float | ArrayLike | Mapping[str, float],
+        rate: float = 1000.0,
+        feedback: Literal["theta", "q"] = "theta",
+        feedforward: Any = None,
+    ) -> None:
+        if feedback not in ("theta", "q"):
+            raise InputError("no such feedback", key="pd.feedback", value=feedback, remedy="it is theta or q")
+        entries = {
+            "reference": reference,
+            "kp": kp,
+            "kd": kd,
+            "rate": checked_rate("pd.rate", rate),
+            "feedback": feedback,
+            "feedforward": feedforward,
+        }
+        for key, value in entries.items():
+            object.__setattr__(self, key, value)
+
+
+@dataclass(frozen=True)
+class State:
+    """What a controller sees: all joints at one instant; on a rigid joint theta, omega read q, v.
+
+    Attributes:
+        q: link positions (n,) [rad or m].
+        v: link velocities (n,).
+        theta: rotor positions, reflected (n,).
+        omega: rotor velocities, reflected (n,).
+    """
+
+    q: Array
+    v: Array
+    theta: Array
+    omega: Array
+
+
+@dataclass(frozen=True)
+class Controller:
+    """A control law in Python, called at a control rate, its torque held in between.
+
+    Args:
+        law: ``law(t, state) -> tau`` with t [s], a `State` and torques (n,) [N m or N].
+        rate: [Hz].
+    """
+
+    law: Callable[[float, State], ArrayLike]
+    rate: float = 1000.0
+
+    def __post_init__(self) -> None:
+        """Check law and rate."""
+        if not callable(self.law):
+            raise InputError("a callable law(t, state) is needed", key="controller.law", value=self.law)
+        object.__setattr__(self, "rate", checked_rate("controller.rate", self.rate))
+
+
+@dataclass(frozen=True, eq=False)
+class FrameWrench:
+    """An external force and moment at a frame: the paper's end-of-arm force and moment vector.
+
+    ``tau_ext = J(q)^T (force, moment)``, J the Jacobian of the frame; zero after the samples' end.
+
+    Args:
+        frame: its name, for example the tool.
+        samples: six columns fx, fy, fz [N], mx, my, mz [N m] (`Samples`), or six numbers that do not change.
+        axes: ``world`` (of the base) or ``frame``, in which the six are given.
+    """
+
+    frame: str
+    samples: Samples | ArrayLike
+    axes: Literal["world", "frame"] = "world"
+    constant: Array | None = field(default=None, init=False)
+
+    def __post_init__(self) -> None:
+        """Check that there are six columns."""
+        if self.axes not in ("world", "frame"):
+            raise InputError("no such axes", key="external.axes", value=self.axes, remedy="they are world or frame")
+        if isinstance(self.samples, Samples):
+            width = self.samples.values.shape[1]
+        else:
+            constant = _numbers("external.samples", self.samples)
+            if not np.isfinite(constant).all():
+                raise InputError("finite numbers are needed", key="external.samples", value=constant)
+            object.__setattr__(self, "constant", constant)
+            width = constant.size
+        if width != 6:
+            remedy = "give fx, fy, fz, mx, my, mz"
+            raise InputError("a wrench has six columns", key="external.samples", value=width, remedy=remedy)
+
+
+def checked_rate(key: str, rate: Any) -> float:
+    """A rate in Hz: finite and above 0.
+
+    Raises:
+        InputError: it is not.
+    """
+    if isinstance(rate, bool) or not isinstance(rate, int | float | np.number) or not 0 < rate < math.inf:
+        raise InputError("a rate above 0 Hz is needed", key=key, value=rate)
+    return float(rate)
+
+
+def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:
+    """One number for all joints, one per joint, or a mapping by joint, as (n,).
+
+    Raises:
+        InputError: wrong length, an unknown or missing joint, something not finite.
+    """
+    n = len(joint_names)
+    if isinstance(value, Mapping):
+        for joint in value:
+            if joint not in joint_names:
+                remedy = f"the joints are {', '.join(joint_names)}"
+                raise InputError("the robot has no such joint", key=f"{key}.{joint}", remedy=remedy)
+        value = [value.get(joint, value.get("*", 0.0)) for joint in joint_names]
+    array = _numbers(key, value)
+    if array.ndim > 1 or (array.ndim == 1 and len(array) != n):
+        raise InputError(f"one number, or one for each of the {n} joints, is needed", key=key, value=array.shape)
+    if not np.isfinite(array).all():
+        raise InputError("finite numbers are needed", key=key, value=value)
+    return np.array(np.broadcast_to(array, (n,)))
+
+
+def _numbers(key: str, value: Any) -> Array:
+    try:
+        return np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError("numbers are needed", key=key, value=value) from None

@@ -1,0 +1,196 @@
+#include <algorithm>
+#include <map>
+
+#include "bindings.hpp"
+#include "plant.hpp"
+
+namespace flexdyn {
+
+namespace {
+
+struct LawName {
+  LawKind kind;
+  Stage stage;
+  int parameters;
+};
+
+const std::map<std::string, LawName>& law_table() {
+  static const std::map<std::string, LawName> table = {
+      {"viscous_friction", {LawKind::viscous_friction, Stage::friction, 1}},
+      {"coulomb_friction", {LawKind::coulomb_friction, Stage::dry, 1}},
+      {"stribeck_friction", {LawKind::stribeck_friction, Stage::dry, 3}},
+      {"transmission_damping", {LawKind::transmission_damping, Stage::spring, 1}},
+      {"torque_offset", {LawKind::torque_offset, Stage::actuator, 1}},
+      {"torque_speed_limit", {LawKind::torque_speed_limit, Stage::actuator, 2}},
+  };
+  return table;
+}
+
+const LawName& find_law(const std::string& name) {
+  const auto found = law_table().find(name);
+  if (found == law_table().end()) throw std::invalid_argument("no such law: " + name);
+  return found->second;
+}
+
+Side side_of(const std::string& side) {
+  if (side == "link") return Side::link;
+  if (side == "motor") return Side::motor;
+  require(side == "transmission", "side is link, motor or transmission");
+  return Side::transmission;
+}
+
+class PythonLaw : public CallbackLaw {
+ public:
+  explicit PythonLaw(nb::object law) : law_(std::move(law)) {}
+  double operator()(const LawInput& in, double tau) const override {
+    nb::gil_scoped_acquire gil;
+    return nb::cast<double>(law_.get()(in.t, in.x, in.u, tau));
+  }
+
+ private:
+  PythonCallable law_;
+};
+
+Law make_law(const std::string& name, int joint, const std::string& side, const std::vector<double>& parameters) {
+  const LawName& entry = find_law(name);
+  require(static_cast<int>(parameters.size()) == entry.parameters, "wrong number of parameters for this law");
+  Law law{entry.kind, entry.stage, joint, side_of(side), {}, nullptr};
+  std::copy(parameters.begin(), parameters.end(), law.p);
+  return law;
+}
+
+Law make_python_law(const std::string& stage, int joint, const std::string& side, nb::object callable) {
+  Law law{LawKind::callback, Stage::friction, joint, side_of(side), {}, nullptr};
+  if (stage == "actuator") law.stage = Stage::actuator;
+  else if (stage == "spring") law.stage = Stage::spring;
+  else require(stage == "friction", "a law in Python is of stage friction, spring or actuator");
+  law.callback = std::make_shared<PythonLaw>(std::move(callable));
+  return law;
+}
+
+// The law over whole recordings; dry laws give the set's end in the direction of u, and 0 at u = 0.
+void evaluate_law(const std::string& name, const std::vector<double>& parameters, Array t, Array x, Array u, Array tau,
+                  OutArray out) {
+  const Law law = make_law(name, 0, "motor", parameters);
+  const std::size_t count = out.size();
+  require(t.size() == count && x.size() == count && u.size() == count && tau.size() == count, "sizes differ");
+  for (std::size_t i = 0; i < count; ++i) {
+    const LawInput in{t.data()[i], x.data()[i], u.data()[i]};
+    switch (law.stage) {
+      case Stage::friction: out.data()[i] = friction_torque(law.kind, law.p, in); break;
+      case Stage::spring: out.data()[i] = spring_torque(law.kind, law.p, in); break;
+      case Stage::actuator: out.data()[i] = actuator_torque(law.kind, law.p, in, tau.data()[i]); break;
+      case Stage::dry: out.data()[i] = dry_level(law.kind, law.p, in) * ((in.u > 0.0) - (in.u < 0.0)); break;
+    }
+  }
+}
+
+std::shared_ptr<LinkDynamics> make_links(nb::dict arrays, Array gravity) {
+  const auto doubles = [&](const char* key) { return to_vector(nb::cast<Array>(arrays[key])); };
+  Tree tree;
+  for (const double parent : doubles("parent")) tree.parent.push_back(static_cast<int>(parent));
+  for (const double prismatic : doubles("prismatic")) tree.prismatic.push_back(prismatic != 0.0);
+  tree.axis = doubles("axis");
+  tree.rotation = doubles("rotation");
+  tree.translation = doubles("translation");
+  tree.mass = doubles("mass");
+  tree.com = doubles("com");
+  tree.inertia = doubles("inertia");
+  tree.armature = doubles("armature");
+  tree.gain = doubles("gain");
+  tree.offset = doubles("offset");
+  const std::size_t m = tree.parent.size();
+  require(m > 0 && tree.prismatic.size() == m && tree.axis.size() == 3 * m && tree.rotation.size() == 9 * m &&
+              tree.translation.size() == 3 * m && tree.mass.size() == m && tree.com.size() == 3 * m &&
+              tree.inertia.size() == 9 * m && tree.armature.size() == m && tree.offset.size() == m &&
+              !tree.gain.empty() && tree.gain.size() % m == 0 && gravity.size() == 3,
+          "tree arrays do not fit each other");
+  for (std::size_t i = 0; i < m; ++i) {
+    require(tree.parent[i] >= -1 && tree.parent[i] < static_cast<int>(i), "parents come before children");
+  }
+  std::copy(gravity.data(), gravity.data() + 3, tree.gravity);
+  return std::make_shared<LinkDynamics>(tree);
+}
+
+std::size_t rows_of(const LinkDynamics& links, const Array& q) {
+  require(q.size() % links.size() == 0, "the last axis is n joints long");
+  return q.size() / links.size();
+}
+
+void acceleration(const LinkDynamics& links, Array q, Array v, Array tau, OutArray a) {
+  const std::size_t rows = rows_of(links, q), n = links.size();
+  require(v.size() == q.size() && tau.size() == q.size() && a.size() == q.size(), "q, v, tau, a differ in size");
+  nb::gil_scoped_release release;
+  auto work = links.workspace();
+  for (std::size_t i = 0; i < rows; ++i) {
+    links.acceleration(*work, q.data() + i * n, v.data() + i * n, tau.data() + i * n, a.data() + i * n);
+  }
+}
+
+void mass_matrix(const LinkDynamics& links, Array q, OutArray M) {
+  const std::size_t rows = rows_of(links, q), n = links.size();
+  require(M.size() == rows * n * n, "M is (rows, n, n)");
+  auto work = links.workspace();
+  for (std::size_t i = 0; i < rows; ++i) links.mass_matrix(*work, q.data() + i * n, M.data() + i * n * n);
+}
+
+void bias(const LinkDynamics& links, Array q, Array v, OutArray h) {
+  const std::size_t rows = rows_of(links, q), n = links.size();
+  require(v.size() == q.size() && h.size() == q.size(), "q, v, h differ in size");
+  auto work = links.workspace();
+  for (std::size_t i = 0; i < rows; ++i) {
+    links.bias(*work, q.data() + i * n, v.data() + i * n, h.data() + i * n);
+  }
+}
+
+void energy(const LinkDynamics& links, Array q, Array v, OutArray kinetic, OutArray potential) {
+  const std::size_t rows = rows_of(links, q), n = links.size();
+  require(v.size() == q.size() && kinetic.size() == rows && potential.size() == rows, "sizes differ");
+  auto work = links.workspace();
+  for (std::size_t i = 0; i < rows; ++i) {
+    links.energy(*work, q.data() + i * n, v.data() + i * n, kinetic.data()[i], potential.data()[i]);
+  }
+}
+
+void derivative(const Plant& plant, double t, Array x, Array tau, double smoothing, OutArray dx) {
+  require(static_cast<int>(x.size()) == plant.state_size() && dx.size() == x.size(), "x and dx are the state's size");
+  require(static_cast<int>(tau.size()) == plant.n(), "tau has one entry a joint");
+  auto work = plant.workspace();
+  work.smoothing = smoothing;
+  plant.derivative(work, t, x.data(), tau.data(), nullptr, dx.data());
+}
+
+std::shared_ptr<Plant> make_plant(std::shared_ptr<LinkDynamics> links, Array stiffness, Array damping, Array inertia,
+                                  const std::vector<Law>& laws) {
+  const std::size_t n = links->size();
+  require(stiffness.size() == n && damping.size() == n && inertia.size() == n, "K, D and J have one entry a joint");
+  for (const Law& law : laws) require(law.joint >= 0 && law.joint < static_cast<int>(n), "a law's joint is not there");
+  return std::make_shared<Plant>(links, to_vector(stiffness), to_vector(damping), to_vector(inertia), laws);
+}
+
+}  // namespace
+
+void bind_plant(nb::module_& m) {
+  nb::class_<Law>(m, "Law");
+  m.def("law", &make_law, nb::arg("name"), nb::arg("joint"), nb::arg("side"), nb::arg("parameters"));
+  m.def("python_law", &make_python_law, nb::arg("stage"), nb::arg("joint"), nb::arg("side"), nb::arg("callable"));
+  m.def("evaluate_law", &evaluate_law, nb::arg("name"), nb::arg("parameters"), nb::arg("t"), nb::arg("x"),
+        nb::arg("u"), nb::arg("tau"), nb::arg("out"));
+  nb::class_<LinkDynamics>(m, "LinkDynamics")
+      .def_prop_ro("n", &LinkDynamics::size)
+      .def("acceleration", &acceleration, nb::arg("q"), nb::arg("v"), nb::arg("tau"), nb::arg("out"))
+      .def("mass_matrix", &mass_matrix, nb::arg("q"), nb::arg("out"))
+      .def("bias", &bias, nb::arg("q"), nb::arg("v"), nb::arg("out"))
+      .def("energy", &energy, nb::arg("q"), nb::arg("v"), nb::arg("kinetic"), nb::arg("potential"));
+  m.def("link_dynamics", &make_links, nb::arg("tree"), nb::arg("gravity"));
+  nb::class_<Plant>(m, "Plant")
+      .def_prop_ro("n", &Plant::n)
+      .def_prop_ro("state_size", &Plant::state_size)
+      .def_prop_ro("has_dry_friction", &Plant::has_dry_friction)
+      .def("derivative", &derivative, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"),
+           nb::arg("out"));
+  m.def("plant", &make_plant, nb::arg("links"), nb::arg("stiffness"), nb::arg("damping"), nb::arg("rotor_inertia"),
+        nb::arg("laws"));
+}
+
+}  // namespace flexdyn

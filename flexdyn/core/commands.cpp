@@ -1,0 +1,72 @@
+#include "commands.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flexdyn {
+
+namespace {
+constexpr double never = std::numeric_limits<double>::infinity();
+}
+
+OpenLoop::OpenLoop(std::shared_ptr<const PiecewisePolynomial> samples, int n)
+    : samples_(std::move(samples)), tau_(n, 0.0) {}
+
+double OpenLoop::next_switch(double t) const {
+  if (!samples_ || t >= samples_->end()) return never;
+  // A cubic spline is smooth across its knots; only its end is a jump (to zero torque).
+  if (samples_->degree > 1) return samples_->end();
+  return samples_->breaks[samples_->segment(t) + 1];
+}
+
+void OpenLoop::begin(double t, const JointState&, bool final) {
+  if (!samples_) return;
+  over_ = t >= samples_->end();
+  segment_ = samples_->segment(t);
+  if (over_) {
+    // The last sample is what is asked at the end itself; whatever comes after it gets no torque.
+    const bool ask_last = final && t == samples_->end();
+    for (std::size_t i = 0; i < tau_.size(); ++i) tau_[i] = ask_last ? samples_->last[i] : 0.0;
+  } else {
+    samples_->value(segment_, t, tau_.data());
+  }
+}
+
+const double* OpenLoop::at(double t) {
+  if (samples_ && !over_ && samples_->degree > 0) {
+    if (samples_->degree > 1) segment_ = samples_->segment(t);
+    samples_->value(segment_, t, tau_.data());
+  }
+  return tau_.data();
+}
+
+double Sampled::next_switch(double t) const {
+  // Ticks stand at k / rate; the tolerance keeps a tick that t already stands on from coming twice.
+  return (std::floor(t * rate_ + 1e-6) + 1.0) / rate_;
+}
+
+Tracking::Tracking(std::shared_ptr<const PiecewisePolynomial> reference,
+                   std::shared_ptr<const PiecewisePolynomial> feedforward, TrackingGains gains, double rate, int n)
+    : Sampled(rate, n), reference_(std::move(reference)), feedforward_(std::move(feedforward)),
+      gains_(std::move(gains)), position_(n), velocity_(n) {}
+
+void Tracking::begin(double t, const JointState& state, bool) {
+  const int n = static_cast<int>(tau_.size());
+  const double inside = std::min(t, reference_->end());  // past its end the reference stands still
+  const int segment = reference_->segment(inside);
+  reference_->value(segment, inside, position_.data());
+  if (t > reference_->end()) {
+    std::fill(velocity_.begin(), velocity_.end(), 0.0);
+  } else {
+    reference_->derivative(segment, inside, velocity_.data());
+  }
+  std::fill(tau_.begin(), tau_.end(), 0.0);
+  if (feedforward_ && t <= feedforward_->end()) feedforward_->value(feedforward_->segment(t), t, tau_.data());
+  const double* y = gains_.feedback_theta ? state.theta : state.q;
+  const double* rate = gains_.feedback_theta ? state.omega : state.v;
+  for (int j = 0; j < n; ++j) {
+    tau_[j] += gains_.kp[j] * (position_[j] - y[j]) + gains_.kd[j] * (velocity_[j] - rate[j]);
+  }
+}
+
+}  // namespace flexdyn

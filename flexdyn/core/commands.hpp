@@ -1,0 +1,93 @@
+// What drives the arm: torques over time (open loop), joint tracking at a control rate, a law in Python.
+//
+// The march goes from one switch of the command to the next and tells it at each (`begin`); in between the
+// command is smooth in t and may be asked anywhere (`at`).
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "signals.hpp"
+
+namespace flexdyn {
+
+// All joints at one instant, rotor columns filled for rigid joints too.
+struct JointState {
+  const double* q;
+  const double* v;
+  const double* theta;
+  const double* omega;
+};
+
+class Command {
+ public:
+  virtual ~Command() = default;
+  // First instant after t where the command may jump or bend.
+  virtual double next_switch(double t) const = 0;
+  virtual bool needs_state() const { return false; }
+  // A new interval starts at t; `final` if the run ends here and only the torque asked now is wanted.
+  virtual void begin(double t, const JointState& state, bool final) = 0;
+  // tau (n) at t within the interval begun last.
+  virtual const double* at(double t) = 0;
+};
+
+// Zero torque; open-loop samples are zero after their end.
+class OpenLoop : public Command {
+ public:
+  OpenLoop(std::shared_ptr<const PiecewisePolynomial> samples, int n);
+  double next_switch(double t) const override;
+  void begin(double t, const JointState&, bool final) override;
+  const double* at(double t) override;
+
+ private:
+  std::shared_ptr<const PiecewisePolynomial> samples_;  // null: no torque
+  std::vector<double> tau_;
+  int segment_ = 0;
+  bool over_ = false;
+};
+
+// Base of the two commands that compute a torque at a control rate and hold it.
+class Sampled : public Command {
+ public:
+  Sampled(double rate, int n) : rate_(rate), tau_(n, 0.0) {}
+  double next_switch(double t) const override;
+  bool needs_state() const override { return true; }
+  const double* at(double) override { return tau_.data(); }
+
+ protected:
+  double rate_;
+  std::vector<double> tau_;
+};
+
+// tau = feedforward(t) + kp (reference - y) + kd (reference' - y'), y = theta or q.
+struct TrackingGains {
+  std::vector<double> kp, kd;
+  bool feedback_theta;
+};
+
+class Tracking : public Sampled {
+ public:
+  Tracking(std::shared_ptr<const PiecewisePolynomial> reference, std::shared_ptr<const PiecewisePolynomial> feedforward,
+           TrackingGains gains, double rate, int n);
+  void begin(double t, const JointState& state, bool) override;
+
+ private:
+  std::shared_ptr<const PiecewisePolynomial> reference_, feedforward_;
+  TrackingGains gains_;
+  std::vector<double> position_, velocity_;
+};
+
+using ControlLaw = std::function<void(double t, const JointState& state, double* tau)>;
+
+class Callback : public Sampled {
+ public:
+  Callback(ControlLaw law, double rate, int n) : Sampled(rate, n), law_(std::move(law)) {}
+  void begin(double t, const JointState& state, bool) override { law_(t, state, tau_.data()); }
+
+ private:
+  ControlLaw law_;
+};
+
+}  // namespace flexdyn

@@ -1,0 +1,155 @@
+#include "march.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+namespace flexdyn {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Times closer than this are one instant: k / rate and k * step differ in their last bits.
+bool same_instant(double a, double b) { return std::abs(a - b) <= 1e-10 + 1e-13 * std::abs(b); }
+
+class March {
+ public:
+  March(const Plant& plant, Command& command, const std::vector<ExternalWrench>& external, double duration,
+        const SolverSettings& solver, const Output& output, const Poll& poll)
+      : plant_(plant), command_(command), external_(external), duration_(duration), output_(output), poll_(poll),
+        work_(plant.workspace()), theta_(plant.n()), omega_(plant.n()), tau_ext_(plant.n()) {
+    work_.smoothing = solver.smoothing;
+    auto f = [this](double t, const double* x, double* dx) {
+      plant_.derivative(work_, t, x, command_.at(t), wrench_torque(t, x), dx);
+    };
+    if (solver.name == "RungeKutta4") {
+      stepper_ = make_runge_kutta4(f, solver.step);
+    } else if (solver.name == "DormandPrince") {
+      stepper_ = make_dormand_prince(f, solver.rtol, solver.atol, solver.max_step);
+    } else {
+      throw std::invalid_argument("unknown solver " + solver.name);
+    }
+  }
+
+  Report run(const std::vector<double>& x0) {
+    Report report;
+    stepper_->start(0.0, x0);
+    while (stepper_->t() < duration_ && report.failure.reason.empty()) {
+      begin_interval(false);
+      integrate_interval(next_limit(), report.failure);
+    }
+    if (report.failure.reason.empty()) {
+      begin_interval(true);
+      while (row_ < output_.count) write(duration_, stepper_->x().data());
+    }
+    report.stats = stepper_->stats();
+    report.written = row_;
+    report.x = stepper_->x();
+    return report;
+  }
+
+ private:
+  double next_limit() const {
+    double next = command_.next_switch(stepper_->t());
+    for (const ExternalWrench& wrench : external_) {
+      const PiecewisePolynomial& samples = *wrench.samples;
+      if (stepper_->t() >= samples.end()) continue;
+      const bool smooth = samples.degree > 1;
+      next = std::min(next, smooth ? samples.end() : samples.breaks[samples.segment(stepper_->t()) + 1]);
+    }
+    return next >= duration_ || same_instant(next, duration_) ? duration_ : next;
+  }
+
+  void begin_interval(bool final) {
+    const std::vector<double>& x = stepper_->x();
+    t_begin_ = stepper_->t();
+    if (command_.needs_state()) plant_.rotor(x.data(), theta_.data(), omega_.data());
+    command_.begin(t_begin_, {plant_.q(x.data()), plant_.v(x.data()), theta_.data(), omega_.data()}, final);
+    stepper_->restart();
+  }
+
+  void integrate_interval(double limit, Failure& failure) {
+    std::vector<double> at_sample(stepper_->x().size());
+    // A sample on the switch itself belongs to the interval that begins there.
+    while (sample_before(limit) && same_instant(output_.times[row_], t_begin_)) write(t_begin_, stepper_->x().data());
+    while (stepper_->t() < limit) {
+      if (!stepper_->step(limit, failure)) return;
+      for (const double value : stepper_->x()) {
+        if (!std::isfinite(value)) {
+          failure = {"the motion is not finite", stepper_->t()};
+          return;
+        }
+      }
+      while (sample_before(limit) && output_.times[row_] <= stepper_->t()) {
+        stepper_->interpolate(output_.times[row_], at_sample.data());
+        write(output_.times[row_], at_sample.data());
+      }
+      if (++since_poll_ >= 64) poll_if_due();
+    }
+  }
+
+  bool sample_before(double limit) const {
+    return row_ < output_.count && output_.times[row_] < limit && !same_instant(output_.times[row_], limit);
+  }
+
+  void poll_if_due() {
+    since_poll_ = 0;
+    const auto now = Clock::now();
+    if (!poll_ || now - last_poll_ < std::chrono::milliseconds(100)) return;
+    last_poll_ = now;
+    poll_(stepper_->t());
+  }
+
+  const double* wrench_torque(double t, const double* x) {
+    if (external_.empty()) return nullptr;
+    std::fill(tau_ext_.begin(), tau_ext_.end(), 0.0);
+    double value[6];
+    for (const ExternalWrench& wrench : external_) {
+      const PiecewisePolynomial& samples = *wrench.samples;
+      if (t_begin_ >= samples.end()) continue;
+      // Held and linear pieces keep to the interval begun last, even at its very end.
+      samples.value(samples.segment(samples.degree > 1 ? t : t_begin_), t, value);
+      plant_.links().add_wrench(*work_.links, x, wrench.point, value, tau_ext_.data());
+    }
+    return tau_ext_.data();
+  }
+
+  void write(double t, const double* x) {
+    const std::size_t n = static_cast<std::size_t>(plant_.n()), at = row_ * n;
+    const double* tau = command_.at(t);
+    plant_.torques(work_, t, x, tau, wrench_torque(t, x));
+    std::copy(plant_.q(x), plant_.q(x) + n, output_.q + at);
+    std::copy(plant_.v(x), plant_.v(x) + n, output_.v + at);
+    plant_.rotor(x, output_.theta + at, output_.omega + at);
+    std::copy(tau, tau + n, output_.tau + at);
+    std::copy(work_.tau_applied.begin(), work_.tau_applied.end(), output_.tau_applied + at);
+    std::copy(work_.tau_s.begin(), work_.tau_s.end(), output_.tau_s + at);
+    ++row_;
+  }
+
+  const Plant& plant_;
+  Command& command_;
+  const std::vector<ExternalWrench>& external_;
+  double duration_;
+  Output output_;
+  const Poll& poll_;
+  Plant::Workspace work_;
+  std::unique_ptr<Stepper> stepper_;
+  std::vector<double> theta_, omega_, tau_ext_;
+  double t_begin_ = 0.0;
+  std::size_t row_ = 0;
+  int since_poll_ = 0;
+  Clock::time_point last_poll_ = Clock::now();
+};
+
+}  // namespace
+
+Report march(const Plant& plant, Command& command, const std::vector<ExternalWrench>& external,
+             const std::vector<double>& x0, double duration, const SolverSettings& solver, const Output& output,
+             const Poll& poll) {
+  return March(plant, command, external, duration, solver, output, poll).run(x0);
+}
+
+}  // namespace flexdyn

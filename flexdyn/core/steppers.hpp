@@ -1,0 +1,61 @@
+// One step of x' = f(t, x): what a solver is to the march.
+//
+// A stepper knows nothing of commands, samples or output; it integrates from `t` towards a limit and can tell
+// the state anywhere in the step it took last.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace flexdyn {
+
+using RightHandSide = std::function<void(double t, const double* x, double* dx)>;
+
+struct StepperStats {
+  long steps = 0;
+  long rejected = 0;
+  long evaluations = 0;
+};
+
+// Why an integration stopped; empty reason: it did not.
+struct Failure {
+  std::string reason;
+  double t = 0.0;
+};
+
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+  virtual void start(double t, const std::vector<double>& x) = 0;
+  // f has just jumped (a command switched): nothing remembered of it holds any longer.
+  virtual void restart() = 0;
+  // Take one step, at most to `limit`; false with `failure` set if none can be taken.
+  virtual bool step(double limit, Failure& failure) = 0;
+  // State at t within the last step.
+  virtual void interpolate(double t, double* x) = 0;
+
+  double t() const { return t_; }
+  const std::vector<double>& x() const { return x_; }
+  const StepperStats& stats() const { return stats_; }
+
+ protected:
+  double t_ = 0.0;
+  std::vector<double> x_;
+  StepperStats stats_;
+};
+
+struct SolverSettings {
+  std::string name;
+  double step = 0.0;
+  double rtol = 0.0;
+  double atol = 0.0;
+  double max_step = 0.0;
+  double smoothing = 0.0;
+};
+
+std::unique_ptr<Stepper> make_runge_kutta4(RightHandSide f, double step);
+std::unique_ptr<Stepper> make_dormand_prince(RightHandSide f, double rtol, double atol, double max_step);
+
+}  // namespace flexdyn

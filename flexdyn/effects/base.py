@@ -1,0 +1,182 @@
+"""What every effect is: a named law with parameters, units, bounds and a neutral value.
+
+The law itself is written once, in the compiled core; a class here says what it is called, where in the
+equations of motion it stands and which numbers it takes. A user's own effect is a subclass that overrides
+`torque` in Python: it runs in every solver, slower.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import math
+import re
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal, Self, dataclass_transform
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn import _core
+from flexdyn.errors import InputError, did_you_mean
+
+Side = Literal["link", "motor", "transmission"]
+Stage = Literal["actuator", "spring", "friction", "dry", "inertia"]
+
+_registry: dict[str, type[Effect]] = {}
+
+
+def parameter(unit: str, *, lower: float = -math.inf, strict: bool = False, default: Any = dataclasses.MISSING) -> Any:
+    """A number of an effect.
+
+    Args:
+        unit: for a revolute joint; a prismatic one reads N for N m and m for rad.
+        lower: the least it may be.
+        strict: it must be above `lower`, not on it.
+        default: its value where none is given; none: it must be given.
+    """
+    return dataclasses.field(default=default, metadata={"unit": unit, "lower": lower, "strict": strict})
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(parameter, dataclasses.field))
+class Effect:
+    """Base of all effects; subclasses become frozen dataclasses of their own accord.
+
+    Class attributes:
+        name: the effect's name in files and reports: the class name in snake_case.
+        sides: where it may act.
+        stage: where it stands in the equations: ``actuator`` (tau_applied = law(tau)), ``spring`` (adds to tau_s),
+            ``friction`` and ``dry`` (left side, f_link or f_motor), ``inertia`` (changes M and h).
+        law: its formula as the catalogue shows it, in x, u (position, velocity of its side), tau, delta.
+        neutral: the parameter values at which it does nothing; such an effect is dropped from the plant.
+    """
+
+    name: ClassVar[str]
+    sides: ClassVar[tuple[Side, ...]] = ()
+    stage: ClassVar[Stage] = "friction"
+    law: ClassVar[str] = ""
+    neutral: ClassVar[Mapping[str, float]] = {}
+
+    def __init_subclass__(cls, abstract: bool = False) -> None:
+        """Make the subclass a frozen dataclass and enter it in the catalogue under its name."""
+        dataclasses.dataclass(frozen=True, kw_only=True)(cls)
+        if abstract:
+            return
+        cls.name = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
+        known = _registry.get(cls.name)
+        if known is not None and known.__module__ != cls.__module__:
+            raise TypeError(f"an effect named {cls.name} exists already, in {known.__module__}")
+        _registry[cls.name] = cls
+
+    def __post_init__(self) -> None:
+        """Check every number against its bounds and store it as a float."""
+        for field in self.parameters():
+            object.__setattr__(self, field.name, self._checked(field, getattr(self, field.name)))
+
+    @classmethod
+    def parameters(cls) -> tuple[dataclasses.Field[Any], ...]:
+        """The numbers of the effect, in the order the core takes them."""
+        return tuple(f for f in dataclasses.fields(cls) if "unit" in f.metadata)  # type: ignore[arg-type]
+
+    @classmethod
+    def summary(cls) -> str:
+        """The first sentence of the docstring."""
+        return inspect.cleandoc(cls.__doc__ or "").split("\n")[0]
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The parameter values, in the order of `parameters`."""
+        return tuple(getattr(self, f.name) for f in self.parameters())
+
+    @property
+    def is_neutral(self) -> bool:
+        """Whether it does nothing: every parameter named in `neutral` has its neutral value."""
+        return bool(self.neutral) and all(getattr(self, key) == value for key, value in self.neutral.items())
+
+    @property
+    def is_python(self) -> bool:
+        """Whether its law is written in Python: a subclass overrides `torque`."""
+        return type(self).torque is not Effect.torque
+
+    def torque(self, x: ArrayLike, u: ArrayLike, *, t: ArrayLike = 0.0, tau: ArrayLike = 0.0) -> NDArray[np.float64]:
+        """The law over whole recordings, as it stands in the equations of motion.
+
+        Args:
+            x: position of the effect's side [rad or m]; the deflection delta in a transmission.
+            u: velocity of the effect's side [rad/s or m/s]; delta' in a transmission.
+            t: time since the start of the run [s].
+            tau: torque before the law, for the stage ``actuator`` [N m or N].
+
+        Returns:
+            the torque [N m or N], of the broadcast shape of the arguments. A dry law gives the end of its set in the
+            direction of u, and 0 at u = 0.
+        """
+        columns = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (t, x, u, tau)))
+        t_, x_, u_, tau_ = (np.ascontiguousarray(column) for column in columns)
+        out = np.empty(columns[0].shape)
+        _core.evaluate_law(self.name, self.values, t_, x_, u_, tau_, out)
+        return out
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a model file writes it: ``{effect: name, joint: ..., parameters}``; None is left out."""
+        fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}  # type: ignore[arg-type]
+        return {"effect": self.name} | {key: value for key, value in fields.items() if value is not None}
+
+    @classmethod
+    def from_dict(cls, entry: Mapping[str, Any]) -> Self:
+        """Of a model file's entry without its ``effect`` key.
+
+        Raises:
+            InputError: a key that the effect does not have, or one that it needs and is not there.
+        """
+        fields = {f.name: f for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
+        for key in entry:
+            if key not in fields:
+                raise InputError(f"{cls.name} has no such parameter", key=str(key), remedy=did_you_mean(key, fields))
+        for key, field in fields.items():
+            if field.default is dataclasses.MISSING and key not in entry:
+                unit = field.metadata.get("unit")
+                raise InputError(f"{cls.name} needs it", key=key, remedy=f"give it in {unit}" if unit else "name it")
+        return cls(**entry)
+
+    def _checked(self, field: dataclasses.Field[Any], value: Any) -> float:
+        place = f"{self.name}.{field.name}"
+        unit, lower, strict = (field.metadata[key] for key in ("unit", "lower", "strict"))
+        if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+            raise InputError("a number is needed", key=place, value=value, remedy=f"give it in {unit}")
+        number = float(value)
+        infinite = math.isinf(number) and number != self.neutral.get(field.name, math.nan)
+        if math.isnan(number) or infinite:
+            raise InputError("it must be finite", key=place, value=number)
+        if number < lower or (strict and number == lower):
+            bound = f"above {lower:g}" if strict else f"at least {lower:g}"
+            raise InputError(f"it must be {bound} [{unit}]", key=place, value=number)
+        return number
+
+
+class JointEffect(Effect, abstract=True):
+    """An effect on one joint, on one side of its transmission."""
+
+    joint: str = dataclasses.field(kw_only=False)
+    side: Side | None = None
+
+    def __post_init__(self) -> None:
+        """Fill in the side where only one is possible, and refuse one that the law does not have."""
+        super().__post_init__()
+        if not isinstance(self.joint, str) or not self.joint:
+            raise InputError("a joint's name is needed", key=f"{self.name}.joint", value=self.joint)
+        side = self.sides[0] if self.side is None and len(self.sides) == 1 else self.side
+        if side not in self.sides:
+            problem = "the side must be said" if side is None else "no such side for this effect"
+            raise InputError(problem, key=f"{self.name}.side", value=side, remedy=f"it is {' or '.join(self.sides)}")
+        object.__setattr__(self, "side", side)
+
+
+def registered() -> Mapping[str, type[Effect]]:
+    """Every effect class defined so far, users' own included, by name."""
+    return dict(_registry)
+
+
+def unit_for(unit: str, *, prismatic: bool) -> str:
+    """The unit a parameter has on this kind of joint: N m reads N and rad reads m on a prismatic one."""
+    return unit.replace("N m", "N").replace("rad", "m") if prismatic else unit

@@ -1,0 +1,123 @@
+"""The few kinds of errors flexdyn raises; each carries its data and the remedy, and reads as one line."""
+
+from __future__ import annotations
+
+import difflib
+import reprlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+
+class FlexdynError(Exception):
+    """Base of every error that flexdyn raises on purpose.
+
+    Subclasses take keyword data, keep it as attributes, and survive pickling (a worker can send them home).
+    """
+
+    def __init__(self, problem: str, **data: Any) -> None:
+        self.problem = problem
+        self.data = data
+        super().__init__(problem)
+
+    def __getattr__(self, name: str) -> Any:
+        """Data given by keyword reads as an attribute: error.file, error.key, error.t."""
+        try:
+            return self.__dict__["data"][name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by problem and data: Exception would lose the keywords."""
+        return (_rebuild, (type(self), self.problem, self.data))
+
+    def __str__(self) -> str:
+        """One line, whatever the message of a library below brought along."""
+        return " ".join(self.problem.split())
+
+
+class InputError(FlexdynError, ValueError):
+    """What the user gave is wrong: a file, a key in it, a value, an option (exit code 2).
+
+    Args:
+        problem: what is wrong, in a few words.
+        file: the file it stands in, if any.
+        key: the key, option or argument, dotted: ``joints.shoulder.stiffness``.
+        value: what was given there.
+        remedy: what would be right.
+        data: anything else worth carrying (row, channel, line).
+    """
+
+    def __init__(
+        self,
+        problem: str,
+        *,
+        file: str | Path | None = None,
+        key: str | None = None,
+        value: Any = None,
+        remedy: str | None = None,
+        **data: Any,
+    ) -> None:
+        super().__init__(problem, file=file, key=key, value=value, remedy=remedy, **data)
+
+    def __str__(self) -> str:
+        """``file: key: problem, got value; remedy``."""
+        where = "".join(f"{part}: " for part in (self.file, self.key) if part)
+        got = "" if self.value is None else f", got {shown(self.value)}"
+        remedy = f"; {self.remedy}" if self.remedy else ""
+        return " ".join(f"{where}{self.problem}{got}{remedy}".split())
+
+    def at(self, *, file: str | Path | None = None, key: str | None = None) -> InputError:
+        """The same error with the place it was found in filled in by a caller that knows it."""
+        data = dict(self.data)
+        data["file"] = data["file"] or file
+        data["key"] = ".".join(part for part in (key, data["key"]) if part) or None
+        return type(self)(self.problem, **data)
+
+
+class SimulationError(FlexdynError, RuntimeError):
+    """An integration could not go on: not finite, step too small, too many steps.
+
+    Data: ``t`` [s] where it stopped, ``state`` x there, ``solver``, ``reason``.
+    """
+
+
+class MissingExtra(FlexdynError, ImportError):
+    """An optional dependency is not installed; names the extra that brings it (exit code 2)."""
+
+    def __init__(self, library: str, extra: str) -> None:
+        super().__init__(
+            f"{library} is not installed; install it with: pip install 'flexdyn[{extra}]'", library=library, extra=extra
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Two plain strings rebuild it."""
+        return (type(self), (self.data["library"], self.data["extra"]))
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """The remedy for an unknown word: the near miss if there is one, else what would be right.
+
+    Args:
+        word: what was given.
+        known: what would have been accepted.
+
+    Returns:
+        ``did you mean 'stiffness'?`` or ``known: a, b, c``.
+    """
+    options = [str(option) for option in known]
+    near = difflib.get_close_matches(str(word), options, n=1, cutoff=0.6)
+    if near:
+        return f"did you mean '{near[0]}'?"
+    return "known: " + ", ".join(options[:40]) + (", ..." if len(options) > 40 else "")
+
+
+def shown(value: Any) -> str:
+    """A value as an error shows it: short whatever was given, so that no input can flood the line."""
+    short = reprlib.Repr()
+    short.maxstring = short.maxother = 120
+    return short.repr(value)
+
+
+def _rebuild(kind: type[FlexdynError], problem: str, data: dict[str, Any]) -> FlexdynError:
+    return kind(problem, **data)

@@ -1,0 +1,117 @@
+"""One joint's drive: gear, rotor, spring and damper between motor and link."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from flexdyn.errors import InputError, did_you_mean
+
+
+@dataclass(frozen=True, kw_only=True)
+class Joint:
+    """The drive of one joint; everything but rotor_inertia is on the link side of the gear.
+
+    Args:
+        gear_ratio: N = motor angle / link angle [1]; on a prismatic joint [rad/m].
+        rotor_inertia: on the motor side [kg m^2]; J = gear_ratio^2 rotor_inertia.
+        stiffness: K [N m/rad or N/m]; infinite: a rigid joint.
+        damping: D across the transmission [N m s/rad or N s/m]; a rigid joint has none to act on.
+
+    Raises:
+        InputError: a number that is missing its sense: negative inertia, zero stiffness, an elastic joint whose rotor
+            weighs nothing.
+    """
+
+    gear_ratio: float = 1.0
+    rotor_inertia: float = 0.0
+    stiffness: float = math.inf
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check every number."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, bool) or not isinstance(value, int | float | np.number) or math.isnan(value):
+                raise InputError("a number is needed", key=field.name, value=value)
+            object.__setattr__(self, field.name, float(value))
+        self._above_zero("gear_ratio", self.gear_ratio, finite=True)
+        self._above_zero("stiffness", self.stiffness, finite=False)
+        for name in ("rotor_inertia", "damping"):
+            value = getattr(self, name)
+            if value < 0 or math.isinf(value):
+                raise InputError("it must be finite and at least 0", key=name, value=value)
+        if self.elastic and self.rotor_inertia == 0:
+            remedy = "give the rotor's inertia in kg m^2 on the motor side, or stiffness .inf for a rigid joint"
+            raise InputError("an elastic joint needs it above 0", key="rotor_inertia", remedy=remedy)
+
+    @property
+    def elastic(self) -> bool:
+        """Whether its stiffness is finite."""
+        return math.isfinite(self.stiffness)
+
+    @property
+    def reflected_inertia(self) -> float:
+        """J = gear_ratio^2 rotor_inertia [kg m^2 or kg]."""
+        return self.gear_ratio**2 * self.rotor_inertia
+
+    def to_dict(self) -> dict[str, float]:
+        """As a model file writes it."""
+        return asdict(self)
+
+    @staticmethod
+    def numbers(entry: Any) -> dict[str, Any]:
+        """The keys of a model file's entry, checked by name; their values are checked by the constructor.
+
+        Raises:
+            InputError: it is no mapping, or has a key that a joint does not have.
+        """
+        if isinstance(entry, Joint):
+            return entry.to_dict()
+        if not isinstance(entry, Mapping):
+            raise InputError("a joint is a mapping of its numbers", value=entry, remedy="write {stiffness: 4000.0, ...}")
+        known = [field.name for field in fields(Joint)]
+        for key in entry:
+            if key not in known:
+                raise InputError("a joint has no such key", key=str(key), remedy=did_you_mean(str(key), known))
+        return {str(key): value for key, value in entry.items()}
+
+    def _above_zero(self, name: str, value: float, *, finite: bool) -> None:
+        if value <= 0 or (finite and math.isinf(value)):
+            remedy = "" if finite else "use .inf for a rigid joint"
+            raise InputError("it must be above 0", key=name, value=value, remedy=remedy)
+
+
+def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Joint]:
+    """A drive for every joint: its own numbers over those of ``"*"`` over the defaults.
+
+    Args:
+        entries: joint name or ``"*"`` -> `Joint` or mapping of its numbers.
+        names: of the robot's joints.
+
+    Raises:
+        InputError: a joint that the robot does not have, or a number without sense.
+    """
+    if not isinstance(entries, Mapping):
+        raise InputError("joints are a mapping by name", key="joints", value=entries)
+    for name in entries:
+        if name != "*" and name not in names:
+            problem = "the robot has no such joint"
+            raise InputError(problem, key=f"joints.{name}", remedy=did_you_mean(str(name), names))
+    resolved = {}
+    for name in names:
+        merged: dict[str, Any] = {}
+        for key in ("*", name):
+            try:
+                merged |= Joint.numbers(entries.get(key, {}))
+            except InputError as error:
+                raise error.at(key=f"joints.{key}") from None
+        try:
+            resolved[name] = Joint(**merged)
+        except InputError as error:
+            raise error.at(key=f"joints.{name if name in entries else '*'}") from None
+    return resolved

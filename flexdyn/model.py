@@ -1,0 +1,261 @@
+"""FlexibleJointModel: a robot, its drives and the effects on them, as plain immutable data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects import CoulombFriction, Effect, JointEffect, Payload, ViscousFriction, effect_from_dict
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.joint import Joint, resolve_joints
+from flexdyn.robot import Robot
+
+Array = NDArray[np.float64]
+EARTH = (0.0, 0.0, -9.81)
+INITIAL_KEYS = ("q", "v", "theta", "omega")
+
+
+class FlexibleJointModel:
+    """An arm with elastic joints.
+
+    The equations of motion, every motor-side quantity reflected to the link side of its gear::
+
+        M(q) a + h(q, v) + f_link = tau_s + tau_ext          link side   (paper, eq. 3)
+        J alpha         + f_motor = tau_applied - tau_s      rotor side  (paper, eq. 4)
+        tau_s = K (theta - q) + D (omega - v) + ...          transmission
+
+    M and h (Coriolis, centrifugal, gravity) come from Pinocchio. A joint of infinite stiffness is rigid: theta = q,
+    and its J is added to M. The friction torques f_link, f_motor and whatever else acts are the model's effects.
+
+    Args:
+        robot: from `load_robot`.
+        joints: joint name -> `Joint` or mapping of its numbers; ``"*"`` stands for joints not named.
+        effects: any number of them; several of one kind add up.
+        initial: ``{"q": {"elbow": 1.57}}``; also v, theta, omega [rad, rad/s]. Default 0, theta = q, omega = v.
+        tolerance: how well the numbers are known, relative, 1 sigma; a mapping sets it per number by its dotted path
+            (``{"*": 0.05, "joints.elbow.stiffness": 0.2}``).
+        gravity: [m/s^2] in the axes of the base.
+        urdf_dynamics: ``use`` turns the URDF's <dynamics damping friction> into link-side effects; ``ignore``.
+        rotor_coupling: ``reduced``: rotors act on their own joint only.
+        name: of the model; default: the robot's.
+
+    Raises:
+        InputError: a joint, effect or number that does not fit the robot.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        joints: Mapping[str, Joint | Mapping[str, float]] | None = None,
+        effects: Iterable[Effect | Mapping[str, Any]] = (),
+        *,
+        initial: Mapping[str, Mapping[str, float]] | None = None,
+        tolerance: float | Mapping[str, float] = 0.05,
+        gravity: Sequence[float] = EARTH,
+        urdf_dynamics: str = "use",
+        rotor_coupling: str = "reduced",
+        name: str = "",
+    ) -> None:
+        if not isinstance(robot, Robot):
+            raise InputError("a Robot is needed", key="robot", value=robot, remedy="use fd.load_robot(...)")
+        self.robot = robot
+        self.name = name or robot.name
+        self.joints: Mapping[str, Joint] = MappingProxyType(resolve_joints(joints or {}, robot.joint_names))
+        self.urdf_dynamics = _one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
+        self.rotor_coupling = _one_of("robot.rotor_coupling", rotor_coupling, ("reduced",))
+        self.gravity = _gravity(gravity)
+        self.initial = _initial(initial or {}, robot.joint_names)
+        self.tolerance = _tolerance(tolerance)
+        self.effects: tuple[Effect, ...] = tuple(self._fitted(i, effect) for i, effect in enumerate(effects))
+        self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
+        self.__dict__["_locked"] = True
+
+    def __setattr__(self, key: str, value: Any) -> None:
+        """Models do not change; `replace` makes another."""
+        if self.__dict__.get("_locked"):
+            raise AttributeError(f"a model does not change: use model.replace({key}=...)")
+        super().__setattr__(key, value)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by what it was made of."""
+        return (_rebuild, (self.robot, dict(self.joints), self.effects, self._settings()))
+
+    def __eq__(self, other: object) -> bool:
+        """Equal if robot source, joints, effects and settings are."""
+        if not isinstance(other, FlexibleJointModel):
+            return NotImplemented
+        mine, its = self.robot, other.robot
+        same_robot = mine is its or (mine.source is not None and (mine.source, mine.lock) == (its.source, its.lock))
+        return same_robot and self._content() == other._content()
+
+    def __hash__(self) -> int:
+        """By name and joints."""
+        return hash((self.name, tuple(self.joints.values())))
+
+    def __repr__(self) -> str:
+        """What it holds, in a line."""
+        elastic = int(self.elastic.sum())
+        return f"<FlexibleJointModel {self.name}: {self.n} joints, {elastic} elastic, {len(self.all_effects)} effects>"
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.robot.n
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """In the order of q."""
+        return self.robot.joint_names
+
+    @property
+    def stiffness(self) -> Array:
+        """K of every joint (n,) [N m/rad or N/m], infinite where rigid."""
+        return self._numbers("stiffness")
+
+    @property
+    def damping(self) -> Array:
+        """D of every joint (n,) [N m s/rad or N s/m]."""
+        return self._numbers("damping")
+
+    @property
+    def rotor_inertia(self) -> Array:
+        """J of every joint, reflected to the link side (n,) [kg m^2 or kg]."""
+        return self._numbers("reflected_inertia")
+
+    @property
+    def elastic(self) -> NDArray[np.bool_]:
+        """Which joints have a finite stiffness (n,)."""
+        return np.isfinite(self.stiffness)
+
+    @property
+    def all_effects(self) -> tuple[Effect, ...]:
+        """The model's effects, then those that come from the URDF's <dynamics>."""
+        return self.effects + self.urdf_effects
+
+    def replace(self, **changes: Any) -> FlexibleJointModel:
+        """A copy with some of the constructor's arguments changed.
+
+        Args:
+            changes: as the constructor takes them; ``joints`` is merged number by number into what is there.
+        """
+        joints: dict[str, Any] = {name: joint.to_dict() for name, joint in self.joints.items()}
+        for name, numbers in changes.pop("joints", {}).items():
+            for each in self.joint_names if name == "*" else (name,):
+                joints[each] = joints.get(each, {}) | Joint.numbers(numbers)
+        robot, effects = changes.pop("robot", self.robot), changes.pop("effects", self.effects)
+        return FlexibleJointModel(robot, joints, effects, **(self._settings() | changes))
+
+    def rigid(self) -> FlexibleJointModel:
+        """The same arm without elasticity: every joint rigid, J added to M, effects of transmissions left out."""
+        kept = [effect for effect in self.effects if getattr(effect, "side", None) != "transmission"]
+        return self.replace(joints={"*": {"stiffness": math.inf}}, effects=kept)
+
+    def index(self, joint: str) -> int:
+        """Place of a joint in q.
+
+        Raises:
+            InputError: the robot has no such joint.
+        """
+        if joint not in self.joint_names:
+            raise InputError(
+                "the robot has no such joint", key="joint", value=joint, remedy=did_you_mean(joint, self.joint_names)
+            )
+        return self.joint_names.index(joint)
+
+    def _numbers(self, attribute: str) -> Array:
+        array = np.array([getattr(joint, attribute) for joint in self.joints.values()])
+        array.setflags(write=False)
+        return array
+
+    def _settings(self) -> dict[str, Any]:
+        keys = ("initial", "tolerance", "gravity", "urdf_dynamics", "rotor_coupling", "name")
+        return {key: _thawed(getattr(self, key)) for key in keys}
+
+    def _content(self) -> tuple[Any, ...]:
+        return dict(self.joints), self.effects, self._settings()
+
+    def _fitted(self, i: int, effect: Any) -> Effect:
+        """The effect, if it fits the robot: its joint is there and can have it."""
+        try:
+            effect = effect if isinstance(effect, Effect) else effect_from_dict(effect)
+            if isinstance(effect, JointEffect):
+                j = self.index(effect.joint)
+                if effect.side == "transmission" and not self.elastic[j]:
+                    remedy = f"give joints.{effect.joint} a finite stiffness"
+                    raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=effect.joint, remedy=remedy)
+            elif isinstance(effect, Payload):
+                self.robot.frame(effect.frame or self.robot.tip)
+        except InputError as error:
+            raise error.at(key=f"effects[{i}]") from None
+        return effect
+
+
+def _rebuild(robot: Robot, joints: Any, effects: Any, settings: dict[str, Any]) -> FlexibleJointModel:
+    return FlexibleJointModel(robot, joints, effects, **settings)
+
+
+def _thawed(value: Any) -> Any:
+    """Read-only mappings as plain ones, which pickle and compare."""
+    return {key: _thawed(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value
+
+
+def _one_of(key: str, value: str, allowed: tuple[str, ...]) -> str:
+    if value not in allowed:
+        raise InputError("no such choice", key=key, value=value, remedy=f"it is {' or '.join(allowed)}")
+    return value
+
+
+def _gravity(value: Sequence[float]) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(component) for component in value)
+    except (TypeError, ValueError):
+        x = y = z = math.nan
+    if not all(map(math.isfinite, (x, y, z))):
+        raise InputError("three numbers are needed", key="robot.gravity", value=value, remedy="write [0.0, 0.0, -9.81]")
+    return x, y, z
+
+
+def _initial(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mapping[str, Mapping[str, float]]:
+    checked = {}
+    if not isinstance(entries, Mapping):
+        raise InputError("a mapping is needed", key="initial", value=entries, remedy="write {q: {JOINT: value}}")
+    for signal, values in entries.items():
+        if signal not in INITIAL_KEYS:
+            raise InputError("no such signal", key=f"initial.{signal}", remedy=did_you_mean(str(signal), INITIAL_KEYS))
+        if not isinstance(values, Mapping):
+            raise InputError("a mapping by joint is needed", key=f"initial.{signal}", value=values)
+        for joint, value in values.items():
+            place = f"initial.{signal}.{joint}"
+            if joint not in names:
+                raise InputError("the robot has no such joint", key=place, remedy=did_you_mean(str(joint), names))
+            if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
+                raise InputError("a finite number is needed", key=place, value=value)
+        checked[signal] = MappingProxyType({joint: float(value) for joint, value in values.items()})
+    return MappingProxyType(checked)
+
+
+def _tolerance(value: Any) -> float | Mapping[str, float]:
+    entries = value if isinstance(value, Mapping) else {"*": value}
+    for path, number in entries.items():
+        if isinstance(number, bool) or not isinstance(number, int | float | np.number) or not 0 <= number < math.inf:
+            key = "tolerance" if path == "*" else f"tolerance.{path}"
+            raise InputError("a number of at least 0 is needed", key=key, value=number, remedy="0.05 means 5 %, 1 sigma")
+    if isinstance(value, Mapping):
+        return MappingProxyType({str(path): float(number) for path, number in entries.items()})
+    return float(value)
+
+
+def _urdf_effects(robot: Robot) -> tuple[Effect, ...]:
+    """<dynamics damping friction> as effects on the link side: Pinocchio parses them and does not use them."""
+    effects: list[Effect] = []
+    for joint, damping, friction in zip(robot.joint_names, robot.damping, robot.friction, strict=True):
+        if damping > 0:
+            effects.append(ViscousFriction(joint, side="link", coefficient=float(damping)))
+        if friction > 0:
+            effects.append(CoulombFriction(joint, side="link", level=float(friction)))
+    return tuple(effects)

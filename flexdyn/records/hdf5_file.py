@@ -1,0 +1,137 @@
+"""HDF5: one dataset per channel and ``t``, flat or grouped by signal; nothing outside the file is opened."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+from flexdyn.errors import InputError, MissingExtra
+from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.table import RESERVED, Table, check_name, check_numbers, check_size, damage_named
+from flexdyn.records.units import SIGNALS, check_unit, unit_of, usual
+
+if TYPE_CHECKING:
+    from flexdyn.records.recording import Recording
+
+_LARGEST_CHUNK = 2**30
+_UNITLESS = ("", "1", "-")
+
+
+def write(rec: Recording, path: Path) -> None:
+    """Write flat datasets ``t``, ``q.elbow``, ... in order, each with its unit, and meta as ``__meta__``."""
+    h5py = _library()
+    with h5py.File(path, "x", track_order=True) as file:
+        for name, values in {"t": rec.t, **rec.channels}.items():
+            plain = _plain(name)
+            dataset = file.create_dataset(plain, data=values)
+            dataset.attrs["units"] = rec.unit(name)
+            if plain != name:
+                dataset.attrs["channel"] = name
+        if rec.meta:
+            file.create_dataset(RESERVED, data=as_json(rec.meta), dtype=h5py.string_dtype())
+
+
+def read(path: Path) -> Table:
+    """Read every dataset after checking its kind and size.
+
+    Raises:
+        InputError: not an HDF5 file, cut, links or storage outside the file, wrong types or sizes.
+        MissingExtra: h5py is not installed.
+    """
+    h5py = _library()
+    table = Table()
+    with damage_named("not an HDF5 file, or cut"), h5py.File(path, "r") as file:
+        datasets = dict(_datasets(h5py, file))
+        _check_sizes(datasets, os.path.getsize(path))
+        if RESERVED in datasets:
+            table.meta = from_json(_text(h5py, datasets.pop(RESERVED)))
+        for name, dataset in datasets.items():
+            with damage_named(f"the dataset {name} cannot be read"):
+                table.add(name, dataset[()])
+                _take_unit(table, name, dataset.attrs.get("units"))
+    return table
+
+
+def _library() -> Any:
+    try:
+        import h5py
+    except ImportError:
+        raise MissingExtra("h5py", "hdf5") from None
+    return h5py
+
+
+def _plain(name: str) -> str:
+    """A link name for a channel: a slash would make a group, a lone dot is the group itself."""
+    return "%2E" if name == "." else quote(name, safe=" ") if "/" in name or "%" in name else name
+
+
+def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
+    """Datasets by channel name: those at the root, and those one level down in a group named as a signal."""
+    seen: set[str] = set()
+    for link in file:
+        member = _member(h5py, file, link)
+        if isinstance(member, h5py.Dataset):
+            found = [(_channel(member, link), member)]
+        elif link in SIGNALS:
+            found = [(f"{link}.{joint}", _member(h5py, member, joint)) for joint in member]
+        else:
+            remedy = "groups are named by signals, such as q, and hold one dataset per joint"
+            raise InputError("the group is no signal", value=link, remedy=remedy)
+        for name, dataset in found:
+            if name not in ("t", RESERVED):
+                check_name(name)
+            if name in seen:
+                raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+            if not isinstance(dataset, h5py.Dataset):
+                raise InputError("the channel is no dataset", key=name, remedy="groups nest one deep", channel=name)
+            _check_dataset(dataset, name)
+            seen.add(name)
+            yield name, dataset
+
+
+def _member(h5py: Any, group: Any, link: str) -> Any:
+    """What a link leads to, if it leads there directly: soft and external links could lead anywhere."""
+    if not isinstance(group.get(link, getlink=True), h5py.HardLink):
+        raise InputError("the file links elsewhere", value=link, remedy="copy the linked dataset into the file")
+    return group[link]
+
+
+def _channel(dataset: Any, link: str) -> str:
+    given = dataset.attrs.get("channel") if "%" in link else None
+    return given if isinstance(given, str) else link
+
+
+def _check_dataset(dataset: Any, name: str) -> None:
+    """Refuse a dataset that is no column, or whose bytes lie in other files."""
+    if dataset.is_virtual or dataset.external:
+        remedy = "copy the samples into the file"
+        raise InputError("the samples lie in another file", key=name, remedy=remedy, channel=name)
+    if name != RESERVED:
+        check_numbers(dataset.dtype, dataset.shape or (), name)
+    if math.prod(dataset.chunks or ()) * dataset.dtype.itemsize > _LARGEST_CHUNK:
+        raise InputError("a chunk is larger than 1 GiB", key=name, remedy="write smaller chunks", channel=name)
+
+
+def _check_sizes(datasets: dict[str, Any], on_disk: int) -> None:
+    check_size(sum(dataset.size * dataset.dtype.itemsize for dataset in datasets.values() if dataset.size), on_disk)
+
+
+def _text(h5py: Any, dataset: Any) -> str:
+    if h5py.check_string_dtype(dataset.dtype) is None or dataset.shape != ():
+        raise InputError("meta is not one JSON text", key=RESERVED, remedy="write it with write_recording")
+    return str(dataset.asstr()[()])
+
+
+def _take_unit(table: Table, name: str, given: Any) -> None:
+    """Keep a unit that the file states and the channel's name does not tell; refuse one that is not SI."""
+    unit = usual(given) if isinstance(given, str) else ""
+    if unit in _UNITLESS:
+        return
+    check_unit(name, unit)
+    units = table.meta.get("units", {})
+    if isinstance(units, dict) and unit != unit_of(name, units if isinstance(units.get(name, ""), str) else None):
+        table.meta["units"] = {**units, name: unit}

@@ -1,0 +1,80 @@
+"""What is known about a recording beside its samples: plain JSON, locked."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from flexdyn.errors import InputError
+
+_LONGEST = 16 * 2**20
+
+
+def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
+    """A read-only deep copy of JSON-able data: mappings become read-only mappings, lists and tuples become tuples.
+
+    Args:
+        meta: strings, finite numbers, booleans, None, lists and mappings of them; NumPy's arrays and scalars too.
+
+    Returns:
+        The copy.
+
+    Raises:
+        InputError: it is no mapping, holds something that JSON lacks (NaN included), or is longer than 16 MiB.
+    """
+    if meta is not None and not isinstance(meta, Mapping):
+        raise InputError("meta is not a mapping", key="meta", value=meta)
+    try:
+        return MappingProxyType({key: _locked(value) for key, value in as_plain(meta or {}).items()})
+    except (TypeError, ValueError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
+        remedy = "give strings, finite numbers, lists and mappings"
+        raise InputError(f"meta cannot be written as JSON ({error})", key="meta", remedy=remedy) from None
+
+
+def as_json(meta: Mapping[str, Any]) -> str:
+    """JSON text of what `locked` takes and returns, in ASCII."""
+    text = json.dumps(meta, default=_plain, allow_nan=False)
+    if len(text) > _LONGEST:
+        raise InputError("meta is longer than 16 MiB", key="meta", remedy="keep long data in channels")
+    return text
+
+
+def as_plain(meta: Mapping[str, Any]) -> dict[str, Any]:
+    """A deep copy in plain dictionaries and lists, free to change."""
+    plain: dict[str, Any] = json.loads(as_json(meta))
+    return plain
+
+
+def from_json(text: str) -> dict[str, Any]:
+    """Meta as stored in a file.
+
+    Raises:
+        InputError: the text is not JSON, or not a mapping.
+    """
+    try:
+        meta = json.loads(text) if len(text) <= _LONGEST else None
+    except (ValueError, RecursionError):
+        meta = None
+    if not isinstance(meta, dict):
+        raise InputError("meta is not a JSON object of up to 16 MiB", key="meta", value=text)
+    return meta
+
+
+def _locked(value: Any) -> Any:
+    if isinstance(value, dict):
+        return MappingProxyType({key: _locked(item) for key, item in value.items()})
+    return tuple(_locked(item) for item in value) if isinstance(value, list) else value
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is not JSON")

@@ -1,0 +1,95 @@
+"""NPZ: one array per channel and ``t``, as numpy.savez writes them; no pickle is ever loaded."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexdyn.errors import InputError
+from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.table import RESERVED, Table, check_name, check_numbers, check_size, damage_named
+
+if TYPE_CHECKING:
+    from flexdyn.records.recording import Recording
+
+_PIECE = 2**20
+_READERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+
+
+def write(rec: Recording, path: Path) -> None:
+    """Write uncompressed arrays in order; the same recording gives the same bytes."""
+    arrays = {"t": rec.t, **rec.channels}
+    if rec.meta:
+        arrays[RESERVED] = np.array(as_json(rec.meta))
+    with zipfile.ZipFile(path, "x", zipfile.ZIP_STORED) as archive:
+        for name, array in arrays.items():
+            # savez refuses some names ("file") and stamps the clock; a ZipInfo of its own does neither.
+            with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, array, version=(1, 0), allow_pickle=False)
+
+
+def read(path: Path) -> Table:
+    """Read every array after checking what the headers announce.
+
+    Raises:
+        InputError: not an NPZ file, cut, objects inside, or sizes that the file cannot honestly have.
+    """
+    table = Table()
+    with damage_named("not an NPZ file, or cut"):
+        archive = zipfile.ZipFile(path)
+    with archive:
+        members = archive.infolist()
+        check_size(sum(member.file_size for member in members), os.path.getsize(path))
+        for member in members:
+            name = _name_of(member)
+            with damage_named(f"the array {name} cannot be read"), archive.open(member) as stream:
+                array = _array(stream, member.file_size, name)
+                if name == RESERVED:
+                    table.meta = from_json(str(array))
+                else:
+                    table.add(name, array)
+    return table
+
+
+def _name_of(member: zipfile.ZipInfo) -> str:
+    name = member.filename.removesuffix(".npy")
+    if name == member.filename or member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise InputError(
+            "the file holds more than NumPy's arrays", value=member.filename, remedy="write it with numpy.savez"
+        )
+    if name not in ("t", RESERVED):
+        check_name(name)
+    return name
+
+
+def _array(stream: IO[bytes], size: int, name: str) -> np.ndarray[Any, np.dtype[Any]]:
+    """One array of a member of `size` bytes; nothing is allocated before type, shape and size agree."""
+    reader = _READERS.get(np.lib.format.read_magic(stream))
+    if reader is None:
+        raise InputError("the column has named fields", key=name, remedy="write plain arrays of doubles", channel=name)
+    shape, _, dtype = reader(stream)
+    if name == RESERVED:
+        if shape != () or dtype.kind != "U":
+            raise InputError("meta is not one JSON text", key=name, remedy="write it with write_recording")
+    else:
+        check_numbers(dtype, shape, name)
+    expected = int(np.prod(shape, dtype=object)) * dtype.itemsize
+    if expected != size - stream.tell():
+        raise InputError(
+            f"{size - stream.tell()} bytes where the shape {shape} needs {expected}", key=name, channel=name
+        )
+    array = np.empty(shape, dtype)
+    buffer = array.reshape(-1).view(np.uint8).data
+    filled = 0
+    while piece := stream.read(_PIECE):
+        buffer[filled : filled + len(piece)] = piece
+        filled += len(piece)
+    if filled != expected:
+        raise InputError(
+            f"cut after {filled} of {expected} bytes", key=name, remedy="copy the file again", channel=name
+        )
+    return array

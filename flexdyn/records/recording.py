@@ -1,0 +1,197 @@
+"""The recording: time and named channels, checked once, immutable from then on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.records.meta import as_plain, locked
+from flexdyn.records.table import FloatArray, Rows, Table, checked
+from flexdyn.records.units import check_unit, split_name, unit_of
+
+
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class Recording:
+    """Samples of an arm over time, measured or simulated; SI units, motor side reflected to the link side.
+
+    Channels are named ``<signal>.<joint>`` with the signals q, v, theta, omega, tau, tau_applied, tau_s, temperature;
+    channels of other names are carried along. Equality is by samples (bit for bit), order of channels and meta; the
+    name is a label and takes no part in it. Rows in errors count from 0, as arrays do.
+
+    Args:
+        t: time [s], (samples,), strictly increasing, two samples or more.
+        channels: arrays (samples,) by channel name; copied. Signals have the units of `SIGNALS`.
+        meta: anything JSON can hold, copied and locked; ``meta["units"]`` names units by channel where they are not
+            those of a revolute joint, such as ``{"q.slide": "m"}``.
+        name: a label for plots and messages.
+
+    Raises:
+        InputError: NaN, ragged columns, time that does not increase, bad names, units that are not SI.
+    """
+
+    t: FloatArray
+    channels: Mapping[str, FloatArray]
+    meta: Mapping[str, Any]
+    name: str
+
+    def __init__(
+        self,
+        t: npt.ArrayLike,
+        channels: Mapping[str, npt.ArrayLike],
+        *,
+        meta: Mapping[str, Any] | None = None,
+        name: str = "",
+    ) -> None:
+        if not isinstance(channels, Mapping):
+            raise InputError("channels is not a mapping", key="channels", value=channels, remedy="give {name: array}")
+        if "t" in channels:
+            raise InputError(
+                "t stands among the channels", key="channels", remedy="give it as the first argument", channel="t"
+            )
+        self._fill({"t": t, **channels}, meta, name, Rows(), copy=True)
+
+    @classmethod
+    def from_table(cls, table: Table, name: str = "") -> Recording:
+        """The recording that a file's raw table makes; takes over the table's arrays instead of copying them.
+
+        Args:
+            table: columns with ``t``; nobody may write to its arrays afterwards.
+            name: a label.
+
+        Returns:
+            The recording.
+
+        Raises:
+            InputError: as the constructor; rows count as the table says.
+        """
+        recording = cls.__new__(cls)
+        recording._fill(table.columns, table.meta, name, table.rows, copy=False)
+        return recording
+
+    def _fill(
+        self, columns: Mapping[str, npt.ArrayLike], meta: Mapping[str, Any] | None, name: str, rows: Rows, *, copy: bool
+    ) -> None:
+        t, channels = checked(columns, rows, copy=copy)
+        known = locked(meta)
+        _check_units(known.get("units", {}), channels)
+        for attribute, value in (("t", t), ("channels", MappingProxyType(channels)), ("meta", known), ("name", name)):
+            object.__setattr__(self, attribute, value)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Joints that have a signal, in order of first appearance."""
+        return tuple(dict.fromkeys(parts[1] for parts in map(split_name, self.channels) if parts))
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Signals that some joint has, in order of first appearance."""
+        return tuple(dict.fromkeys(parts[0] for parts in map(split_name, self.channels) if parts))
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last sample [s]."""
+        return float(self.t[-1]) - float(self.t[0])
+
+    @property
+    def rate(self) -> float:
+        """Mean sample rate [Hz]."""
+        return (len(self.t) - 1) / self.duration
+
+    def __len__(self) -> int:
+        """Number of samples."""
+        return len(self.t)
+
+    def __contains__(self, channel: object) -> bool:
+        """Whether there is a channel of that name."""
+        return channel in self.channels
+
+    def __getitem__(self, channel: str) -> FloatArray:
+        """Samples of one channel, read-only.
+
+        Raises:
+            InputError: there is no such channel; the line names the near miss.
+        """
+        try:
+            return self.channels[channel]
+        except KeyError:
+            remedy = did_you_mean(channel, self.channels)
+            raise InputError("no such channel", key=str(channel), remedy=remedy, channel=channel) from None
+
+    def has(self, signal: str, joint: str) -> bool:
+        """Whether the joint has that signal."""
+        return f"{signal}.{joint}" in self.channels
+
+    def signal(self, name: str, joints: Sequence[str]) -> FloatArray:
+        """One signal of several joints side by side.
+
+        Args:
+            name: such as ``"tau"``.
+            joints: joints in the order of the columns wanted.
+
+        Returns:
+            A new array (samples, len(joints)).
+
+        Raises:
+            InputError: a joint lacks the signal.
+        """
+        table = np.empty((len(self.t), len(joints)))
+        for column, joint in enumerate(joints):
+            table[:, column] = self[f"{name}.{joint}"]
+        return table
+
+    def unit(self, channel: str) -> str:
+        """Unit of ``t`` or a channel, with what ``meta["units"]`` says; empty where it is not known."""
+        return unit_of(channel, self.meta.get("units"))
+
+    def same_as(self, other: Recording) -> bool:
+        """Whether times and channels are the same, bit for bit and in order, whatever the meta (CSV drops it)."""
+        if tuple(self.channels) != tuple(other.channels) or len(self) != len(other):
+            return False
+        pairs = [(self.t, other.t), *((self.channels[name], other.channels[name]) for name in self.channels)]
+        return all(np.array_equal(mine.view(np.int64), theirs.view(np.int64)) for mine, theirs in pairs)
+
+    def __eq__(self, other: object) -> bool:
+        """Same samples bit for bit, same channels in the same order, same meta."""
+        if not isinstance(other, Recording):
+            return NotImplemented
+        return self.same_as(other) and as_plain(self.meta) == as_plain(other.meta)
+
+    def __hash__(self) -> int:
+        """Equal recordings hash alike; the samples between the first and the last take no part."""
+        return hash((len(self.t), float(self.t[0]), float(self.t[-1]), tuple(self.channels)))
+
+    def __repr__(self) -> str:
+        """Joints, signals, duration and rate in one line."""
+        label = f"{self.name!r}, " if self.name else ""
+        joints, signals = _listed(self.joints), _listed(self.signals)
+        extent = f"{len(self)} samples, {self.duration:.6g} s at {self.rate:.6g} Hz"
+        return f"Recording({label}joints: {joints}; signals: {signals}; {extent})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Read-only mappings do not pickle: send plain ones and check again on arrival."""
+        columns = {"t": self.t, **self.channels}
+        return (_rebuild, (columns, as_plain(self.meta), self.name))
+
+
+def _rebuild(columns: dict[str, FloatArray], meta: dict[str, Any], name: str) -> Recording:
+    return Recording.from_table(Table(columns, meta), name)
+
+
+def _check_units(units: Any, channels: Mapping[str, FloatArray]) -> None:
+    if not isinstance(units, Mapping) or not all(isinstance(unit, str) for unit in units.values()):
+        raise InputError("units is not a mapping of channel to unit", key="meta.units", value=units)
+    for channel, unit in units.items():
+        if channel not in channels:
+            raise InputError("no such channel", key=f"meta.units.{channel}", remedy=did_you_mean(channel, channels))
+        check_unit(channel, unit)
+
+
+def _listed(names: Iterable[str]) -> str:
+    names = list(names)
+    return (", ".join(names[:12]) + (", ..." if len(names) > 12 else "")) or "none"

@@ -1,0 +1,228 @@
+"""The raw table that a file holds, and the checks that stand between it and a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.errors import FlexdynError, InputError
+
+FloatArray = npt.NDArray[np.float64]
+
+RESERVED = "__meta__"
+MOST_BYTES = 16 * 2**30
+MOST_EXPANSION = 1100
+"""Deflate shrinks at most 1032 times: what declares more than this times its file's size is no honest file."""
+
+_LARGEST_INTEGER = 2**53
+_LONGEST_NAME = 255
+
+
+@dataclass(frozen=True)
+class Rows:
+    """How the rows of a source are counted: arrays from row 0, text files by the line each row stands on."""
+
+    word: str = "row"
+    first: int = 0
+
+    def error(
+        self, problem: str, *, index: int, channel: str, value: Any = None, remedy: str | None = None
+    ) -> InputError:
+        """An error that names row and channel in its line and carries both as data."""
+        row = self.first + index
+        text = f"{self.word} {row}: {problem}"
+        return InputError(text, key=channel, value=value, remedy=remedy, row=row, channel=channel)
+
+
+@dataclass
+class Table:
+    """Columns as a file has them, before they are checked; the arrays belong to the table alone."""
+
+    columns: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
+    meta: dict[str, Any] = field(default_factory=dict)
+    rows: Rows = field(default_factory=Rows)
+
+    def add(self, name: str, values: npt.NDArray[Any]) -> None:
+        """Append a column; a name that is already there is refused."""
+        if name in self.columns:
+            raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+        self.columns[name] = values
+
+
+def check_name(name: str) -> None:
+    """Refuse a channel name that some format could not carry.
+
+    Raises:
+        InputError: empty, ``t``, with a comma or a character that does not print, longer than 255, or framed by spaces.
+    """
+    problem = ""
+    if not isinstance(name, str) or not name:
+        problem = "the channel has no name"
+    elif name in ("t", RESERVED):
+        problem = "the name is taken and no channel can have it"
+    elif not name.isprintable() or "," in name:
+        problem = "the channel's name holds a comma or a character that does not print"
+    elif len(name) > _LONGEST_NAME:
+        problem = f"the channel's name is longer than {_LONGEST_NAME} characters"
+    elif name != name.strip():
+        problem = "the channel's name begins or ends with a space"
+    elif name.endswith(".") and name.count(".") == 1:
+        problem = "no joint follows the dot"
+    if problem:
+        raise InputError(problem, value=name, remedy="name channels <signal>.<joint>, such as q.elbow", channel=name)
+
+
+def check_time_named(names: Collection[str]) -> None:
+    """Refuse a table without a column ``t``, naming the column that looks like it.
+
+    Raises:
+        InputError: there is no ``t``.
+    """
+    if "t" in names:
+        return
+    alike = [
+        name
+        for name in names
+        if name.lower().startswith(("time", "stamp", "sec")) or name.lower()[:2].strip(" [(") == "t"
+    ]
+    remedy = f"did you mean '{alike[0]}'? name it t" if alike else "name the column of time [s] t"
+    raise InputError("no column t", key="t", remedy=remedy, channel="t")
+
+
+def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> FloatArray:
+    """One column as doubles, locked.
+
+    Args:
+        values: real numbers, one-dimensional.
+        channel: name of the column, for errors.
+        copy: False if the array was made for this recording and nobody else holds it.
+
+    Returns:
+        A read-only contiguous array (samples,).
+
+    Raises:
+        InputError: not numbers, not one-dimensional, or integers that no double can hold exactly.
+    """
+    if isinstance(values, np.ma.MaskedArray):
+        values = np.ma.filled(values.astype(np.float64), np.nan)
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError):
+        array = np.asarray(None)
+    check_numbers(array.dtype, array.shape, channel)
+    if array.dtype.kind in "iu" and array.size and max(int(array.max()), -int(array.min())) > _LARGEST_INTEGER:
+        remedy = "give seconds and SI units as floating point"
+        raise InputError("integers beyond 2^53 are no exact doubles", key=channel, remedy=remedy, channel=channel)
+    floats = np.array(array, np.float64) if copy else np.ascontiguousarray(array, np.float64)
+    floats.setflags(write=False)
+    return floats
+
+
+def check_numbers(dtype: np.dtype[Any], shape: tuple[int, ...], channel: str) -> None:
+    """Refuse what is not one column of real numbers, before any of it is read.
+
+    Raises:
+        InputError: objects, text, complex or extended numbers, or not one dimension.
+    """
+    if dtype.kind not in "fiub" or dtype.itemsize > 8:
+        kind = "objects" if dtype.hasobject else f"the type {dtype}"
+        raise InputError(
+            f"the column holds {kind}, not doubles", key=channel, remedy="give real numbers", channel=channel
+        )
+    if len(shape) != 1:
+        text = f"the column has the shape {shape}"
+        raise InputError(text, key=channel, remedy="give one dimension, one number per sample", channel=channel)
+
+
+def check_size(declared: int, on_disk: int) -> None:
+    """Refuse a file that announces more than it can honestly hold, before any of it is unpacked.
+
+    Args:
+        declared: bytes of all arrays as the file's headers give them.
+        on_disk: bytes of the file.
+
+    Raises:
+        InputError: more than 16 GiB, or more than 1100 times the file.
+    """
+    if declared > min(MOST_BYTES, MOST_EXPANSION * on_disk):
+        problem = f"the file of {on_disk} bytes announces {declared} bytes of arrays"
+        raise InputError(problem, remedy="the limits are 16 GiB and 1100 times the file's size")
+
+
+def checked(
+    columns: Mapping[str, npt.ArrayLike], rows: Rows, *, copy: bool
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Time and channels as a recording may hold them.
+
+    Args:
+        columns: ``t`` and the channels.
+        rows: how to count rows in errors.
+        copy: as in `as_floats`.
+
+    Returns:
+        Time (samples,) [s] and the channels, all read-only.
+
+    Raises:
+        InputError: SPEC 4 is broken somewhere: the line names row and channel.
+    """
+    for name in columns:
+        if name != "t":
+            check_name(name)
+    check_time_named(columns)
+    t = as_floats(columns["t"], "t", copy=copy)
+    _check_time(t, rows)
+    channels = {name: as_floats(values, name, copy=copy) for name, values in columns.items() if name != "t"}
+    if not channels:
+        raise InputError("no channel beside t", remedy="add columns <signal>.<joint>, such as q.elbow")
+    for name, values in channels.items():
+        if len(values) != len(t):
+            problem = f"{len(values)} samples where t has {len(t)}"
+            row = rows.first + min(len(values), len(t))
+            raise InputError(problem, key=name, remedy="give one number per sample", row=row, channel=name)
+        _check_finite(values, name, rows)
+    return t, channels
+
+
+def _check_finite(values: FloatArray, channel: str, rows: Rows) -> None:
+    finite = np.isfinite(values)
+    if not finite.all():
+        index = int(np.argmin(finite))
+        raise rows.error(
+            "not a finite number",
+            index=index,
+            channel=channel,
+            value=float(values[index]),
+            remedy="remove or fill the gap",
+        )
+
+
+def _check_time(t: FloatArray, rows: Rows) -> None:
+    if len(t) < 2:
+        raise InputError(f"{len(t)} samples are too few", key="t", remedy="give two or more", channel="t")
+    _check_finite(t, "t", rows)
+    grows = t[1:] > t[:-1]
+    if not grows.all():
+        index = int(np.argmin(grows)) + 1
+        same = t[index] == t[index - 1]
+        problem = "two samples at one time" if same else f"time runs backwards, from {float(t[index - 1])!r} s"
+        raise rows.error(problem, index=index, channel="t", value=float(t[index]), remedy="t must increase strictly")
+
+
+@contextmanager
+def damage_named(what: str) -> Iterator[None]:
+    """Turn whatever a file library raises on a damaged file into one line.
+
+    The libraries below promise no kind of exception for hostile bytes, so every kind is taken; keep the block small.
+    """
+    try:
+        yield
+    except (FlexdynError, MemoryError):
+        raise
+    except Exception as error:
+        detail = str(error) or type(error).__name__
+        raise InputError(f"{what} ({detail[:200]})", remedy="the file is damaged or of another format") from error

@@ -1,0 +1,87 @@
+"""Signals of a recording and their SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from flexdyn.errors import InputError
+
+SIGNALS: Mapping[str, str] = {
+    "q": "rad",
+    "v": "rad/s",
+    "theta": "rad",
+    "omega": "rad/s",
+    "tau": "N m",
+    "tau_applied": "N m",
+    "tau_s": "N m",
+    "temperature": "degC",
+}
+"""Unit of each signal at a revolute joint; anything else before the dot is no signal of a joint."""
+
+_PRISMATIC = {"rad": "m", "rad/s": "m/s", "N m": "N"}
+
+_SPELLINGS = {
+    "s": ("sec", "second", "seconds"),
+    "rad": ("radian", "radians"),
+    "rad/s": ("rad/sec", "rad s-1", "rad s^-1", "rad*s^-1"),
+    "m": ("meter", "meters", "metre", "metres"),
+    "m/s": ("m/sec", "m s-1", "m s^-1", "m*s^-1"),
+    "N m": ("Nm", "N*m", "N.m", "N·m", "N-m"),
+    "N": ("newton", "newtons"),
+    "degC": ("°C", "C", "celsius", "Celsius", "deg C"),
+}
+_USUAL = {other: unit for unit, others in _SPELLINGS.items() for other in others}
+
+
+def split_name(channel: str) -> tuple[str, str] | None:
+    """Signal and joint of ``<signal>.<joint>`` (a joint's name may hold dots), or None for any other channel."""
+    signal, dot, joint = channel.partition(".")
+    return (signal, joint) if dot and signal in SIGNALS else None
+
+
+def unit_of(channel: str, units: Mapping[str, str] | None = None) -> str:
+    """Unit of a channel.
+
+    Whether a joint is prismatic cannot be told from a channel's name, so radians are assumed unless `units` says else.
+
+    Args:
+        channel: ``t``, ``<signal>.<joint>`` or any other channel.
+        units: units known better, by channel; a recording keeps them in ``meta["units"]``.
+
+    Returns:
+        The SI unit, such as ``"rad/s"``; empty where it is not known.
+    """
+    if units and channel in units:
+        return usual(units[channel])
+    if channel == "t":
+        return "s"
+    parts = split_name(channel)
+    return SIGNALS[parts[0]] if parts else ""
+
+
+def usual(unit: str) -> str:
+    """The spelling used here of a unit that has several: ``Nm`` is ``N m``."""
+    unit = " ".join(unit.split())
+    return _USUAL.get(unit, unit)
+
+
+def check_unit(channel: str, unit: str) -> None:
+    """Refuse a unit that the channel's signal does not have; channels that are no signals may have any.
+
+    Args:
+        channel: name of the channel.
+        unit: its unit as stated by the user or a file.
+
+    Raises:
+        InputError: degrees, milliseconds and the like, which would otherwise be taken for SI in silence.
+    """
+    known = unit_of(channel)
+    allowed = [known] + ([_PRISMATIC[known]] if known in _PRISMATIC else [])
+    if known and usual(unit) not in allowed:
+        raise InputError(
+            "the unit is not SI",
+            key=channel,
+            value=unit,
+            remedy=f"convert it to {' or '.join(allowed)}",
+            channel=channel,
+        )

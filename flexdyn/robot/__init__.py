@@ -1,0 +1,11 @@
+"""Any URDF arm, a robot known by name, or a pin.Model, as one checked and immutable Robot."""
+
+from __future__ import annotations
+
+from flexdyn.robot.load import load_robot
+from flexdyn.robot.meshes import MeshWarning
+from flexdyn.robot.names import robot_names, shipped_dir
+from flexdyn.robot.robot import Robot
+from flexdyn.robot.tree import FramePlacement, Tree
+
+__all__ = ["FramePlacement", "MeshWarning", "Robot", "Tree", "load_robot", "robot_names", "shipped_dir"]

@@ -1,0 +1,80 @@
+"""A link of a URDF file: its inertia, checked, and its shapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flexdyn.robot.shapes import Visual, read_visuals
+from flexdyn.robot.values import fail, name_of, number, pose_of
+
+
+@dataclass(frozen=True)
+class Inertial:
+    """Mass [kg], pose of the inertia frame [m, rad] and ixx, ixy, ixz, iyy, iyz, izz [kg m^2] in it."""
+
+    mass: float
+    xyz: tuple[float, ...]
+    rpy: tuple[float, ...]
+    moments: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid body: its name, inertia if it has any, and what it looks like."""
+
+    name: str
+    inertial: Inertial | None
+    visuals: tuple[Visual, ...]
+    line: int | None
+
+
+def read_link(element: Any, colors: dict[str, tuple[float, ...]]) -> Link:
+    """Read and check a ``<link>``.
+
+    Args:
+        element: the XML element.
+        colors: colours by material name.
+
+    Returns:
+        The link.
+
+    Raises:
+        InputError: no name, no mass or inertia where there is an ``<inertial>``, or numbers no body can have.
+    """
+    name = name_of(element, "link")
+    inertial = element.find("inertial")
+    return Link(
+        name,
+        None if inertial is None else _inertial(inertial, f"link '{name}'/inertial"),
+        read_visuals(element, f"link '{name}'/visual", colors),
+        element.sourceline,
+    )
+
+
+def _inertial(element: Any, key: str) -> Inertial:
+    mass_element, inertia = element.find("mass"), element.find("inertia")
+    if mass_element is None:
+        raise fail(element, key, "has no <mass>", remedy='add <mass value="..."/> in kg')
+    if inertia is None:
+        raise fail(element, key, "has no <inertia>", remedy="add <inertia ixx= ixy= ixz= iyy= iyz= izz=/> in kg m^2")
+    mass = number(mass_element, "value", f"{key}/mass")
+    if mass < 0.0:
+        raise fail(mass_element, f"{key}/mass", "negative mass", mass, "give the mass in kg, 0 or more")
+    xx, xy, xz, yy, yz, zz = (
+        number(inertia, name, f"{key}/inertia/{name}") for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    )
+    principal = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    # Published robots hold tiny links whose rounded moments miss positive by less than this.
+    if principal[0] < -1e-6 * max(1.0, abs(principal[2])):
+        raise fail(
+            inertia,
+            f"{key}/inertia",
+            "not positive semi-definite",
+            f"principal moments {', '.join(f'{value:.4g}' for value in principal)} kg m^2",
+            "no body has a negative moment of inertia; check signs and units",
+        )
+    xyz, rpy = pose_of(element, key)
+    return Inertial(mass, xyz, rpy, (xx, xy, xz, yy, yz, zz))

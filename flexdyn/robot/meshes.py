@@ -1,0 +1,121 @@
+"""Where the meshes of a URDF lie: package:// addresses looked up on disk, without opening a mesh."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from urllib.parse import unquote
+
+from flexdyn.robot.links import Link
+from flexdyn.robot.names import example_data_dir
+
+MESH_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".ply", ".off", ".3ds", ".glb", ".gltf", ".fbx", ".x"})
+_SHAPES = ("box", "cylinder", "sphere")
+
+
+class MeshWarning(UserWarning):
+    """Meshes of a robot were not found, or could not be read; they are left out of the picture."""
+
+
+def resolve_meshes(links: Sequence[Link], urdf: Path, package_dirs: Sequence[Path]) -> tuple[Link, ...]:
+    """The links with every mesh address replaced by a path on disk; shapes that cannot be shown are left out.
+
+    One MeshWarning counts what was left out.
+
+    Args:
+        links: the links as read.
+        urdf: the URDF file, from which relative addresses count.
+        package_dirs: folders that hold packages, or are packages.
+
+    Returns:
+        The same links with shapes that can be drawn.
+    """
+    roots = list(_package_roots(urdf, package_dirs))
+    found: dict[str, Path | None] = {}
+    missing: list[str] = []
+    shown = []
+    for link in links:
+        kept = []
+        for visual in link.visuals:
+            if visual.shape in _SHAPES:
+                kept.append(visual)
+                continue
+            if visual.shape == "mesh" and visual.mesh not in found:
+                found[visual.mesh] = find_mesh(visual.mesh, urdf, roots)
+            path = found.get(visual.mesh)
+            if path is None:
+                missing.append(visual.mesh or f"<{visual.shape}> of link '{link.name}'")
+            else:
+                kept.append(replace(visual, mesh=str(path)))
+        shown.append(replace(link, visuals=tuple(kept)))
+    if missing:
+        total = sum(len(link.visuals) for link in links)
+        warnings.warn(
+            f"{urdf}: {len(missing)} of {total} shapes are left out of the picture, their mesh was not found;"
+            f" the first is {missing[0]!r}; name the folder of its package in package_dirs",
+            MeshWarning,
+            stacklevel=3,
+        )
+    return tuple(shown)
+
+
+def find_mesh(address: str, urdf: Path, roots: Iterable[tuple[Path, bool]]) -> Path | None:
+    """The file that a mesh address means.
+
+    ``package://name/rest`` stays inside the folder of that package; other addresses are paths, relative ones counted
+    from the URDF's folder. Nothing is fetched from a network.
+
+    Args:
+        address: as the URDF writes it.
+        urdf: the URDF file.
+        roots: folders to look in, each with whether it may be the package itself whatever its own name is.
+
+    Returns:
+        The path of an existing mesh file, or None.
+    """
+    scheme, separator, rest = address.partition("://")
+    if not separator:
+        return _existing(urdf.parent / address)
+    if scheme == "file":
+        return _existing(Path(unquote(rest)))
+    if scheme not in ("package", "model"):
+        return None
+    # Some published files write package:///name.
+    package, _, inside = rest.lstrip("/").partition("/")
+    if package in ("", ".", "..") or not inside:
+        return None
+    for root, is_package in roots:
+        folders = [root / package]
+        if is_package or root.name == package:
+            folders.append(root)
+        for folder in folders:
+            path = Path(os.path.normpath(folder / inside))
+            # By name, not by link target: workspaces link the files of a package to its sources.
+            if path.is_relative_to(folder) and (mesh := _existing(path)):
+                return mesh
+    return None
+
+
+def _package_roots(urdf: Path, package_dirs: Sequence[Path]) -> Iterable[tuple[Path, bool]]:
+    for folder in package_dirs:
+        yield Path(os.path.normpath(folder)), True
+    for folder in urdf.parents:
+        yield folder, False
+    for variable, below in (("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share")):
+        for entry in os.environ.get(variable, "").split(os.pathsep):
+            if entry:
+                yield Path(os.path.normpath(Path(entry).absolute() / below)), False
+    data = example_data_dir()
+    if data is not None:
+        yield data.parent, False
+
+
+def _existing(path: Path) -> Path | None:
+    try:
+        good = path.suffix.lower() in MESH_SUFFIXES and path.is_file()
+    except OSError:
+        return None
+    return path if good else None

@@ -1,0 +1,103 @@
+"""How one joint of a pin.Model moves: one rotation or one translation about an axis, or it is refused."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from flexdyn.errors import InputError
+from flexdyn.robot.mimic import Mimic
+
+_ALIGNED = {
+    "revolute": (pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ),
+    "prismatic": (pin.JointModelPX, pin.JointModelPY, pin.JointModelPZ),
+}
+_UNALIGNED = {"revolute": pin.JointModelRevoluteUnaligned, "prismatic": pin.JointModelPrismaticUnaligned}
+_PREFIXES = {
+    "JointModelRUB": ("revolute", True),
+    "JointModelR": ("revolute", False),
+    "JointModelP": ("prismatic", False),
+}
+_SKEW = {
+    "JointModelRevoluteUnaligned": ("revolute", False),
+    "JointModelRevoluteUnboundedUnaligned": ("revolute", True),
+    "JointModelPrismaticUnaligned": ("prismatic", False),
+}
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How one joint moves: "revolute" or "prismatic" along a unit axis, whether unbounded, and what it mimics."""
+
+    kind: str
+    axis: np.ndarray
+    continuous: bool = False
+    mimic: Mimic | None = None
+
+
+def motion_of(model: pin.Model, index: int) -> Motion:
+    """How a joint of a model moves.
+
+    Args:
+        model: the model.
+        index: the joint's index, from 1.
+
+    Returns:
+        Its Motion.
+
+    Raises:
+        InputError: it is not one rotation or one translation.
+    """
+    joint = model.joints[index]
+    kind_name = joint.shortname()
+    if kind_name == "JointModelMimic":
+        return _mimic_motion(model, index)
+    if kind_name in _SKEW:
+        kind, continuous = _SKEW[kind_name]
+        return Motion(kind, np.array(joint.extract().axis, dtype=float), continuous)
+    if kind_name[:-1] in _PREFIXES and kind_name[-1] in "XYZ":
+        kind, continuous = _PREFIXES[kind_name[:-1]]
+        return Motion(kind, np.eye(3)["XYZ".index(kind_name[-1])], continuous)
+    raise _refused(model.names[index], kind_name)
+
+
+def _mimic_motion(model: pin.Model, index: int) -> Motion:
+    """Python sees no type of a mimic joint, but its motion subspace: scaling times the axis."""
+    joint = model.joints[index]
+    scaling, offset = float(joint.extract().scaling), float(joint.extract().offset)
+    data = joint.createData()
+    joint.calc(data, pin.neutral(model))
+    subspace = np.asarray(data.S, dtype=float).reshape(-1)
+    linear, angular = np.linalg.norm(subspace[:3]), np.linalg.norm(subspace[3:])
+    name = model.names[index]
+    if scaling == 0.0:
+        remedy = "give it a multiplier other than 0, or lock the joint with pin.buildReducedModel"
+        raise InputError("a mimic joint with scaling 0", key=f"joint '{name}'", remedy=remedy)
+    if linear > 0.0 and angular > 0.0:
+        raise _refused(name, "JointModelMimic of a helical joint")
+    kind, axis = ("revolute", subspace[3:]) if angular > 0.0 else ("prismatic", subspace[:3])
+    at = list(model.mimicking_joints).index(index)
+    leader = model.names[model.mimicked_joints[at]]
+    axis = axis / scaling
+    return Motion(kind, axis / np.linalg.norm(axis), False, (leader, scaling, offset))
+
+
+def _refused(name: str, kind_name: str) -> InputError:
+    free = kind_name in ("JointModelFreeFlyer", "JointModelPlanar")
+    remedy = (
+        "flexdyn models fixed-base arms; build the model without it"
+        if free
+        else "flexdyn models fixed-base arms of revolute and prismatic joints; build it from those"
+    )
+    return InputError(f"a joint of kind {kind_name.removeprefix('JointModel')}", key=f"joint '{name}'", remedy=remedy)
+
+
+def joint_model(motion: Motion) -> Any:
+    """The bounded Pinocchio joint of a motion: JointModelRX, ..., JointModelPrismaticUnaligned."""
+    for direction, aligned in zip(np.eye(3), _ALIGNED[motion.kind], strict=True):
+        if np.array_equal(motion.axis, direction):
+            return aligned()
+    return _UNALIGNED[motion.kind](motion.axis)

@@ -1,0 +1,158 @@
+"""Any fixed-base pin.Model as one in which every joint is one number: nq = nv = joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from flexdyn.errors import InputError
+from flexdyn.robot.mimic import Mimic
+from flexdyn.robot.motion import Motion, joint_model, motion_of
+
+_UNLIMITED = 1e300
+"""Pinocchio writes the largest double where there is no limit."""
+
+
+@dataclass(frozen=True)
+class Normalised:
+    """A tree of one-number joints, and what Pinocchio's joint types said beside it."""
+
+    model: pin.Model
+    continuous: frozenset[str]
+    mimics: Mapping[str, Mimic]
+
+
+def normalise(model: pin.Model) -> Normalised:
+    """A model of the same arm with continuous joints as one unwrapped angle and mimics as ordinary joints.
+
+    Joint order, placements, inertias, armature, limits, damping, friction, frames and gravity are kept.
+
+    Args:
+        model: a model that Pinocchio read or the user built; it is not changed.
+
+    Returns:
+        The new model.
+
+    Raises:
+        InputError: a joint of another kind (free-flyer, spherical, planar, helical, composite, ...), or a body whose
+            mass or inertia no body can have.
+    """
+    motions = [motion_of(model, index) for index in range(1, model.njoints)]
+    new = pin.Model()
+    new.name, new.gravity = model.name, pin.Motion(model.gravity)
+    for index, motion in enumerate(motions, start=1):
+        _check_body(model, index)
+        joint = new.addJoint(
+            model.parents[index], joint_model(motion), pin.SE3(model.jointPlacements[index]), model.names[index]
+        )
+        new.appendBodyToJoint(joint, model.inertias[index], pin.SE3.Identity())
+    new.inertias[0] = model.inertias[0]
+    for frame in list(model.frames)[1:]:
+        # Their inertias are in those of the joints already.
+        new.addFrame(frame, False)
+    for index in range(1, new.njoints):
+        if not new.existFrame(new.names[index], pin.FrameType.JOINT):
+            new.addJointFrame(index)
+    _copy_numbers(model, new, motions)
+    names = list(model.names)[1:]
+    named = list(zip(names, motions, strict=True))
+    return Normalised(
+        new,
+        frozenset(name for name, motion in named if motion.continuous),
+        {name: motion.mimic for name, motion in named if motion.mimic is not None},
+    )
+
+
+def _check_body(model: pin.Model, index: int) -> None:
+    """Rigidly joined links count as one body here, so that a rounded tiny link on a large one passes."""
+    body, key = model.inertias[index], f"joint '{model.names[index]}'"
+    if not np.all(np.isfinite(model.jointPlacements[index].homogeneous)):
+        raise InputError("its placement is not finite", key=key, remedy="check the pose that it was added with")
+    numbers = np.concatenate([[body.mass], body.lever, body.inertia.ravel()])
+    if not np.all(np.isfinite(numbers)) or body.mass < 0.0:
+        remedy = "check mass and inertia of the links that it moves"
+        raise InputError("the body it moves has no valid mass", key=key, value=float(body.mass), remedy=remedy)
+    principal = np.linalg.eigvalsh(body.inertia)
+    if principal[0] < -max(1e-12, 1e-6 * principal[2]):
+        raise InputError(
+            "the inertia of the body it moves is not positive semi-definite",
+            key=key,
+            value=f"principal moments {', '.join(f'{value:.4g}' for value in principal)} kg m^2",
+            remedy="check the inertias of its links",
+        )
+
+
+def _copy_numbers(old: pin.Model, new: pin.Model, motions: list[Motion]) -> None:
+    """Per-joint arrays; a mimic joint of Pinocchio has none of its own, and gets no limits and no friction."""
+    m = new.nv
+    lower, upper = np.full(m, -np.inf), np.full(m, np.inf)
+    velocity, effort = np.full(m, np.inf), np.full(m, np.inf)
+    zeros = {name: np.zeros(m) for name in ("armature", "damping", "rotorInertia")}
+    ratio = np.ones(m)
+    friction = np.zeros(m)
+    for j, motion in enumerate(motions):
+        if motion.mimic is not None:
+            continue
+        at_q, at_v = old.idx_qs[j + 1], old.idx_vs[j + 1]
+        if not motion.continuous:
+            lower[j], upper[j] = old.lowerPositionLimit[at_q], old.upperPositionLimit[at_q]
+        velocity[j], effort[j], ratio[j] = old.velocityLimit[at_v], old.effortLimit[at_v], old.rotorGearRatio[at_v]
+        for name, values in zeros.items():
+            values[j] = getattr(old, name)[at_v]
+        friction[j] = _friction(old, j + 1, at_v)
+    for limit in (lower, upper, velocity, effort):
+        for j in np.flatnonzero(np.isnan(limit)):
+            remedy = "give a number, or inf for no limit"
+            raise InputError("a limit is not a number", key=f"joint '{old.names[j + 1]}'/limit", remedy=remedy)
+        limit[np.abs(limit) > _UNLIMITED] *= np.inf
+    for name, values in zeros.items():
+        _check_numbers(old, name, values)
+        setattr(new, name, values)
+    new.rotorGearRatio = ratio
+    write_limits(new, lower, upper, velocity, effort, friction)
+
+
+def write_limits(
+    model: pin.Model,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    velocity: np.ndarray,
+    effort: np.ndarray,
+    friction: np.ndarray,
+) -> None:
+    """Set limits and dry friction of every joint of a normalised model, both signs of each.
+
+    Args:
+        model: the model to change, with nq = nv = m.
+        lower: least position, shape (m,) [rad or m].
+        upper: largest position, shape (m,) [rad or m].
+        velocity: largest speed, shape (m,) [rad/s or m/s].
+        effort: largest torque or force, shape (m,) [N m or N].
+        friction: Coulomb level, shape (m,) [N m or N].
+    """
+    model.lowerPositionLimit, model.upperPositionLimit = lower, upper
+    model.lowerVelocityLimit, model.upperVelocityLimit = -velocity, velocity
+    model.lowerEffortLimit, model.upperEffortLimit = -effort, effort
+    model.lowerDryFrictionLimit, model.upperDryFrictionLimit = -friction, friction
+
+
+def _friction(model: pin.Model, index: int, at: int) -> float:
+    """Pinocchio keeps both directions; setting ``model.friction`` sets the upper one only."""
+    upper, lower = float(model.upperDryFrictionLimit[at]), float(model.lowerDryFrictionLimit[at])
+    key = f"joint '{model.names[index]}'/friction"
+    if not np.isfinite(upper) or upper < 0.0:
+        raise InputError("not a friction level", key=key, value=upper, remedy="give a finite level, 0 or more")
+    if lower not in (0.0, -upper):
+        remedy = "make both directions equal, and add an asymmetric_friction effect"
+        raise InputError("friction differs by direction", key=key, value=(lower, upper), remedy=remedy)
+    return upper
+
+
+def _check_numbers(model: pin.Model, name: str, values: np.ndarray) -> None:
+    for j, value in enumerate(values):
+        if not np.isfinite(value) or value < 0.0:
+            key = f"joint '{model.names[j + 1]}'/{name}"
+            raise InputError("not a finite number, 0 or more", key=key, value=float(value), remedy=f"set model.{name}")

@@ -1,0 +1,195 @@
+"""A fixed-base arm as flexdyn sees it: named joints, limits, frames, and the tree that the core computes with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.robot.joints import Joint
+from flexdyn.robot.links import Link
+from flexdyn.robot.mimic import Mimic
+from flexdyn.robot.tree import Floats, FramePlacement, Tree, locked
+
+_ARRAYS = ("lower", "upper", "velocity_limit", "effort_limit", "damping", "friction")
+_FRAME_ORDER = (
+    pin.FrameType.BODY,
+    pin.FrameType.OP_FRAME,
+    pin.FrameType.JOINT,
+    pin.FrameType.FIXED_JOINT,
+    pin.FrameType.SENSOR,
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Robot:
+    """An arm of n independent joints, each one number: an unwrapped angle [rad] or a displacement [m].
+
+    Made by load_robot. Immutable; its arrays are locked, and it pickles.
+
+    Attributes:
+        name: the robot's name.
+        source: what it was loaded from: a known name or the absolute path of a URDF; None for a pin.Model.
+        package_dirs: folders of its package:// meshes, as given.
+        lock: positions [rad or m] of the joints locked by the user, as given.
+        joint_names: the independent joints in Pinocchio's order.
+        kinds: "revolute" or "prismatic" for each.
+        continuous: whether each may turn without end.
+        lower: least position, shape (n,) [rad or m]; -inf where unlimited.
+        upper: largest position, shape (n,) [rad or m]; inf where unlimited.
+        velocity_limit: shape (n,) [rad/s or m/s]; inf where unlimited.
+        effort_limit: shape (n,) [N m or N]; inf where unlimited.
+        damping: viscous coefficient of the URDF's <dynamics>, shape (n,) [N m s/rad or N s/m], followers' included.
+        friction: Coulomb level of the URDF's <dynamics>, shape (n,) [N m or N], followers' included.
+        followers: mimic joints: (leader, multiplier, offset), q_follower = multiplier q_leader + offset.
+        tree: the arrays of the kinematic tree, followers included.
+    """
+
+    name: str
+    source: str | Path | None
+    package_dirs: tuple[Path, ...]
+    lock: Mapping[str, float]
+    joint_names: tuple[str, ...]
+    kinds: tuple[str, ...]
+    continuous: tuple[bool, ...]
+    lower: Floats
+    upper: Floats
+    velocity_limit: Floats
+    effort_limit: Floats
+    damping: Floats
+    friction: Floats
+    followers: Mapping[str, Mimic]
+    tree: Tree
+    _model: pin.Model
+    _links: tuple[Link, ...] = field(default=())
+    _joints: tuple[Joint, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        """Copy and lock arrays and tables."""
+        for name in _ARRAYS:
+            object.__setattr__(self, name, locked(getattr(self, name)))
+        for name in ("lock", "followers"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays and tables are locked again."""
+        values = (getattr(self, entry.name) for entry in fields(self))
+        return (type(self), tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values))
+
+    def __repr__(self) -> str:
+        """Name and joints."""
+        return f"<Robot {self.name}: {self.n} joints {', '.join(self.joint_names)}>"
+
+    @property
+    def n(self) -> int:
+        """Number of independent joints."""
+        return len(self.joint_names)
+
+    @property
+    def pin_model(self) -> pin.Model:
+        """A copy of the Pinocchio model of the tree, followers included: nq = nv = m, every joint one number."""
+        return self._model.copy()
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """Names that frame() knows, in Pinocchio's order."""
+        return tuple(dict.fromkeys(entry.name for entry in self._model.frames))
+
+    @property
+    def tip(self) -> str:
+        """Name of the default end frame: the last link on the last joint of a serial chain.
+
+        Raises:
+            InputError: the arm is branched, so that there is no one end.
+        """
+        m = self.tree.m
+        if np.array_equal(self.tree.parent, np.arange(m) - 1):
+            return self._last_frame(m - 1)
+        leaves = [j for j in range(m) if j not in self.tree.parent]
+        ends = ", ".join(f"'{self._last_frame(j)}'" for j in leaves[:6]) + (", ..." if len(leaves) > 6 else "")
+        remedy = f"name the frame, for example one of {ends}"
+        raise InputError(f"robot {self.name} is branched and has no one end", key="frame", remedy=remedy)
+
+    def joint_index(self, joint: str | int) -> int:
+        """Place of an independent joint in q.
+
+        Args:
+            joint: its name, or its place already.
+
+        Returns:
+            An index from 0 to n - 1.
+
+        Raises:
+            InputError: no such joint, or a follower.
+        """
+        if isinstance(joint, int):
+            if 0 <= joint < self.n:
+                return joint
+            raise InputError("no such joint", key="joint", value=joint, remedy=f"joints count from 0 to {self.n - 1}")
+        if joint in self.joint_names:
+            return self.joint_names.index(joint)
+        if joint in self.followers:
+            remedy = f"name its leader '{self.followers[joint][0]}'"
+            raise InputError("the joint mimics another", key="joint", value=joint, remedy=remedy)
+        raise InputError("no such joint", key="joint", value=joint, remedy=did_you_mean(joint, self.joint_names))
+
+    def angle_unit(self, joint: str | int) -> str:
+        """Unit of a joint's position: "rad" or "m"."""
+        return "rad" if self.kinds[self.joint_index(joint)] == "revolute" else "m"
+
+    def torque_unit(self, joint: str | int) -> str:
+        """Unit of what drives a joint: "N m" or "N"."""
+        return "N m" if self.kinds[self.joint_index(joint)] == "revolute" else "N"
+
+    def frame(self, name: str) -> FramePlacement:
+        """Where a frame sits: a link, where link and joint share a name.
+
+        Args:
+            name: a link, joint or other frame of the robot.
+
+        Returns:
+            The joint that carries it (-1: the base) and its placement there.
+
+        Raises:
+            InputError: no such frame.
+        """
+        found = [entry for entry in self._model.frames if entry.name == name]
+        if not found:
+            raise InputError("no such frame", key="frame", value=name, remedy=did_you_mean(name, self.frame_names))
+        best = min(found, key=lambda entry: _FRAME_ORDER.index(entry.type))
+        return FramePlacement(name, best.parentJoint - 1, best.placement.rotation, best.placement.translation)
+
+    def expand(self, q: Any) -> Floats:
+        """Positions of all joints of the tree, followers included: q_tree = G q + g0.
+
+        Args:
+            q: positions of the independent joints, shape (n,) or (samples, n) [rad or m].
+
+        Returns:
+            Shape (m,) or (samples, m).
+
+        Raises:
+            InputError: another number of joints.
+        """
+        positions = np.asarray(q, dtype=np.float64)
+        if positions.ndim not in (1, 2) or positions.shape[-1] != self.n:
+            remedy = f"one number for each of {', '.join(self.joint_names)}"
+            raise InputError("wrong shape", key="q", value=positions.shape, remedy=remedy)
+        return np.asarray(positions @ self.tree.gain.T + self.tree.offset)
+
+    def visual_model(self) -> pin.GeometryModel:
+        """The shapes of the robot on the joints of pin_model; meshes are read now. Empty for a pin.Model source."""
+        from flexdyn.robot.geometry import visual_model
+
+        return visual_model(self._model, self._links, self._joints)
+
+    def _last_frame(self, joint: int) -> str:
+        mounted = [entry for entry in self._model.frames if entry.parentJoint == joint + 1]
+        bodies = [entry.name for entry in mounted if entry.type == pin.FrameType.BODY]
+        return str(bodies[-1] if bodies else self._model.names[joint + 1])

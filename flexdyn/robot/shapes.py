@@ -1,0 +1,91 @@
+"""What a link looks like: boxes, cylinders, spheres and meshes with a pose and a colour."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from flexdyn.robot.values import number, numbers, pose_of
+
+GREY = (0.7, 0.7, 0.7, 1.0)
+
+
+@dataclass(frozen=True)
+class Visual:
+    """One shape on a link.
+
+    Attributes:
+        shape: "box", "cylinder", "sphere", "mesh", or what else the file names.
+        size: box edges, or radius and length, or radius [m]; the scale of a mesh [1].
+        mesh: the address of the mesh as the file writes it, else empty.
+        xyz: position in the link frame [m].
+        rpy: roll, pitch, yaw in the link frame [rad].
+        color: red, green, blue, opacity in 0..1.
+    """
+
+    shape: str
+    size: tuple[float, ...]
+    mesh: str
+    xyz: tuple[float, ...]
+    rpy: tuple[float, ...]
+    color: tuple[float, ...]
+
+
+def read_colors(root: Any) -> dict[str, tuple[float, ...]]:
+    """Colours by material name, as stated anywhere in the file (a visual may use one that another defines)."""
+    colors: dict[str, tuple[float, ...]] = {}
+    for material in root.iter("material"):
+        color = material.find("color")
+        if color is not None and material.get("name"):
+            colors.setdefault(material.get("name"), _rgba(color))
+    return colors
+
+
+def read_visuals(link: Any, key: str, colors: dict[str, tuple[float, ...]]) -> tuple[Visual, ...]:
+    """The shapes of a link element.
+
+    Args:
+        link: the element ``<link>``.
+        key: its place, for errors.
+        colors: colours by material name.
+
+    Returns:
+        One Visual for each ``<visual>`` with a geometry.
+
+    Raises:
+        InputError: a pose or size that is not made of numbers.
+    """
+    found = []
+    for element in link.findall("visual"):
+        shape = element.find("geometry/*")
+        if shape is None:
+            continue
+        xyz, rpy = pose_of(element, key)
+        mesh = str(shape.get("filename") or "").strip() if shape.tag == "mesh" else ""
+        found.append(Visual(str(shape.tag), _size(shape, key), mesh, xyz, rpy, _color(element, colors)))
+    return tuple(found)
+
+
+def _size(shape: Any, key: str) -> tuple[float, ...]:
+    key = f"{key}/{shape.tag}"
+    if shape.tag == "box":
+        return numbers(shape, "size", f"{key}/size", 3, None)
+    if shape.tag == "cylinder":
+        return number(shape, "radius", f"{key}/radius"), number(shape, "length", f"{key}/length")
+    if shape.tag == "sphere":
+        return (number(shape, "radius", f"{key}/radius"),)
+    if shape.tag == "mesh":
+        return numbers(shape, "scale", f"{key}/scale", 3, (1.0, 1.0, 1.0))
+    return ()
+
+
+def _color(visual: Any, colors: dict[str, tuple[float, ...]]) -> tuple[float, ...]:
+    own = visual.find("material/color")
+    if own is not None:
+        return _rgba(own)
+    material = visual.find("material")
+    return GREY if material is None else colors.get(material.get("name") or "", GREY)
+
+
+def _rgba(color: Any) -> tuple[float, ...]:
+    return tuple(min(max(value, 0.0), 1.0) for value in numbers(color, "rgba", "material/color/rgba", 4, GREY))

@@ -1,0 +1,74 @@
+"""URDF text that Pinocchio's reader takes without complaint, written from checked values.
+
+Its reader prints to stderr and stops at what many published files do: commas, tabs, a missing <limit>, an
+unknown shape. It never sees the user's text, only this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.sax.saxutils import quoteattr
+
+from flexdyn.robot.joints import Joint
+from flexdyn.robot.links import Link
+from flexdyn.robot.shapes import Visual
+
+
+def urdf_text(links: Sequence[Link], joints: Sequence[Joint]) -> str:
+    """A whole URDF.
+
+    Limits, damping, friction and mimics are left out: they do not enter the kinematics, and come from the values.
+
+    Args:
+        links: links whose meshes are paths on disk.
+        joints: joints that make them a tree.
+
+    Returns:
+        The text.
+    """
+    body = "".join(_link(link) for link in links) + "".join(_joint(joint) for joint in joints)
+    return f'<robot name="robot">{body}</robot>'
+
+
+def _link(link: Link) -> str:
+    inner = ""
+    if link.inertial is not None:
+        body = link.inertial
+        names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        moments = " ".join(f'{name}="{_numbers([value])}"' for name, value in zip(names, body.moments, strict=True))
+        mass = f'<mass value="{_numbers([body.mass])}"/><inertia {moments}/>'
+        inner = f"<inertial>{_origin(body.xyz, body.rpy)}{mass}</inertial>"
+    inner += "".join(_visual(visual) for visual in link.visuals)
+    return f"<link name={quoteattr(link.name)}>{inner}</link>"
+
+
+def _joint(joint: Joint) -> str:
+    limit = '<limit lower="0" upper="0" effort="0" velocity="0"/>' if joint.kind != "fixed" else ""
+    return (
+        f'<joint name={quoteattr(joint.name)} type="{joint.kind}">'
+        f"<parent link={quoteattr(joint.parent)}/><child link={quoteattr(joint.child)}/>"
+        f'{_origin(joint.xyz, joint.rpy)}<axis xyz="{_numbers(joint.axis)}"/>{limit}</joint>'
+    )
+
+
+def _visual(visual: Visual) -> str:
+    if visual.shape == "box":
+        shape = f'<box size="{_numbers(visual.size)}"/>'
+    elif visual.shape == "cylinder":
+        shape = f'<cylinder radius="{_numbers(visual.size[:1])}" length="{_numbers(visual.size[1:])}"/>'
+    elif visual.shape == "sphere":
+        shape = f'<sphere radius="{_numbers(visual.size)}"/>'
+    else:
+        shape = f'<mesh filename={quoteattr(visual.mesh)} scale="{_numbers(visual.size)}"/>'
+    rgba = _numbers(visual.color)
+    color = f'<material name="{rgba}"><color rgba="{rgba}"/></material>'
+    return f"<visual>{_origin(visual.xyz, visual.rpy)}<geometry>{shape}</geometry>{color}</visual>"
+
+
+def _origin(xyz: Sequence[float], rpy: Sequence[float]) -> str:
+    return f'<origin xyz="{_numbers(xyz)}" rpy="{_numbers(rpy)}"/>'
+
+
+def _numbers(values: Sequence[float]) -> str:
+    # Pinocchio's reader refuses numbers that underflow.
+    return " ".join(repr(value) if abs(value) > 1e-300 else "0" for value in values)

@@ -1,0 +1,172 @@
+"""The kinematic tree as plain locked arrays, from which the compiled core rebuilds its model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from flexdyn.errors import InputError
+from flexdyn.robot.mimic import Mimic
+from flexdyn.robot.motion import motion_of
+
+Floats = NDArray[np.float64]
+
+
+def locked(values: Any, dtype: Any = np.float64) -> NDArray[Any]:
+    """A copy of an array that nobody can write to."""
+    array = np.array(values, dtype=dtype, order="C")
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class FramePlacement:
+    """A frame rigidly attached to a joint.
+
+    Attributes:
+        name: the frame's name (a URDF link, usually).
+        joint: index of the joint in the tree, -1 for the base.
+        rotation: its axes in those of the joint, shape (3, 3).
+        translation: its origin in the joint frame, shape (3,) [m].
+    """
+
+    name: str
+    joint: int
+    rotation: Floats
+    translation: Floats
+
+    def __post_init__(self) -> None:
+        """Copy and lock the arrays."""
+        object.__setattr__(self, "rotation", locked(self.rotation))
+        object.__setattr__(self, "translation", locked(self.translation))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays are locked again."""
+        return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """m one-number joints, each with the body it moves, and how the n independent ones drive them.
+
+    q_tree = gain q + offset, v_tree = gain v. Joints stand after their parents.
+
+    Attributes:
+        parent: index of the parent joint, -1 for the base, shape (m,).
+        prismatic: whether the joint slides, shape (m,).
+        axis: unit axis in the joint frame, shape (m, 3).
+        rotation: joint axes in those of the parent joint, shape (m, 3, 3).
+        translation: joint origin in the parent joint frame, shape (m, 3) [m].
+        mass: mass of the body, shape (m,) [kg].
+        com: centre of mass in the joint frame, shape (m, 3) [m].
+        inertia: inertia about the centre of mass, along the joint frame's axes, shape (m, 3, 3) [kg m^2].
+        armature: added to the diagonal of M, shape (m,) [kg m^2 or kg].
+        gain: G of the mimic map, shape (m, n) [1, m/rad or rad/m].
+        offset: g0 of the mimic map, shape (m,) [rad or m].
+    """
+
+    parent: NDArray[np.int32]
+    prismatic: NDArray[np.bool_]
+    axis: Floats
+    rotation: Floats
+    translation: Floats
+    mass: Floats
+    com: Floats
+    inertia: Floats
+    armature: Floats
+    gain: Floats
+    offset: Floats
+
+    def __post_init__(self) -> None:
+        """Copy and lock the arrays."""
+        kinds = {"parent": np.int32, "prismatic": np.bool_}
+        for field in fields(self):
+            value = locked(getattr(self, field.name), kinds.get(field.name, np.float64))
+            object.__setattr__(self, field.name, value)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays are locked again."""
+        return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
+
+    @property
+    def m(self) -> int:
+        """Number of joints in the tree, followers included."""
+        return len(self.parent)
+
+    @property
+    def n(self) -> int:
+        """Number of independent joints."""
+        return int(self.gain.shape[1])
+
+    def with_point_mass(self, frame: FramePlacement, mass: float) -> Tree:
+        """The tree with a point mass at the origin of a frame (parallel axis theorem).
+
+        With c' = (m c + M p)/(m + M):  I' = I + m S(c - c') + M S(p - c'),  S(d) = (d.d) 1 - d d^T.
+
+        Args:
+            frame: where it sits, from Robot.frame().
+            mass: M [kg], 0 or more.
+
+        Returns:
+            A new tree.
+
+        Raises:
+            InputError: a frame on the base, or no valid mass.
+        """
+        if not np.isfinite(mass) or mass < 0.0:
+            raise InputError("not a mass", key="mass", value=mass, remedy="give it in kg, 0 or more")
+        if frame.joint < 0:
+            remedy = "name a frame that a joint moves"
+            raise InputError("a mass on the base moves nothing", key="frame", value=frame.name, remedy=remedy)
+        if mass == 0.0:
+            return self
+        j, point = frame.joint, frame.translation
+        total = self.mass[j] + mass
+        com = (self.mass[j] * self.com[j] + mass * point) / total
+        inertia = self.inertia[j] + self.mass[j] * _steiner(self.com[j] - com) + mass * _steiner(point - com)
+        masses, coms, inertias = self.mass.copy(), self.com.copy(), self.inertia.copy()
+        masses[j], coms[j], inertias[j] = total, com, inertia
+        return replace(self, mass=masses, com=coms, inertia=inertias)
+
+
+def tree_of(model: pin.Model, independent: Sequence[str], followers: Mapping[str, Mimic]) -> Tree:
+    """The arrays of a normalised model.
+
+    Args:
+        model: a model of one-number joints.
+        independent: names of the joints that lead, in the order of q.
+        followers: leader, multiplier and offset of every other joint.
+
+    Returns:
+        The tree.
+    """
+    joints = range(1, model.njoints)
+    motions = [motion_of(model, index) for index in joints]
+    column = {name: k for k, name in enumerate(independent)}
+    gain, offset = np.zeros((len(joints), len(independent))), np.zeros(len(joints))
+    for row, index in enumerate(joints):
+        name = model.names[index]
+        leader, multiplier, shift = followers.get(name, (name, 1.0, 0.0))
+        gain[row, column[leader]], offset[row] = multiplier, shift
+    return Tree(
+        parent=np.array([model.parents[index] - 1 for index in joints]),
+        prismatic=np.array([motion.kind == "prismatic" for motion in motions]),
+        axis=np.array([motion.axis for motion in motions]),
+        rotation=np.array([model.jointPlacements[index].rotation for index in joints]),
+        translation=np.array([model.jointPlacements[index].translation for index in joints]),
+        mass=np.array([model.inertias[index].mass for index in joints]),
+        com=np.array([model.inertias[index].lever for index in joints]),
+        inertia=np.array([model.inertias[index].inertia for index in joints]),
+        armature=np.array(model.armature),
+        gain=gain,
+        offset=offset,
+    )
+
+
+def _steiner(d: Floats) -> Floats:
+    return np.asarray(np.dot(d, d) * np.eye(3) - np.outer(d, d))

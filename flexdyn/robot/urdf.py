@@ -1,0 +1,56 @@
+"""What a URDF file says, checked: links and joints that form one tree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from flexdyn.errors import InputError
+from flexdyn.robot.graph import check_graph
+from flexdyn.robot.joints import Joint, read_joint
+from flexdyn.robot.links import Link, read_link
+from flexdyn.robot.shapes import read_colors
+from flexdyn.robot.xmlfile import read_xml
+
+MAX_LINKS = 1000
+"""Far more than any arm; readers of URDF descend from link to link, and a chain of thousands exhausts their stack."""
+
+
+@dataclass(frozen=True)
+class Urdf:
+    """A whole URDF file whose links and joints form one tree."""
+
+    name: str
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+
+
+def read_urdf(path: Path) -> Urdf:
+    """Read and check a URDF file.
+
+    Args:
+        path: the file.
+
+    Returns:
+        Its links and joints, in file order; every number finite, every name known, one tree.
+
+    Raises:
+        InputError: one line with file, key, value and remedy; its data carry ``line`` where known.
+    """
+    try:
+        root = read_xml(path)
+        colors = read_colors(root)
+        link_elements, joint_elements = root.findall("link"), root.findall("joint")
+        if not link_elements:
+            raise InputError("the robot has no link", remedy="a URDF needs at least one <link name=...>")
+        if len(link_elements) > MAX_LINKS:
+            raise InputError(f"{len(link_elements)} links, more than {MAX_LINKS}", remedy="give one arm, not a scene")
+        links = tuple(read_link(element, colors) for element in link_elements)
+        joints = tuple(read_joint(element) for element in joint_elements)
+        check_graph(
+            [(link.name, link.line) for link in links],
+            [(joint.name, joint.parent, joint.child, joint.line) for joint in joints],
+        )
+    except InputError as error:
+        raise error.at(file=path) from None
+    return Urdf((root.get("name") or "").strip() or path.stem, links, joints)

@@ -1,0 +1,136 @@
+"""From a path to a well-formed XML tree: bounded, without entities, network or DOCTYPE; the only user of lxml."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from flexdyn.errors import InputError, did_you_mean
+
+MAX_BYTES = 20_000_000
+"""A URDF is text of some 100 kB; meshes are files of their own."""
+
+_ENCODING = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_OTHER_ROOTS = {"sdf": "an SDF file", "mujoco": "a MuJoCo file", "COLLADA": "a mesh", "gazebo": "a Gazebo file"}
+
+
+def read_xml(path: Path) -> Any:
+    """The root element of a URDF file.
+
+    Args:
+        path: the file.
+
+    Returns:
+        The lxml element ``<robot>``.
+
+    Raises:
+        InputError: the file is missing, a folder, empty, over 20 MB, binary, not XML, not URDF, or an unexpanded xacro.
+    """
+    text = _decoded(_bytes_of(path))
+    if not text.strip():
+        raise InputError("the file is empty", remedy="give a URDF file")
+    if not text.lstrip().startswith("<"):
+        raise InputError("not an XML file", remedy="give a URDF file, which begins with <robot name=...>")
+    if _prolog_has_doctype(text):
+        raise InputError(
+            "a DOCTYPE is not read, it could pull in other files", remedy="delete the <!DOCTYPE ...> lines"
+        )
+    root = _parsed(text)
+    _refuse_xacro(root, path)
+    namespace = root.tag.rpartition("}")[0]
+    if namespace:
+        for element in root.iter():
+            if isinstance(element.tag, str) and element.tag.startswith(namespace):
+                element.tag = element.tag.rpartition("}")[2]
+    if root.tag != "robot":
+        what = _OTHER_ROOTS.get(root.tag, "no URDF")
+        raise InputError(f"this is {what}: its root is <{root.tag}>", remedy="the root of a URDF is <robot name=...>")
+    return root
+
+
+def _bytes_of(path: Path) -> bytes:
+    try:
+        if path.is_dir():
+            inside = sorted(entry.name for entry in path.iterdir() if entry.suffix == ".urdf")
+            remedy = "give the URDF file in it" + (f": {', '.join(inside[:5])}" if inside else "")
+            raise InputError("this is a folder", remedy=remedy)
+        if not path.exists():
+            near = sorted(entry.name for entry in path.parent.glob("*.urdf")) if path.parent.is_dir() else []
+            raise InputError("no such file", remedy=did_you_mean(path.name, near) if near else "check the path")
+        if not path.is_file():
+            raise InputError("not a regular file", remedy="give a URDF file")
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", remedy="check the path and its permissions") from None
+    if len(data) > MAX_BYTES:
+        raise InputError(
+            f"larger than {MAX_BYTES // 10**6} MB", remedy="a URDF is text; keep meshes in their own files"
+        )
+    return data
+
+
+def _decoded(data: bytes) -> str:
+    if b"\0" in data:
+        raise InputError("a binary file, or text in UTF-16", remedy="give a URDF file saved as UTF-8")
+    declared = _ENCODING.match(data.removeprefix(b"\xef\xbb\xbf"))
+    name = declared.group(1).decode().lower() if declared else "utf-8"
+    codec = "latin-1" if name in {"iso-8859-1", "latin-1", "latin1", "windows-1252"} else "utf-8-sig"
+    try:
+        return data.decode(codec)
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise InputError(f"not UTF-8 text (line {line})", remedy="give a URDF file saved as UTF-8", line=line) from None
+
+
+def _prolog_has_doctype(text: str) -> bool:
+    """A DOCTYPE can stand only before the root; blanks, comments and instructions may precede it."""
+    at = 0
+    while True:
+        while at < len(text) and text[at].isspace():
+            at += 1
+        if text.startswith("<?", at):
+            end, length = text.find("?>", at), 2
+        elif text.startswith("<!--", at):
+            end, length = text.find("-->", at + 4), 3
+        else:
+            return text.startswith("<!", at)
+        if end < 0:
+            return False
+        at = end + length
+
+
+def _parsed(text: str) -> Any:
+    from lxml import etree
+
+    # The declaration may name another encoding than the UTF-8 that the bytes are in now.
+    body = re.sub(r"^\s*<\?xml.*?\?>", "", text, count=1, flags=re.DOTALL).encode()
+    skipped = text.count("\n") - body.count(b"\n")
+    options = {"resolve_entities": False, "no_network": True, "huge_tree": False, "load_dtd": False}
+    try:
+        return etree.fromstring(b"\n" * skipped + body, etree.XMLParser(encoding="utf-8", **options))
+    except etree.XMLSyntaxError as error:
+        log = list(error.error_log)
+        # Old simulator tags have prefixes that nobody declared (<sensor:camera>); URDF readers take them.
+        if log and all(entry.type_name == "NS_ERR_UNDEFINED_NAMESPACE" for entry in log):
+            tolerant = etree.XMLParser(encoding="utf-8", recover=True, **options)
+            return etree.fromstring(b"\n" * skipped + body, tolerant)
+        reason, line = re.sub(r", line \d+, column \d+.*$", "", error.msg or "not XML", flags=re.DOTALL), error.lineno
+    raise InputError(f"not well-formed XML (line {line}): {reason}", remedy="correct the XML there", line=line)
+
+
+def _refuse_xacro(root: Any, path: Path) -> None:
+    for element in root.iter():
+        if not isinstance(element.tag, str):
+            continue
+        macro = "xacro" in element.tag.rpartition("}")[0] or element.tag.startswith("xacro:")
+        holes = [value for value in element.attrib.values() if "${" in value or "$(" in value]
+        if macro or holes:
+            plain = path.name.removesuffix(".xacro").removesuffix(".urdf") + ".urdf"
+            raise InputError(
+                f"this is xacro, not expanded to URDF (line {element.sourceline})",
+                value=holes[0] if holes else None,
+                remedy=f"expand it first: xacro {path.name} > {plain}",
+                line=element.sourceline,
+            )

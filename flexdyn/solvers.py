@@ -1,0 +1,93 @@
+"""Solver settings: frozen data; the integrators themselves are in the compiled core."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, fields
+from typing import Any, ClassVar
+
+from flexdyn.errors import InputError, did_you_mean
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solver:
+    """Base of the solvers' settings."""
+
+    name: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        """Check every setting: numbers above 0."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is None and field.default is None:
+                continue
+            if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
+                raise InputError("a number above 0 is needed", key=f"solver.{field.name}", value=value)
+            if math.isinf(value) and field.default != math.inf:
+                raise InputError("it must be finite", key=f"solver.{field.name}", value=value)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a study file writes it: ``{name: ..., settings}``."""
+        return {"name": type(self).__name__} | asdict(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RungeKutta4(Solver):
+    """The classical method of order 4 at a fixed step, for smooth laws.
+
+    Between two switches of the command it takes equal steps, none longer than `step`.
+
+    Args:
+        step: [s].
+        smoothing: width eps of tanh(u/eps), which stands for Sgn(u) [rad/s]; without it dry friction is refused.
+    """
+
+    step: float
+    smoothing: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class DormandPrince(Solver):
+    """Dormand-Prince 5(4): adaptive steps, dense output of order 4; the reference.
+
+    The local error of every state is kept below ``atol + rtol |x|`` (root mean square over the state).
+
+    Args:
+        rtol: relative tolerance [1].
+        atol: absolute tolerance [rad, rad/s].
+        max_step: [s].
+        smoothing: width eps of tanh(u/eps), which stands for Sgn(u) in dry friction [rad/s]. A smoothed joint creeps
+            under load instead of sticking: by about eps times load over level.
+    """
+
+    rtol: float = 1e-8
+    atol: float = 1e-10
+    max_step: float = math.inf
+    smoothing: float = 1e-3
+
+
+SOLVERS: dict[str, type[Solver]] = {solver.__name__: solver for solver in (RungeKutta4, DormandPrince)}
+
+
+def make_solver(name: str, **settings: float | None) -> Solver:
+    """A solver by name, with those of the settings that are given.
+
+    Args:
+        name: ``RungeKutta4`` or ``DormandPrince``; ``auto`` is resolved by `simulate`, which knows the model.
+        settings: None is left at its default.
+
+    Raises:
+        InputError: no such solver, or a setting that it does not have or needs.
+    """
+    if name not in SOLVERS:
+        raise InputError("no such solver", key="solver", value=name, remedy=did_you_mean(name, [*SOLVERS, "auto"]))
+    kind = SOLVERS[name]
+    known = {field.name for field in fields(kind)}
+    given = {key: value for key, value in settings.items() if value is not None}
+    for key in given:
+        if key not in known:
+            remedy = f"{name} takes {', '.join(sorted(known))}"
+            raise InputError(f"{name} has no such setting", key=f"solver.{key}", value=given[key], remedy=remedy)
+    if kind is RungeKutta4 and "step" not in given:
+        raise InputError("RungeKutta4 needs a step", key="solver.step", remedy="give it in s, for example 0.0001")
+    return kind(**given)
