@@ -1,1 +1,46 @@
-"""flexdyn."""
+"""flexdyn: robot arms with elastic joints, simulated fast, compared with measurements, missing effects named."""
+
+from importlib.metadata import version as _version
+
+from flexdyn import effects, solvers
+from flexdyn.commands import PD, Controller, FrameWrench, Samples, State
+from flexdyn.errors import FlexdynError, InputError, MissingExtra, SimulationError
+from flexdyn.joint import Joint
+from flexdyn.model import FlexibleJointModel
+from flexdyn.modelfile import load_model, save_model, shipped_models
+from flexdyn.plant import LinkSide
+from flexdyn.records import Recording, read_recording, write_recording
+from flexdyn.robot import Robot, load_robot, robot_names
+from flexdyn.run import Energy, Run
+from flexdyn.simulate import simulate
+
+__version__ = _version("flexdyn")
+
+__all__ = [
+    "PD",
+    "Controller",
+    "Energy",
+    "FlexdynError",
+    "FlexibleJointModel",
+    "FrameWrench",
+    "InputError",
+    "Joint",
+    "LinkSide",
+    "MissingExtra",
+    "Recording",
+    "Robot",
+    "Run",
+    "Samples",
+    "SimulationError",
+    "State",
+    "effects",
+    "load_model",
+    "load_robot",
+    "read_recording",
+    "robot_names",
+    "save_model",
+    "shipped_models",
+    "simulate",
+    "solvers",
+    "write_recording",
+]

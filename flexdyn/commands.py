@@ -77,7 +77,9 @@ class Samples:
             if self.values.shape[1] != len(joint_names):
                 got = self.values.shape[1]
                 remedy = f"the joints are {', '.join(joint_names)}"
-                raise InputError(f"{len(joint_names)} columns are needed", key="samples.values", value=got, remedy=remedy)
+                raise InputError(
+                    f"{len(joint_names)} columns are needed", key="samples.values", value=got, remedy=remedy
+                )
             return self.values
         out = np.zeros((len(self.t), len(joint_names)))
         for k, joint in enumerate(self.joints):

@@ -73,7 +73,9 @@ class Joint:
         if isinstance(entry, Joint):
             return entry.to_dict()
         if not isinstance(entry, Mapping):
-            raise InputError("a joint is a mapping of its numbers", value=entry, remedy="write {stiffness: 4000.0, ...}")
+            raise InputError(
+                "a joint is a mapping of its numbers", value=entry, remedy="write {stiffness: 4000.0, ...}"
+            )
         known = [field.name for field in fields(Joint)]
         for key in entry:
             if key not in known:

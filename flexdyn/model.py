@@ -187,7 +187,9 @@ class FlexibleJointModel:
                 j = self.index(effect.joint)
                 if effect.side == "transmission" and not self.elastic[j]:
                     remedy = f"give joints.{effect.joint} a finite stiffness"
-                    raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=effect.joint, remedy=remedy)
+                    raise InputError(
+                        f"{effect.name} needs an elastic joint", key="joint", value=effect.joint, remedy=remedy
+                    )
             elif isinstance(effect, Payload):
                 self.robot.frame(effect.frame or self.robot.tip)
         except InputError as error:
@@ -244,7 +246,9 @@ def _tolerance(value: Any) -> float | Mapping[str, float]:
     for path, number in entries.items():
         if isinstance(number, bool) or not isinstance(number, int | float | np.number) or not 0 <= number < math.inf:
             key = "tolerance" if path == "*" else f"tolerance.{path}"
-            raise InputError("a number of at least 0 is needed", key=key, value=number, remedy="0.05 means 5 %, 1 sigma")
+            raise InputError(
+                "a number of at least 0 is needed", key=key, value=number, remedy="0.05 means 5 %, 1 sigma"
+            )
     if isinstance(value, Mapping):
         return MappingProxyType({str(path): float(number) for path, number in entries.items()})
     return float(value)

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
+import numpy as np
+
 from flexdyn.errors import InputError, MissingExtra
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.table import RESERVED, Table, check_name, check_numbers, check_size, damage_named
@@ -24,15 +26,15 @@ _UNITLESS = ("", "1", "-")
 def write(rec: Recording, path: Path) -> None:
     """Write flat datasets ``t``, ``q.elbow``, ... in order, each with its unit, and meta as ``__meta__``."""
     h5py = _library()
-    with h5py.File(path, "x", track_order=True) as file:
+    with h5py.File(path, "x", track_order=True, libver=("v110", "v110")) as file:
         for name, values in {"t": rec.t, **rec.channels}.items():
             plain = _plain(name)
             dataset = file.create_dataset(plain, data=values)
-            dataset.attrs["units"] = rec.unit(name)
+            dataset.attrs["units"] = _fixed(h5py, rec.unit(name))
             if plain != name:
-                dataset.attrs["channel"] = name
+                dataset.attrs["channel"] = _fixed(h5py, name)
         if rec.meta:
-            file.create_dataset(RESERVED, data=as_json(rec.meta), dtype=h5py.string_dtype())
+            file.create_dataset(RESERVED, data=_fixed(h5py, as_json(rec.meta)))
 
 
 def read(path: Path) -> Table:
@@ -52,7 +54,7 @@ def read(path: Path) -> Table:
         for name, dataset in datasets.items():
             with damage_named(f"the dataset {name} cannot be read"):
                 table.add(name, dataset[()])
-                _take_unit(table, name, dataset.attrs.get("units"))
+                _take_unit(table, name, usual(_attribute(dataset, "units")))
     return table
 
 
@@ -62,6 +64,12 @@ def _library() -> Any:
     except ImportError:
         raise MissingExtra("h5py", "hdf5") from None
     return h5py
+
+
+def _fixed(h5py: Any, text: str) -> Any:
+    """Text of fixed length in UTF-8: text of variable length lies in a heap that no checksum guards."""
+    data = text.encode() or b"\0"
+    return np.array(data, h5py.string_dtype(length=len(data)))
 
 
 def _plain(name: str) -> str:
@@ -101,8 +109,14 @@ def _member(h5py: Any, group: Any, link: str) -> Any:
 
 
 def _channel(dataset: Any, link: str) -> str:
-    given = dataset.attrs.get("channel") if "%" in link else None
-    return given if isinstance(given, str) else link
+    return (_attribute(dataset, "channel") if "%" in link else "") or link
+
+
+def _attribute(dataset: Any, name: str) -> str:
+    """An attribute that is text, of fixed or variable length; empty if there is none or it is none."""
+    given = dataset.attrs.get(name, "")
+    text = given.decode("utf-8", "replace") if isinstance(given, bytes) else given
+    return text if isinstance(text, str) else ""
 
 
 def _check_dataset(dataset: Any, name: str) -> None:
@@ -126,9 +140,8 @@ def _text(h5py: Any, dataset: Any) -> str:
     return str(dataset.asstr()[()])
 
 
-def _take_unit(table: Table, name: str, given: Any) -> None:
+def _take_unit(table: Table, name: str, unit: str) -> None:
     """Keep a unit that the file states and the channel's name does not tell; refuse one that is not SI."""
-    unit = usual(given) if isinstance(given, str) else ""
     if unit in _UNITLESS:
         return
     check_unit(name, unit)

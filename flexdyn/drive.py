@@ -1,0 +1,192 @@
+"""From what a user gives as command (torques, a controller, a recording, a file) to what the core runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn import _core
+from flexdyn.commands import PD, Controller, FrameWrench, Samples, State, per_joint
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording, read_recording
+from flexdyn.yamlfile import check_keys, read_yaml
+
+Array = NDArray[np.float64]
+PD_KEYS = ("reference", "kp", "kd", "rate", "feedback", "feedforward")
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A command made ready for one model.
+
+    Attributes:
+        command: for the core.
+        duration: of the command [s]; None where it has no end of its own.
+        initial: first state that a recording measured: signal -> joint -> value.
+    """
+
+    command: _core.Command
+    duration: float | None
+    initial: Mapping[str, Mapping[str, float]]
+
+
+def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) -> Drive:
+    """Make a command ready.
+
+    Args:
+        model: whose joints it drives.
+        command: None (no torque), `Samples`, `PD`, `Controller`, a `Recording` (its tau columns, held), the path of a
+            recording or of a YAML file with ``pd:``, or n torques that do not change.
+        duration: of the run if it is known: how long unchanging torques last [s].
+
+    Raises:
+        InputError: a command that does not fit the model.
+    """
+    command = resolve_command(command)
+    if command is None:
+        return Drive(_core.open_loop(None), None, {})
+    if isinstance(command, Recording):
+        samples = recorded(command, "tau", model.joint_names)
+        return Drive(
+            _core.open_loop(_signal(samples, model.joint_names)), command.duration, first_state(command, model)
+        )
+    if isinstance(command, Samples):
+        return Drive(_core.open_loop(_signal(command, model.joint_names)), command.duration, {})
+    if isinstance(command, PD):
+        return _tracking(model, command)
+    if isinstance(command, Controller):
+        return Drive(_core.controller(_caller(command), command.rate), None, {})
+    torques = per_joint("command", command, model.joint_names)
+    end = 1.0 if duration is None else duration
+    constant = Samples([0.0, max(end, 1e-9)], np.array([torques, torques]))
+    return Drive(_core.open_loop(_signal(constant, model.joint_names)), None, {})
+
+
+def resolve_command(command: Any) -> Any:
+    """A path as what it holds; anything else as it is."""
+    if not isinstance(command, str | Path):
+        return command
+    if Path(command).suffix.lower() in (".yaml", ".yml"):
+        return read_command_file(Path(command))
+    return read_recording(command)
+
+
+def read_command_file(path: Path) -> PD:
+    """A YAML file with ``pd:`` and the keys of `PD`; paths in it are relative to the file.
+
+    Raises:
+        InputError: no such file, or a key that is not there.
+    """
+    content = read_yaml(path)
+    try:
+        check_keys(content, ("pd",), required=("pd",))
+        entry = content["pd"]
+        check_keys(entry, PD_KEYS, required=("reference", "kp", "kd"), key="pd")
+        settings = dict(entry)
+        for key in ("reference", "feedforward"):
+            if settings.get(key) is not None:
+                if not isinstance(settings[key], str):
+                    raise InputError("the path of a recording is needed", key=f"pd.{key}", value=settings[key])
+                settings[key] = path.parent / settings[key]
+        return PD(**settings)
+    except InputError as error:
+        raise error.at(file=path) from None
+
+
+def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> Samples:
+    """One signal of a recording as held samples; joints that it does not name get zero.
+
+    Raises:
+        InputError: the recording has no such signal, or one of a joint that the robot lacks.
+    """
+    for joint in recording.joints:
+        if joint not in joint_names:
+            remedy = f"the robot's joints are {', '.join(joint_names)}"
+            raise InputError("the robot has no such joint", key=joint, file=recording.name or None, remedy=remedy)
+    found = [joint for joint in joint_names if recording.has(signal, joint)]
+    if not found:
+        remedy = f"columns named {signal}.JOINT are needed"
+        raise InputError(f"no {signal} in this recording", file=recording.name or None, remedy=remedy)
+    return Samples(recording.t, {joint: recording[f"{signal}.{joint}"] for joint in found})
+
+
+def first_state(recording: Recording, model: FlexibleJointModel) -> dict[str, dict[str, float]]:
+    """The first measured state; a joint with only one encoder has q and theta start alike."""
+    initial: dict[str, dict[str, float]] = {"q": {}, "theta": {}, "v": {}, "omega": {}}
+    for joint in model.joint_names:
+        for signal, twin in (("q", "theta"), ("theta", "q"), ("v", "omega"), ("omega", "v")):
+            for source in (signal, twin):
+                if recording.has(source, joint):
+                    initial[signal][joint] = float(recording[f"{source}.{joint}"][0])
+                    break
+    return initial
+
+
+def lower_wrenches(model: FlexibleJointModel, external: Any, duration: float) -> list[_core.ExternalWrench]:
+    """External wrenches for the core.
+
+    Raises:
+        InputError: something that is no FrameWrench, or a frame that the robot does not have.
+    """
+    if external is None:
+        return []
+    lowered = []
+    for wrench in (external,) if isinstance(external, FrameWrench) else tuple(external):
+        if not isinstance(wrench, FrameWrench):
+            raise InputError("a FrameWrench is needed", key="external", value=wrench)
+        samples = wrench.samples
+        if not isinstance(samples, Samples):
+            samples = Samples([0.0, duration * (1.0 + 1e-9)], np.array([wrench.constant, wrench.constant]))
+        place = model.robot.frame(wrench.frame)
+        signal = _core.signal(*samples.pieces(samples.values))
+        world = wrench.axes == "world"
+        lowered.append(_core.external_wrench(place.joint, place.rotation, place.translation, world, signal))
+    return lowered
+
+
+def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
+    names = model.joint_names
+    reference, ahead = resolve_command(pd.reference), resolve_command(pd.feedforward)
+    initial: Mapping[str, Mapping[str, float]] = {}
+    if isinstance(reference, Recording):
+        initial = first_state(reference, model)
+        signal = "q" if "q" in reference.signals else "theta"
+        held = recorded(reference, signal, names)
+        reference = Samples(held.t, held.columns(names), "cubic")
+    if not isinstance(reference, Samples):
+        remedy = "give Samples, a recording or its path"
+        raise InputError("no reference to track", key="pd.reference", value=reference, remedy=remedy)
+    if isinstance(ahead, Recording):
+        ahead = recorded(ahead, "tau", names)
+    if ahead is not None and not isinstance(ahead, Samples):
+        raise InputError("Samples or a recording is needed", key="pd.feedforward", value=ahead)
+    command = _core.tracking(
+        _signal(reference, names),
+        None if ahead is None else _signal(ahead, names),
+        per_joint("pd.kp", pd.kp, names).tolist(),
+        per_joint("pd.kd", pd.kd, names).tolist(),
+        pd.feedback == "theta",
+        pd.rate,
+    )
+    return Drive(command, reference.duration, initial)
+
+
+def _signal(samples: Samples, joint_names: Sequence[str]) -> _core.Signal:
+    return _core.signal(*samples.pieces(samples.columns(joint_names)))
+
+
+def _caller(controller: Controller) -> Any:
+    def call(t: float, q: Array, v: Array, theta: Array, omega: Array) -> Array:
+        tau = np.atleast_1d(np.asarray(controller.law(t, State(q, v, theta, omega)), dtype=float))
+        if tau.shape != q.shape or not np.isfinite(tau).all():
+            remedy = f"it must return {len(q)} finite torques"
+            raise InputError("the controller's torque is no use", key=f"t = {t:g} s", value=tau, remedy=remedy)
+        return np.ascontiguousarray(tau)
+
+    return call

@@ -1,0 +1,42 @@
+"""Writing files so that nothing is lost or half written: beside the target, then renamed."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from flexdyn.errors import InputError
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A fresh file beside `path` to write to; it takes the path's place on success and vanishes on failure.
+
+    Raises:
+        InputError: the folder is not there, or the target is something other than a file.
+    """
+    target = Path(os.path.realpath(path))
+    if not target.parent.is_dir():
+        raise InputError("no such folder", file=path, value=str(path.parent), remedy="make it first")
+    if target.exists() and not target.is_file():
+        raise InputError("not a regular file", file=path, remedy="give the path of a file")
+    fresh = target.with_name(f".{secrets.token_hex(8)}.tmp")
+    try:
+        yield fresh
+        with open(fresh, "rb+") as stream:
+            os.fsync(stream.fileno())
+        os.replace(fresh, target)
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror or error})", file=path) from None
+    finally:
+        with suppress(FileNotFoundError):
+            fresh.unlink()
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file in UTF-8, whole or not at all."""
+    with replacing(path) as fresh:
+        fresh.write_text(text, encoding="utf-8")

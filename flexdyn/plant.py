@@ -1,0 +1,143 @@
+"""From the model, which describes, to the compiled plant, which computes."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn import _core
+from flexdyn.effects import Effect, JointEffect, Payload
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.robot.tree import Tree
+
+Array = NDArray[np.float64]
+
+# Torque asked for -> delay, gain, offset, ripple, limit -> tau_applied: the order in which they act.
+ACTUATOR_ORDER = ("torque_offset", "torque_speed_limit")
+
+
+def build_plant(model: FlexibleJointModel) -> _core.Plant:
+    """The compiled plant of a model; neutral effects are left out, so that they change nothing, bit for bit.
+
+    Raises:
+        InputError: a rigid joint that moves no inertia at all.
+    """
+    links = build_links(model)
+    laws = [_law(model, effect) for effect in _in_order(model.all_effects)]
+    _check_inertia(model, links)
+    return _core.plant(links, model.stiffness, model.damping, model.rotor_inertia, laws)
+
+
+def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
+    """The compiled link side: M(q), h(q, v), with payloads, and J of rigid joints as armature."""
+    return _core.link_dynamics(_arrays(_loaded_tree(model)), np.array(model.gravity))
+
+
+class LinkSide:
+    """M(q), h(q, v), accelerations and energies of the link side, over one state or many.
+
+    Args:
+        model: whose payloads and rigid rotor inertias are included.
+    """
+
+    def __init__(self, model: FlexibleJointModel) -> None:
+        self._links = build_links(model)
+        self.n = model.n
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """M(q) (..., n, n) [kg m^2] of q (..., n)."""
+        (q_,) = self._columns(q)
+        out = np.empty((*q_.shape, self.n))
+        self._links.mass_matrix(q_, out)
+        return out
+
+    def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """h(q, v) (..., n) [N m]: Coriolis, centrifugal and gravity torques."""
+        q_, v_ = self._columns(q, v)
+        out = np.empty(q_.shape)
+        self._links.bias(q_, v_, out)
+        return out
+
+    def acceleration(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
+        """A = M(q)^-1 (tau - h(q, v)) (..., n) [rad/s^2], tau on the links."""
+        q_, v_, tau_ = self._columns(q, v, tau)
+        out = np.empty(q_.shape)
+        self._links.acceleration(q_, v_, tau_, out)
+        return out
+
+    def energy(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
+        """Kinetic and gravitational energy (...,) [J]; the kinetic one holds rigid joints' rotors."""
+        q_, v_ = self._columns(q, v)
+        kinetic, potential = np.empty(q_.shape[:-1]), np.empty(q_.shape[:-1])
+        self._links.energy(q_, v_, kinetic, potential)
+        return kinetic, potential
+
+    def _columns(self, *arrays: ArrayLike) -> list[Array]:
+        columns = np.broadcast_arrays(*(np.asarray(array, dtype=float) for array in arrays))
+        if columns[0].shape[-1:] != (self.n,):
+            raise InputError(f"{self.n} columns are needed, one a joint", key="q", value=columns[0].shape)
+        return [np.ascontiguousarray(column) for column in columns]
+
+
+def _loaded_tree(model: FlexibleJointModel) -> Tree:
+    tree = model.robot.tree
+    for effect in model.all_effects:
+        if isinstance(effect, Payload):
+            tree = tree.with_point_mass(model.robot.frame(effect.frame or model.robot.tip), effect.mass)
+    armature = tree.armature.copy()
+    for joint in np.flatnonzero(~model.elastic):
+        armature[_own_row(tree, int(joint))] += model.rotor_inertia[joint]
+    return replace(tree, armature=armature)
+
+
+def _own_row(tree: Tree, joint: int) -> int:
+    """The joint of the tree that is the independent joint itself and not one that mimics it."""
+    unit = np.zeros(tree.gain.shape[1])
+    unit[joint] = 1.0
+    same = (tree.gain == unit).all(axis=1) & (tree.offset == 0.0)
+    return int(np.flatnonzero(same)[0])
+
+
+def _arrays(tree: Tree) -> dict[str, Array]:
+    names = [field.name for field in fields(tree)]
+    return {name: np.ascontiguousarray(getattr(tree, name), dtype=float) for name in names}
+
+
+def _in_order(effects: tuple[Effect, ...]) -> list[Effect]:
+    """The effects that have a law in the plant, actuator effects in the order in which they act."""
+    acting = [effect for effect in effects if not effect.is_neutral and effect.stage != "inertia"]
+    order = {name: place for place, name in enumerate(ACTUATOR_ORDER)}
+    return sorted(acting, key=lambda effect: order.get(effect.name, len(order)))
+
+
+def _law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
+    if not isinstance(effect, JointEffect):
+        raise InputError("an effect in the plant acts on a joint", key=effect.name, remedy="derive it from JointEffect")
+    joint, side = model.index(effect.joint), str(effect.side)
+    if not effect.is_python:
+        return _core.law(effect.name, joint, side, effect.values)
+    return _core.python_law(effect.stage, joint, side, _caller(effect))
+
+
+def _caller(effect: JointEffect) -> Any:
+    def call(t: float, x: float, u: float, tau: float) -> float:
+        return float(effect.torque(x, u, t=t, tau=tau))
+
+    return call
+
+
+def _check_inertia(model: FlexibleJointModel, links: _core.LinkDynamics) -> None:
+    """A joint that turns nothing has no acceleration: say so before ABA divides by zero."""
+    q = np.array([model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names])
+    M = np.empty((model.n, model.n))
+    links.mass_matrix(q, M)
+    scale = np.sqrt(np.maximum(np.diag(M), 0.0))
+    singular = np.linalg.eigvalsh(M / np.outer(scale, scale))[0] <= 1e-13 if (scale > 0).all() else True
+    if singular:
+        name = model.joint_names[int(np.argmin(scale))]
+        remedy = "give its links mass and inertia, or a rigid joint a rotor_inertia"
+        raise InputError("the joint moves no inertia: M(q) is singular", key=f"joints.{name}", remedy=remedy)

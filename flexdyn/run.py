@@ -1,0 +1,172 @@
+"""Run: what a simulation gives back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+from flexdyn.records import Recording, write_recording
+from flexdyn.robot import Robot
+from flexdyn.solvers import Solver
+
+Array = NDArray[np.float64]
+SIGNALS = ("q", "theta", "v", "omega", "tau", "tau_applied", "tau_s")
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Where the mechanical energy is, sample by sample [J].
+
+    Attributes:
+        kinetic: of the links and rotors (samples,).
+        spring: in the transmissions, 1/2 K (theta - q)^2 summed (samples,).
+        gravity: of the links, from the height of the base (samples,).
+    """
+
+    kinetic: Array
+    spring: Array
+    gravity: Array
+
+    @property
+    def mechanical(self) -> Array:
+        """Their sum (samples,): constant where nothing drives or brakes."""
+        return self.kinetic + self.spring + self.gravity
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Run:
+    """A simulated motion: locked arrays over a grid of times, one column a joint in the order of q.
+
+    Attributes:
+        t: times (samples,) [s].
+        q: link positions (samples, n) [rad or m].
+        theta: rotor positions, reflected (samples, n); q where the joint is rigid.
+        v: link velocities (samples, n) [rad/s or m/s].
+        omega: rotor velocities, reflected (samples, n).
+        tau: torques asked for (samples, n) [N m or N], right-continuous where the command jumps.
+        tau_applied: after the actuator effects (samples, n).
+        tau_s: in the transmission (samples, n); on a rigid joint what its gear carries, tau_applied - f_motor - J a.
+        model: that was simulated.
+        solver: with its settings; a choice of ``auto`` is resolved.
+        notes: what was chosen or assumed on the user's behalf, one sentence each.
+        stats: steps, rejected steps, evaluations of the equations of motion.
+    """
+
+    t: Array
+    q: Array
+    theta: Array
+    v: Array
+    omega: Array
+    tau: Array
+    tau_applied: Array
+    tau_s: Array
+    model: FlexibleJointModel
+    solver: Solver
+    notes: tuple[str, ...] = ()
+    stats: Mapping[str, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Lock every array."""
+        for name in ("t", *SIGNALS):
+            getattr(self, name).setflags(write=False)
+        object.__setattr__(self, "stats", MappingProxyType(dict(self.stats)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by its fields: a read-only mapping does not."""
+        names = ("t", *SIGNALS, "model", "solver", "notes")
+        return (_rebuild, ({name: getattr(self, name) for name in names} | {"stats": dict(self.stats)},))
+
+    def __repr__(self) -> str:
+        """What it holds, in a line."""
+        steps = f"{type(self.solver).__name__}, {self.stats.get('steps', 0)} steps"
+        return f"<Run {self.model.name}: {self.t[-1]:g} s, {len(self.t)} samples, {steps}>"
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """In the order of the columns."""
+        return self.model.joint_names
+
+    @property
+    def deflection(self) -> Array:
+        """Delta = theta - q (samples, n) [rad or m]."""
+        return self.theta - self.q
+
+    @cached_property
+    def energy(self) -> Energy:
+        """Kinetic, spring and gravity energy over time."""
+        model = self.model
+        kinetic, gravity = LinkSide(model).energy(self.q, self.v)
+        elastic = model.elastic
+        rotors = 0.5 * self.omega[:, elastic] ** 2 @ model.rotor_inertia[elastic]
+        spring = 0.5 * self.deflection[:, elastic] ** 2 @ model.stiffness[elastic]
+        return Energy(kinetic + rotors, spring, gravity)
+
+    def frame_positions(self, frame: str | None = None) -> Array:
+        """Where a frame goes (samples, 3) [m], in the axes of the base.
+
+        Args:
+            frame: its name; default: the last frame of the chain.
+        """
+        return frame_positions(self.model.robot, self.q, frame)
+
+    def to_recording(self) -> Recording:
+        """The run as a recording: every signal of every joint, the model and solver in its meta."""
+        from flexdyn.modelfile import model_to_dict
+
+        channels, units = {}, {}
+        for signal in SIGNALS:
+            for j, joint in enumerate(self.joint_names):
+                channels[f"{signal}.{joint}"] = getattr(self, signal)[:, j]
+                if self.model.robot.kinds[j] == "prismatic":
+                    units[f"{signal}.{joint}"] = _PRISMATIC_UNITS[signal]
+        meta = {"model": model_to_dict(self.model), "solver": self.solver.to_dict(), "notes": list(self.notes)}
+        if units:
+            meta["units"] = units
+        return Recording(self.t, channels, meta=meta, name=self.model.name)
+
+    def save(self, path: str | Path) -> None:
+        """Write it as a recording, the format by suffix: .csv (channels alone), .npz, .h5 (with model and solver).
+
+        Raises:
+            InputError: a suffix or folder that is not there.
+        """
+        write_recording(self.to_recording(), path)
+
+
+_PRISMATIC_UNITS = {"q": "m", "theta": "m", "v": "m/s", "omega": "m/s", "tau": "N", "tau_applied": "N", "tau_s": "N"}
+
+
+def _rebuild(entries: dict[str, Any]) -> Run:
+    return Run(**entries)
+
+
+def frame_positions(robot: Robot, q: Array, frame: str | None = None) -> Array:
+    """Forward kinematics of one frame over many positions.
+
+    Args:
+        robot: whose frame it is.
+        q: (samples, n) [rad or m].
+        frame: its name; default: the last frame of the chain.
+
+    Returns:
+        its origin (samples, 3) [m] in the axes of the base.
+    """
+    import pinocchio as pin
+
+    place = robot.frame(frame or robot.tip)
+    model = robot.pin_model
+    data = model.createData()
+    positions = np.empty((len(q), 3))
+    for i, q_tree in enumerate(robot.expand(q)):
+        pin.forwardKinematics(model, data, q_tree)
+        positions[i] = data.oMi[place.joint + 1].act(place.translation)
+    return positions
