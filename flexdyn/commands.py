@@ -244,7 +244,10 @@ def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:
             if joint not in joint_names:
                 remedy = f"the joints are {', '.join(joint_names)}"
                 raise InputError("the robot has no such joint", key=f"{key}.{joint}", remedy=remedy)
-        value = [value.get(joint, value.get("*", 0.0)) for joint in joint_names]
+        for joint in joint_names:
+            if joint not in value:
+                raise InputError("a joint is missing", key=f"{key}.{joint}", remedy="give it a number, 0 for none")
+        value = [value[joint] for joint in joint_names]
     array = _numbers(key, value)
     if array.ndim > 1 or (array.ndim == 1 and len(array) != n):
         raise InputError(f"one number, or one for each of the {n} joints, is needed", key=key, value=array.shape)

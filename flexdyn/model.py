@@ -161,11 +161,7 @@ class FlexibleJointModel:
         Raises:
             InputError: the robot has no such joint.
         """
-        if joint not in self.joint_names:
-            raise InputError(
-                "the robot has no such joint", key="joint", value=joint, remedy=did_you_mean(joint, self.joint_names)
-            )
-        return self.joint_names.index(joint)
+        return self.robot.joint_index(joint)
 
     def _numbers(self, attribute: str) -> Array:
         array = np.array([getattr(joint, attribute) for joint in self.joints.values()])
@@ -179,10 +175,10 @@ class FlexibleJointModel:
     def _content(self) -> tuple[Any, ...]:
         return dict(self.joints), self.effects, self._settings()
 
-    def _fitted(self, i: int, effect: Any) -> Effect:
+    def _fitted(self, i: int, entry: Any) -> Effect:
         """The effect, if it fits the robot: its joint is there and can have it."""
         try:
-            effect = effect if isinstance(effect, Effect) else effect_from_dict(effect)
+            effect: Effect = entry if isinstance(entry, Effect) else effect_from_dict(entry)
             if isinstance(effect, JointEffect):
                 j = self.index(effect.joint)
                 if effect.side == "transmission" and not self.elastic[j]:

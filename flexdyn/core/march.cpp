@@ -82,7 +82,11 @@ class March {
           return;
         }
       }
-      while (sample_before(limit) && output_.times[row_] <= stepper_->t()) {
+      while (sample_before(limit) && (output_.times[row_] < stepper_->t() || at_step_end())) {
+        if (at_step_end()) {
+          write(stepper_->t(), stepper_->x().data());
+          continue;
+        }
         stepper_->interpolate(output_.times[row_], at_sample.data());
         write(output_.times[row_], at_sample.data());
       }
@@ -93,6 +97,8 @@ class March {
   bool sample_before(double limit) const {
     return row_ < output_.count && output_.times[row_] < limit && !same_instant(output_.times[row_], limit);
   }
+
+  bool at_step_end() const { return same_instant(output_.times[row_], stepper_->t()); }
 
   void poll_if_due() {
     since_poll_ = 0;

@@ -1,4 +1,7 @@
-"""HDF5: one dataset per channel and ``t``, flat or grouped by signal; nothing outside the file is opened."""
+"""HDF5: one dataset per channel and ``t``, flat or grouped by signal; nothing outside the file is opened.
+
+The attribute ``units`` is written as text of fixed length and believed where it is; a unit that is not SI is refused.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,7 @@ def read(path: Path) -> Table:
         for name, dataset in datasets.items():
             with damage_named(f"the dataset {name} cannot be read"):
                 table.add(name, dataset[()])
-                _take_unit(table, name, usual(_attribute(dataset, "units")))
+                _take_unit(table, name, usual(_attribute(h5py, dataset, "units")))
     return table
 
 
@@ -83,7 +86,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
     for link in file:
         member = _member(h5py, file, link)
         if isinstance(member, h5py.Dataset):
-            found = [(_channel(member, link), member)]
+            found = [(_channel(h5py, member, link), member)]
         elif link in SIGNALS:
             found = [(f"{link}.{joint}", _member(h5py, member, joint)) for joint in member]
         else:
@@ -108,15 +111,20 @@ def _member(h5py: Any, group: Any, link: str) -> Any:
     return group[link]
 
 
-def _channel(dataset: Any, link: str) -> str:
-    return (_attribute(dataset, "channel") if "%" in link else "") or link
+def _channel(h5py: Any, dataset: Any, link: str) -> str:
+    return (_attribute(h5py, dataset, "channel") if "%" in link else "") or link
 
 
-def _attribute(dataset: Any, name: str) -> str:
-    """An attribute that is text, of fixed or variable length; empty if there is none or it is none."""
-    given = dataset.attrs.get(name, "")
-    text = given.decode("utf-8", "replace") if isinstance(given, bytes) else given
-    return text if isinstance(text, str) else ""
+def _attribute(h5py: Any, dataset: Any, name: str) -> str:
+    """An attribute that is text of fixed length; empty if there is none or it is none.
+
+    Text of variable length is left alone: HDF5 hangs or crashes on damaged heaps (HDFGroup/hdf5 issue 1707).
+    """
+    if name not in dataset.attrs:
+        return ""
+    kind = h5py.check_string_dtype(dataset.attrs.get_id(name).dtype)
+    given = dataset.attrs[name] if kind and kind.length else b""
+    return given.decode("utf-8", "replace") if isinstance(given, bytes) else ""
 
 
 def _check_dataset(dataset: Any, name: str) -> None:
@@ -135,9 +143,12 @@ def _check_sizes(datasets: dict[str, Any], on_disk: int) -> None:
 
 
 def _text(h5py: Any, dataset: Any) -> str:
-    if h5py.check_string_dtype(dataset.dtype) is None or dataset.shape != ():
-        raise InputError("meta is not one JSON text", key=RESERVED, remedy="write it with write_recording")
-    return str(dataset.asstr()[()])
+    kind = h5py.check_string_dtype(dataset.dtype)
+    if kind is None or not kind.length or dataset.shape != ():
+        raise InputError(
+            "meta is not one JSON text of fixed length", key=RESERVED, remedy="write it with write_recording"
+        )
+    return bytes(dataset[()]).decode()
 
 
 def _take_unit(table: Table, name: str, unit: str) -> None:

@@ -57,20 +57,27 @@ def motion_of(model: pin.Model, index: int) -> Motion:
         return _mimic_motion(model, index)
     if kind_name in _SKEW:
         kind, continuous = _SKEW[kind_name]
-        return Motion(kind, np.array(joint.extract().axis, dtype=float), continuous)
+        subspace = _subspace(model, index)
+        return Motion(kind, subspace[3:] if kind == "revolute" else subspace[:3], continuous)
     if kind_name[:-1] in _PREFIXES and kind_name[-1] in "XYZ":
         kind, continuous = _PREFIXES[kind_name[:-1]]
         return Motion(kind, np.eye(3)["XYZ".index(kind_name[-1])], continuous)
     raise _refused(model.names[index], kind_name)
 
 
+def _subspace(model: pin.Model, index: int) -> np.ndarray:
+    """Linear and angular velocity per unit of joint velocity; not every joint type shows its axis to Python."""
+    joint = model.joints[index]
+    data = joint.createData()
+    joint.calc(data, pin.neutral(model))
+    return np.array(data.S, dtype=float).reshape(-1)
+
+
 def _mimic_motion(model: pin.Model, index: int) -> Motion:
     """Python sees no type of a mimic joint, but its motion subspace: scaling times the axis."""
     joint = model.joints[index]
     scaling, offset = float(joint.extract().scaling), float(joint.extract().offset)
-    data = joint.createData()
-    joint.calc(data, pin.neutral(model))
-    subspace = np.asarray(data.S, dtype=float).reshape(-1)
+    subspace = _subspace(model, index)
     linear, angular = np.linalg.norm(subspace[:3]), np.linalg.norm(subspace[3:])
     name = model.names[index]
     if scaling == 0.0:

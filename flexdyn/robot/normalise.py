@@ -104,7 +104,7 @@ def _copy_numbers(old: pin.Model, new: pin.Model, motions: list[Motion]) -> None
             values[j] = getattr(old, name)[at_v]
         friction[j] = _friction(old, j + 1, at_v)
     for limit in (lower, upper, velocity, effort):
-        for j in np.flatnonzero(np.isnan(limit)):
+        for j in np.flatnonzero(np.isnan(limit)).tolist():
             remedy = "give a number, or inf for no limit"
             raise InputError("a limit is not a number", key=f"joint '{old.names[j + 1]}'/limit", remedy=remedy)
         limit[np.abs(limit) > _UNLIMITED] *= np.inf

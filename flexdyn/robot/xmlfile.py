@@ -107,15 +107,21 @@ def _parsed(text: str) -> Any:
     # The declaration may name another encoding than the UTF-8 that the bytes are in now.
     body = re.sub(r"^\s*<\?xml.*?\?>", "", text, count=1, flags=re.DOTALL).encode()
     skipped = text.count("\n") - body.count(b"\n")
-    options = {"resolve_entities": False, "no_network": True, "huge_tree": False, "load_dtd": False}
+    body = b"\n" * skipped + body
+    options = {
+        "encoding": "utf-8",
+        "resolve_entities": False,
+        "no_network": True,
+        "huge_tree": False,
+        "load_dtd": False,
+    }
+    parser = etree.XMLParser(**options)
     try:
-        return etree.fromstring(b"\n" * skipped + body, etree.XMLParser(encoding="utf-8", **options))
+        return etree.fromstring(body, parser)
     except etree.XMLSyntaxError as error:
-        log = list(error.error_log)
         # Old simulator tags have prefixes that nobody declared (<sensor:camera>); URDF readers take them.
-        if log and all(entry.type_name == "NS_ERR_UNDEFINED_NAMESPACE" for entry in log):
-            tolerant = etree.XMLParser(encoding="utf-8", recover=True, **options)
-            return etree.fromstring(b"\n" * skipped + body, tolerant)
+        if {entry.type_name for entry in parser.error_log} == {"NS_ERR_UNDEFINED_NAMESPACE"}:
+            return etree.fromstring(body, etree.XMLParser(recover=True, **options))
         reason, line = re.sub(r", line \d+, column \d+.*$", "", error.msg or "not XML", flags=re.DOTALL), error.lineno
     raise InputError(f"not well-formed XML (line {line}): {reason}", remedy="correct the XML there", line=line)
 

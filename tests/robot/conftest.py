@@ -95,9 +95,9 @@ def rebuild() -> Callable[[Tree], pin.Model]:
 
 @pytest.fixture
 def text() -> Callable[..., str]:
-    """Pieces of URDF: text("link", name, ...) and text("joint", name, kind, parent, child, axis, extra)."""
+    """Pieces of URDF: "link" with a name, or "joint" with name, kind, parent, child, axis and what else it holds."""
 
     def _text(what: str, *values: str) -> str:
-        return link(*values) if what == "link" else joint(*values)
+        return link(values[0]) if what == "link" else joint(*values)
 
     return _text

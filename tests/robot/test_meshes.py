@@ -160,8 +160,9 @@ def test_colours_come_from_shared_and_own_materials(write: Callable[..., Path]) 
     )
     text = arm_with().replace('<link name="moving">', f'<link name="moving">{boxes}')
     robot = load_robot(write('<material name="red"><color rgba="1 0 0 1"/></material>' + text))
-    colors = [item.meshColor.tolist() for item in robot.visual_model().geometryObjects][1:]
-    assert np.allclose(colors, [[1, 0, 0, 1], [0, 1, 0, 0.5], [0.7, 0.7, 0.7, 1]])
+    colors = np.array([item.meshColor for item in robot.visual_model().geometryObjects][1:], dtype=float)
+    expected = np.array([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.5], [0.7, 0.7, 0.7, 1.0]])
+    assert np.allclose(colors, expected)
 
 
 def test_shapes_that_pinocchio_does_not_know_are_left_out(write: Callable[..., Path]) -> None:

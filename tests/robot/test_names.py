@@ -72,7 +72,7 @@ def test_the_table_holds_every_arm_asked_for() -> None:
 
 
 def test_sizes_of_well_known_arms() -> None:
-    """Joint counts as the makers give them; the gripper of the Panda adds one, the unbounded joints of a Kinova none."""
+    """Joint counts as the makers give them; a gripper adds one, unbounded joints add none."""
     counts = {"panda": 8, "ur5": 6, "kinova": 6, "xarm7": 7, "allegro_right_hand": 16, "double_pendulum_continuous": 2}
     assert {name: load_robot(name).n for name in counts} == counts
     assert load_robot("kinova").continuous.count(True) == 3

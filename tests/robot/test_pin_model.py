@@ -141,11 +141,9 @@ def test_numbers_no_joint_can_have_are_refused(field: str, value: float, words: 
 
 def test_bodies_that_cannot_be_are_refused() -> None:
     """Negative mass, an inertia that is not positive, a placement that is not finite."""
-    for body in (pin.Inertia(1.0, np.zeros(3), np.diag([-1.0, 1, 1])), pin.Inertia(1.0, np.full(3, np.nan), np.eye(3))):
-        model = pin.Model()
-        model.appendBodyToJoint(
-            model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "j1"), body, pin.SE3.Identity()
-        )
+    for field, value in (("mass", -1.0), ("lever", np.full(3, np.nan)), ("inertia", np.diag([-1.0, 1.0, 1.0]))):
+        model = chain(pin.JointModelRX())
+        setattr(model.inertias[1], field, value)
         with pytest.raises(InputError, match="joint 'j1'"):
             load_robot(model)
     model = pin.Model()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import pickle
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +36,7 @@ def test_friction_of_followers_reaches_their_leader(zoo: Path) -> None:
     assert np.allclose(robot.friction, [0.2, 0.4 + 1.5 * 0.6, 0, 0])
 
 
-def test_limits_that_a_file_leaves_out_are_none(write, text) -> None:  # type: ignore[no-untyped-def]
+def test_limits_that_a_file_leaves_out_are_none(write: Callable[..., Path], text: Callable[..., str]) -> None:
     """No <limit>, a <limit> without a range: unlimited; half a range ends at 0, as URDF says."""
     inside = "".join(text("link", name) for name in "abcd")
     inside += text("joint", "one", "revolute", "a", "b", "0 0 1", "")
@@ -51,7 +52,7 @@ def test_limits_that_a_file_leaves_out_are_none(write, text) -> None:  # type: i
 def test_tip_is_the_last_link_of_a_chain_and_none_of_a_branched_arm(arm: Path, zoo: Path) -> None:
     """A serial arm has one end, fixed links included; a branched one asks for a frame and names some."""
     assert load_robot(arm).tip == "tool"
-    with pytest.raises(InputError, match=r"branched.*'d'.*'f'"):
+    with pytest.raises(InputError, match=r"branched.*'f', 'd'"):
         _ = load_robot(zoo).tip
     with pytest.raises(InputError, match=r"branched.*'panda_leftfinger', 'panda_rightfinger'"):
         _ = load_robot("panda").tip
@@ -133,4 +134,4 @@ def test_a_robot_pickles_whole_and_stays_locked(zoo: Path) -> None:
                 assert not other.flags.writeable
             elif field.name not in ("tree", "_model"):
                 assert value == other, field.name
-    assert again.tip == robot.tip if robot.tree.m == 1 else True
+    assert again.frame_names == robot.frame_names

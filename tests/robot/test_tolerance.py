@@ -22,7 +22,7 @@ TEXTS = {
     "unused xacro namespace": b"<robot name='x' xmlns:xacro='http://www.ros.org/wiki/xacro'>%s</robot>",
     "undeclared prefix": b"<robot name='x'><sensor:camera/>%s</robot>",
     "doctype in a comment": b"<!-- <!DOCTYPE a> --><robot name='x'>%s</robot>",
-    "simulator tags": b"<robot name='x'><gazebo><joint/></gazebo><transmission><joint name='k'/></transmission>%s</robot>",
+    "simulator tags": b"<robot name='x'><gazebo><joint/></gazebo><transmission><joint/></transmission>%s</robot>",
     "instruction": b"<?pi?><robot name='x'>%s</robot>",
 }
 

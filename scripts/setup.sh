@@ -1,0 +1,43 @@
+# Sourced by run.sh and test.sh: finds what the set-up needs, says what is missing, makes .venv.
+# shellcheck shell=bash
+
+fail() {
+  printf 'flexdyn set-up: %s\n' "$1" >&2
+  exit 2
+}
+
+find_python() {
+  local candidate
+  for candidate in "${PYTHON:-}" python3 python3.14 python3.13 python3.12 python3.11; do
+    [ -n "$candidate" ] && command -v "$candidate" >/dev/null 2>&1 || continue
+    if "$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+      printf '%s' "$candidate"
+      return
+    fi
+  done
+  fail "Python 3.11 or later is missing. Debian, Ubuntu: apt install python3 python3-venv. macOS: brew install python. Or name one: PYTHON=/path/to/python3 $0"
+}
+
+need_compiler() {
+  local candidate
+  for candidate in "${CXX:-}" c++ g++ clang++; do
+    [ -n "$candidate" ] && command -v "$candidate" >/dev/null 2>&1 && return
+  done
+  fail "a C++ compiler is missing (the core is compiled on installation). Debian, Ubuntu: apt install g++. Fedora: dnf install gcc-c++. macOS: xcode-select --install"
+}
+
+# make_venv EXTRA: .venv with flexdyn[EXTRA] built from this checkout.
+make_venv() {
+  local python
+  python=$(find_python) || exit 2
+  need_compiler
+  if [ ! -x .venv/bin/python ]; then
+    "$python" -m venv .venv || {
+      rm -rf .venv
+      fail "python's venv module does not work. Debian, Ubuntu: apt install python3-venv"
+    }
+  fi
+  printf 'Installing flexdyn[%s] into .venv (the core is compiled: a minute or two) ...\n' "$1"
+  .venv/bin/python -m pip install --quiet --disable-pip-version-check ".[$1]" ||
+    fail "the installation failed; the lines above say why. Behind a proxy or without a network, point pip at your package index"
+}

@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# Set up .venv with the test extras and run everything that CI runs: the second of the README's two commands.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+. scripts/setup.sh
+
+make_venv test
+# Tests see the installed package, as a user does, and not the folder of the same name beside them.
+export PYTHONSAFEPATH=1
+bin=.venv/bin
+"$bin/ruff" check .
+"$bin/ruff" format --check .
+"$bin/mypy" flexdyn tests scripts benchmarks
+"$bin/pytest" "$@"
