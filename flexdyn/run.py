@@ -119,8 +119,13 @@ class Run:
         return frame_positions(self.model.robot, self.q, frame)
 
     def to_recording(self) -> Recording:
-        """The run as a recording: every signal of every joint, the model and solver in its meta."""
+        """The run as a recording: every signal of every joint.
+
+        Its meta holds solver and notes, and the model as the text of its file, unless the robot came from a pin.Model
+        and has no URDF that a file could name.
+        """
         from flexdyn.modelfile import model_to_dict
+        from flexdyn.yamlfile import dump_yaml
 
         channels, units = {}, {}
         for signal in SIGNALS:
@@ -128,7 +133,9 @@ class Run:
                 channels[f"{signal}.{joint}"] = getattr(self, signal)[:, j]
                 if self.model.robot.kinds[j] == "prismatic":
                     units[f"{signal}.{joint}"] = _PRISMATIC_UNITS[signal]
-        meta = {"model": model_to_dict(self.model), "solver": self.solver.to_dict(), "notes": list(self.notes)}
+        meta: dict[str, Any] = {"solver": self.solver.to_dict(), "notes": list(self.notes)}
+        if self.model.robot.source is not None:
+            meta["model"] = dump_yaml(model_to_dict(self.model))
         if units:
             meta["units"] = units
         return Recording(self.t, channels, meta=meta, name=self.model.name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any, Literal
 
 import numpy as np
@@ -195,7 +196,7 @@ def _number(key: str, value: Any) -> float:
 
 
 def _settings(solver: Solver) -> _core.SolverSettings:
-    settings = {key: float(value) for key, value in solver.to_dict().items() if key != "name" and value is not None}
+    settings = {key: float(value) for key, value in asdict(solver).items() if value is not None}
     return _core.solver_settings(type(solver).__name__, **settings)
 
 

@@ -27,8 +27,9 @@ class Solver:
                 raise InputError("it must be finite", key=f"solver.{field.name}", value=value)
 
     def to_dict(self) -> dict[str, Any]:
-        """As a study file writes it: ``{name: ..., settings}``."""
-        return {"name": type(self).__name__} | asdict(self)
+        """As a study file writes it: ``{name: ..., settings}``, without those that are infinite or None."""
+        settings = {key: value for key, value in asdict(self).items() if value is not None and math.isfinite(value)}
+        return {"name": type(self).__name__} | settings
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -76,8 +76,8 @@ def _fixed(h5py: Any, text: str) -> Any:
 
 
 def _plain(name: str) -> str:
-    """A link name for a channel: a slash would make a group, a lone dot is the group itself."""
-    return "%2E" if name == "." else quote(name, safe=" ") if "/" in name or "%" in name else name
+    """A link name for a channel: a slash would make a group, so it is written as in a URL."""
+    return quote(name, safe=" ") if "/" in name or "%" in name else name
 
 
 def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
