@@ -77,7 +77,7 @@ def simulate(
     )
     if report["reason"]:
         raise _failure(report, chosen, model)
-    stats = {key: int(report[key]) for key in ("steps", "rejected", "evaluations")}
+    stats = {key: int(report[key]) for key in ("steps", "rejected", "evaluations", "events")}
     return Run(t=grid, **out, model=model, solver=chosen, notes=notes, stats=stats)
 
 
@@ -101,8 +101,8 @@ def choose_solver(model: FlexibleJointModel, solver: Solver | str) -> tuple[Solv
         raise InputError(
             f"RungeKutta4 takes smooth laws only, and the model has {dry[0].name}", key="solver", remedy=remedy
         )
-    if dry:
-        width = getattr(solver, "smoothing", 0.0)
+    width = getattr(solver, "smoothing", None)
+    if dry and width is not None:
         notes.append(f"dry friction is smoothed over {width:g} rad/s: a loaded joint creeps instead of sticking")
     return solver, tuple(notes)
 

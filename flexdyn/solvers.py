@@ -57,14 +57,14 @@ class DormandPrince(Solver):
         rtol: relative tolerance [1].
         atol: absolute tolerance [rad, rad/s].
         max_step: [s].
-        smoothing: width eps of tanh(u/eps), which stands for Sgn(u) in dry friction [rad/s]. A smoothed joint creeps
-            under load instead of sticking: by about eps times load over level.
+        smoothing: without it dry friction sticks exactly and every switch is located as an event; with it Sgn(u) is
+            smoothed to tanh(u/smoothing) [rad/s], and a loaded joint creeps.
     """
 
     rtol: float = 1e-8
     atol: float = 1e-10
     max_step: float = math.inf
-    smoothing: float = 1e-3
+    smoothing: float | None = None
 
 
 SOLVERS: dict[str, type[Solver]] = {solver.__name__: solver for solver in (RungeKutta4, DormandPrince)}

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "bindings.hpp"
@@ -18,10 +19,26 @@ const std::map<std::string, LawName>& law_table() {
   static const std::map<std::string, LawName> table = {
       {"viscous_friction", {LawKind::viscous_friction, Stage::friction, 1}},
       {"coulomb_friction", {LawKind::coulomb_friction, Stage::dry, 1}},
+      {"asymmetric_friction", {LawKind::asymmetric_friction, Stage::dry, 2}},
       {"stribeck_friction", {LawKind::stribeck_friction, Stage::dry, 3}},
+      {"quadratic_drag", {LawKind::quadratic_drag, Stage::friction, 1}},
+      {"load_dependent_friction", {LawKind::load_dependent_friction, Stage::dry, 1}},
+      {"position_dependent_friction", {LawKind::position_dependent_friction, Stage::dry, 3}},
+      {"presliding_friction", {LawKind::presliding_friction, Stage::friction, 3}},
+      {"warm_up_friction", {LawKind::warm_up_friction, Stage::friction, 2}},
+      {"joint_coupling", {LawKind::joint_coupling, Stage::friction, 1}},
       {"transmission_damping", {LawKind::transmission_damping, Stage::spring, 1}},
+      {"hardening_spring", {LawKind::hardening_spring, Stage::spring, 1}},
+      {"backlash", {LawKind::backlash, Stage::deflection, 1}},
+      {"spring_hysteresis", {LawKind::spring_hysteresis, Stage::spring, 2}},
+      {"kinematic_error", {LawKind::kinematic_error, Stage::deflection, 3}},
       {"torque_offset", {LawKind::torque_offset, Stage::actuator, 1}},
+      {"torque_constant_error", {LawKind::torque_constant_error, Stage::actuator, 1}},
+      {"torque_ripple", {LawKind::torque_ripple, Stage::actuator, 3}},
       {"torque_speed_limit", {LawKind::torque_speed_limit, Stage::actuator, 2}},
+      {"parallel_spring", {LawKind::parallel_spring, Stage::link, 2}},
+      {"position_torque", {LawKind::position_torque, Stage::link, 4}},
+      {"end_stop", {LawKind::end_stop, Stage::link, 4}},
   };
   return table;
 }
@@ -51,10 +68,11 @@ class PythonLaw : public CallbackLaw {
   PythonCallable law_;
 };
 
-Law make_law(const std::string& name, int joint, const std::string& side, const std::vector<double>& parameters) {
+Law make_law(const std::string& name, int joint, const std::string& side, const std::vector<double>& parameters,
+             int other) {
   const LawName& entry = find_law(name);
   require(static_cast<int>(parameters.size()) == entry.parameters, "wrong number of parameters for this law");
-  Law law{entry.kind, entry.stage, joint, side_of(side), {}, nullptr};
+  Law law{entry.kind, entry.stage, joint, side_of(side), {}, nullptr, other};
   std::copy(parameters.begin(), parameters.end(), law.p);
   return law;
 }
@@ -68,20 +86,31 @@ Law make_python_law(const std::string& stage, int joint, const std::string& side
   return law;
 }
 
+double law_value(const Law& law, const LawInput& in, double tau) {
+  const int region = region_of(law.kind, law.p, in, law.stage == Stage::deflection ? in.x : tau);
+  const double direction = (in.u > 0.0) - (in.u < 0.0);
+  switch (law.stage) {
+    case Stage::friction: return friction_torque(law.kind, law.p, in);
+    case Stage::spring: return law.kind == LawKind::transmission_damping ? law.p[0] * in.u : spring_torque(law.kind, law.p, in);
+    case Stage::actuator: return actuator_torque(law.kind, law.p, in, tau, region);
+    case Stage::link: return link_torque(law.kind, law.p, in, region);
+    case Stage::dry: return direction * dry_level(law.kind, law.p, in, direction);
+    case Stage::deflection: break;
+  }
+  return law.kind == LawKind::backlash ? (region == 0 ? 0.0 : in.x - region * law.p[0])
+                                       : in.x + law.p[0] * std::sin(law.p[1] * tau + law.p[2]);
+}
+
 // The law over whole recordings; dry laws give the set's end in the direction of u, and 0 at u = 0.
 void evaluate_law(const std::string& name, const std::vector<double>& parameters, Array t, Array x, Array u, Array tau,
                   OutArray out) {
-  const Law law = make_law(name, 0, "motor", parameters);
+  const Law law = make_law(name, 0, "motor", parameters, -1);
   const std::size_t count = out.size();
   require(t.size() == count && x.size() == count && u.size() == count && tau.size() == count, "sizes differ");
   for (std::size_t i = 0; i < count; ++i) {
-    const LawInput in{t.data()[i], x.data()[i], u.data()[i]};
-    switch (law.stage) {
-      case Stage::friction: out.data()[i] = friction_torque(law.kind, law.p, in); break;
-      case Stage::spring: out.data()[i] = spring_torque(law.kind, law.p, in); break;
-      case Stage::actuator: out.data()[i] = actuator_torque(law.kind, law.p, in, tau.data()[i]); break;
-      case Stage::dry: out.data()[i] = dry_level(law.kind, law.p, in) * ((in.u > 0.0) - (in.u < 0.0)); break;
-    }
+    LawInput in{t.data()[i], x.data()[i], u.data()[i]};
+    in.tau_s = tau.data()[i];
+    out.data()[i] = law_value(law, in, tau.data()[i]);
   }
 }
 
@@ -172,7 +201,8 @@ std::shared_ptr<Plant> make_plant(std::shared_ptr<LinkDynamics> links, Array sti
 
 void bind_plant(nb::module_& m) {
   nb::class_<Law>(m, "Law");
-  m.def("law", &make_law, nb::arg("name"), nb::arg("joint"), nb::arg("side"), nb::arg("parameters"));
+  m.def("law", &make_law, nb::arg("name"), nb::arg("joint"), nb::arg("side"), nb::arg("parameters"),
+        nb::arg("other") = -1);
   m.def("python_law", &make_python_law, nb::arg("stage"), nb::arg("joint"), nb::arg("side"), nb::arg("callable"));
   m.def("evaluate_law", &evaluate_law, nb::arg("name"), nb::arg("parameters"), nb::arg("t"), nb::arg("x"),
         nb::arg("u"), nb::arg("tau"), nb::arg("out"));

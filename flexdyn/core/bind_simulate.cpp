@@ -103,6 +103,7 @@ nb::dict simulate(const Plant& plant, const CommandFactory& command, const std::
   result["written"] = report.written;
   result["steps"] = report.stats.steps;
   result["rejected"] = report.stats.rejected;
+  result["events"] = report.events;
   result["evaluations"] = report.stats.evaluations;
   return result;
 }

@@ -1,10 +1,15 @@
 // Every law is written once, here: Python classes give it its name, units and bounds and call it to draw it.
 //
 // A law belongs to a stage, which says where in the equations of motion it stands (SPEC signs):
-//   actuator  tau_applied = law(tau, theta, omega)            on the way from command to rotor
-//   spring    tau_s += law(delta, omega - v)                  transmission
-//   friction  left side, += law(x, u)                         smooth in u
-//   dry       left side, += level(x, u) Sgn(u)                set-valued at u = 0
+//   actuator    tau_applied = law(tau, theta, omega)            on the way from command to rotor
+//   deflection  delta -> law(delta, theta)                      before every spring law
+//   spring      tau_s += law(delta, delta')                     transmission
+//   friction    left side, += law(x, u)                         smooth in u
+//   dry         left side, += level(x, u) Sgn(u)                set-valued at u = 0
+//   link        right side, += law(q, v)                        on the link
+//
+// Laws with a corner (dead zone, end stop, torque-speed line) take a region: the piece they are on. Solvers that
+// locate events fix the region over a step and go on smoothly past the corner; the others ask for it at every point.
 #pragma once
 
 #include <algorithm>
@@ -12,62 +17,154 @@
 
 namespace flexdyn {
 
-enum class Stage { actuator, spring, friction, dry };
+enum class Stage { actuator, deflection, spring, friction, dry, link };
 enum class Side { link, motor, transmission };
 
 enum class LawKind {
   viscous_friction,
   coulomb_friction,
+  asymmetric_friction,
   stribeck_friction,
+  quadratic_drag,
+  load_dependent_friction,
+  position_dependent_friction,
+  presliding_friction,
+  warm_up_friction,
+  joint_coupling,
   transmission_damping,
+  hardening_spring,
+  backlash,
+  spring_hysteresis,
+  kinematic_error,
   torque_offset,
+  torque_constant_error,
+  torque_ripple,
   torque_speed_limit,
+  parallel_spring,
+  position_torque,
+  end_stop,
   callback,  // a law written in Python
 };
 
 // What a law sees at one instant: position and velocity of its side (transmission: delta and its rate).
 struct LawInput {
-  double t;
-  double x;
-  double u;
+  double t = 0.0;
+  double x = 0.0;
+  double u = 0.0;
+  double z = 0.0;      // internal state of the law
+  double tau_s = 0.0;  // transmission torque, for load-dependent friction
+  double other = 0.0;  // velocity of another joint's rotor, for joint coupling
 };
+
+// z' of a law with an internal state; u is the velocity that drives it.
+inline double internal_rate(LawKind kind, const double* p, const LawInput& in) {
+  switch (kind) {
+    case LawKind::presliding_friction: return in.u - p[1] * std::abs(in.u) * in.z / p[0];  // LuGre without Stribeck
+    case LawKind::spring_hysteresis: return in.u - std::abs(in.u) * in.z / p[1];           // Bouc-Wen
+    default: return 0.0;
+  }
+}
 
 // f_link or f_motor of a law smooth in u [N m].
 inline double friction_torque(LawKind kind, const double* p, const LawInput& in) {
   switch (kind) {
     case LawKind::viscous_friction: return p[0] * in.u;
+    case LawKind::quadratic_drag: return p[0] * in.u * std::abs(in.u);
+    case LawKind::warm_up_friction: return p[0] * std::exp(-in.t / p[1]) * in.u;
+    case LawKind::joint_coupling: return p[0] * in.other;
+    case LawKind::presliding_friction: return p[1] * in.z + p[2] * internal_rate(kind, p, in);
     default: return 0.0;
   }
 }
 
-// Level L >= 0 of a dry law in the direction u moves or, at rest, would move; its torque is L Sgn(u) [N m].
-inline double dry_level(LawKind kind, const double* p, const LawInput& in) {
+// Level L >= 0 of a dry law in a direction of motion (+1 or -1); its torque is direction * L [N m].
+inline double dry_level(LawKind kind, const double* p, const LawInput& in, double direction) {
   switch (kind) {
     case LawKind::coulomb_friction: return p[0];
-    // Paper eq. 1: (b^s - b^d) exp(-|u|/epsilon); the exponent generalises it.
-    case LawKind::stribeck_friction: return p[0] * std::exp(-std::pow(std::abs(in.u) / p[1], p[2]));
+    case LawKind::asymmetric_friction: return direction > 0.0 ? p[0] : p[1];
+    case LawKind::stribeck_friction: {
+      // Paper eq. 1: (b^s - b^d) exp(-|u|/epsilon); the exponent generalises it. With exponent 1 the branch goes on
+      // smoothly past u = 0, so that a step which overshoots the end of sliding stays smooth.
+      const double ratio = direction * in.u / p[1];
+      const double power = p[2] == 1.0 ? ratio : std::pow(std::abs(ratio), p[2]);
+      return p[0] * std::exp(-power);
+    }
+    case LawKind::load_dependent_friction: return p[0] * std::abs(in.tau_s);
+    case LawKind::position_dependent_friction: return p[0] * (1.0 + std::sin(p[1] * in.x + p[2]));
     default: return 0.0;
   }
 }
 
-// Contribution to tau_s [N m]; x is the deflection delta, u its rate omega - v.
+// Contribution to the spring's torque [N m]; x is the effective deflection, u its rate.
 inline double spring_torque(LawKind kind, const double* p, const LawInput& in) {
   switch (kind) {
-    case LawKind::transmission_damping: return p[0] * in.u;
+    case LawKind::hardening_spring: return p[0] * in.x * in.x * in.x;
+    case LawKind::spring_hysteresis: return p[0] * in.z;
+    default: return 0.0;
+  }
+}
+
+// Torque on the link, right side of its equation [N m]. An end stop presses, it never pulls.
+inline double link_torque(LawKind kind, const double* p, const LawInput& in, int region) {
+  switch (kind) {
+    case LawKind::parallel_spring: return -p[0] * (in.x - p[1]);
+    case LawKind::position_torque:
+      return -(p[0] * std::cos(in.x) + p[1] * std::sin(in.x) + p[2] * std::cos(2.0 * in.x) + p[3] * std::sin(2.0 * in.x));
+    case LawKind::end_stop:
+      return region == 0 ? 0.0 : -(p[2] * (in.x - (region > 0 ? p[1] : p[0])) + p[3] * in.u);
     default: return 0.0;
   }
 }
 
 // tau_applied out of tau [N m]; x, u are theta, omega.
-inline double actuator_torque(LawKind kind, const double* p, const LawInput& in, double tau) {
+inline double actuator_torque(LawKind kind, const double* p, const LawInput& in, double tau, int region) {
   switch (kind) {
     case LawKind::torque_offset: return tau + p[0];
-    case LawKind::torque_speed_limit: {
-      const double upper = std::max(0.0, p[0] * (1.0 - in.u / p[1]));
-      const double lower = std::min(0.0, -p[0] * (1.0 + in.u / p[1]));
-      return std::min(std::max(tau, lower), upper);
-    }
+    case LawKind::torque_constant_error: return (1.0 + p[0]) * tau;
+    case LawKind::torque_ripple: return tau + p[0] * std::sin(p[1] * in.x + p[2]);
+    case LawKind::torque_speed_limit:
+      // Regions: 0 inside, +-1 on the upper or lower line, +-2 past its end, where nothing is left.
+      if (region == 0) return tau;
+      return std::abs(region) == 2 ? 0.0 : region * p[0] - p[0] * in.u / p[1];
     default: return tau;
+  }
+}
+
+// The piece of a law with a corner at this point.
+inline int region_of(LawKind kind, const double* p, const LawInput& in, double value) {
+  switch (kind) {
+    case LawKind::torque_speed_limit: {
+      const double upper = p[0] * (1.0 - in.u / p[1]), lower = -p[0] * (1.0 + in.u / p[1]);
+      if (value > std::max(0.0, upper)) return upper > 0.0 ? 1 : 2;
+      if (value < std::min(0.0, lower)) return lower < 0.0 ? -1 : -2;
+      return 0;
+    }
+    case LawKind::end_stop:
+      // It holds while it presses: the damper may not pull the link back.
+      if (in.x > p[1]) return p[2] * (in.x - p[1]) + p[3] * in.u > 0.0 ? 1 : 0;
+      if (in.x < p[0]) return p[2] * (in.x - p[0]) + p[3] * in.u < 0.0 ? -1 : 0;
+      return 0;
+    case LawKind::backlash: return value > p[0] ? 1 : value < -p[0] ? -1 : 0;
+    default: return 0;
+  }
+}
+
+// How far a point is inside its region: negative once the law has left the piece it was on.
+inline double region_guard(LawKind kind, const double* p, const LawInput& in, double value, int region) {
+  switch (kind) {
+    case LawKind::torque_speed_limit: {
+      const double upper = p[0] * (1.0 - in.u / p[1]), lower = -p[0] * (1.0 + in.u / p[1]);
+      if (region == 0) return std::min(std::max(0.0, upper) - value, value - std::min(0.0, lower));
+      if (region > 0) return region == 1 ? std::min(value - upper, upper) : std::min(value, -upper);
+      return region == -1 ? std::min(lower - value, -lower) : std::min(-value, lower);
+    }
+    case LawKind::end_stop: {
+      const double up = p[2] * (in.x - p[1]) + p[3] * in.u, down = -(p[2] * (in.x - p[0]) + p[3] * in.u);
+      if (region == 0) return -std::max(std::min(in.x - p[1], up), std::min(p[0] - in.x, down));
+      return region > 0 ? std::min(up, in.x - p[1]) : std::min(down, p[0] - in.x);
+    }
+    case LawKind::backlash: return region == 0 ? p[0] - std::abs(value) : region * value - p[0];
+    default: return 1.0;
   }
 }
 

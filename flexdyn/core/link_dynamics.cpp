@@ -29,12 +29,13 @@ struct LinkDynamics::Impl {
 
 struct LinkDynamics::Workspace {
   explicit Workspace(const Impl& impl, int n)
-      : data(impl.model), M(n, n), h(n), factor(n), q(impl.offset), v(impl.offset) {}
+      : data(impl.model), M(n, n), h(n), factor(n), q(impl.offset), v(impl.offset), free(n) {}
   pin::Data data;
   MatrixXd M;
   VectorXd h;
   Eigen::LLT<MatrixXd> factor;
-  VectorXd q, v;  // of the whole tree, mimic joints included
+  VectorXd q, v;          // of the whole tree, mimic joints included
+  std::vector<int> free;  // joints that are not held
 };
 
 void LinkDynamics::Deleter::operator()(Workspace* workspace) const { delete workspace; }
@@ -93,6 +94,32 @@ void LinkDynamics::acceleration(Workspace& w, const double* q, const double* v, 
   bias(w, q, v, w.h.data());
   w.factor.compute(M);
   result = w.factor.solve(Map<const VectorXd>(tau, n_) - w.h);
+}
+
+void LinkDynamics::held_acceleration(Workspace& w, const double* q, const double* v, const double* tau,
+                                     const char* held, double* a, double* reaction) const {
+  mass_matrix(w, q, w.M.data());  // symmetric: row-major or column-major is the same
+  bias(w, q, v, w.h.data());
+  w.h = Map<const VectorXd>(tau, n_) - w.h;
+  int free = 0;
+  for (int j = 0; j < n_; ++j) {
+    if (!held[j]) w.free[free++] = j;
+  }
+  MatrixXd M(free, free);
+  VectorXd b(free);
+  for (int i = 0; i < free; ++i) {
+    b[i] = w.h[w.free[i]];
+    for (int k = 0; k < free; ++k) M(i, k) = w.M(w.free[i], w.free[k]);
+  }
+  const VectorXd moving = free > 0 ? VectorXd(M.llt().solve(b)) : b;
+  std::fill(a, a + n_, 0.0);
+  for (int i = 0; i < free; ++i) a[w.free[i]] = moving[i];
+  for (int j = 0; j < n_; ++j) {
+    if (!held[j]) continue;
+    double coupling = 0.0;
+    for (int i = 0; i < free; ++i) coupling += w.M(j, w.free[i]) * moving[i];
+    reaction[j] = w.h[j] - coupling;
+  }
 }
 
 void LinkDynamics::mass_matrix(Workspace& w, const double* q, double* M) const {

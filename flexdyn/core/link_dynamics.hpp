@@ -50,6 +50,10 @@ class LinkDynamics {
 
   // a = M(q)^-1 (tau - h(q, v)); ABA where no joint mimics another, else the projected M and h.
   void acceleration(Workspace& w, const double* q, const double* v, const double* tau, double* a) const;
+  // The same with some joints held: a = 0 exactly where `held`, and there `reaction` is the torque against tau that
+  // holds them; other entries of `reaction` are left alone (it may be tau itself).
+  void held_acceleration(Workspace& w, const double* q, const double* v, const double* tau, const char* held, double* a,
+                         double* reaction) const;
   // M(q), (n, n) row-major, armature of rigid joints included.
   void mass_matrix(Workspace& w, const double* q, double* M) const;
   // h(q, v): Coriolis, centrifugal and gravity torques.

@@ -1,4 +1,5 @@
 #include "march.hpp"
+#include "events.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -21,6 +22,11 @@ class March {
       : plant_(plant), command_(command), external_(external), duration_(duration), output_(output), poll_(poll),
         work_(plant.workspace()), theta_(plant.n()), omega_(plant.n()), tau_ext_(plant.n()) {
     work_.smoothing = solver.smoothing;
+    if (plant.has_events() && solver.smoothing == 0.0) {
+      events_ = std::make_unique<Events>(
+          plant, work_, [this](double t) { return command_.at(t); },
+          [this](double t, const double* x) { return wrench_torque(t, x); });
+    }
     auto f = [this](double t, const double* x, double* dx) {
       plant_.derivative(work_, t, x, command_.at(t), wrench_torque(t, x), dx);
     };
@@ -45,6 +51,7 @@ class March {
       while (row_ < output_.count) write(duration_, stepper_->x().data());
     }
     report.stats = stepper_->stats();
+    report.events = events_ ? events_->count() : 0;
     report.written = row_;
     report.x = stepper_->x();
     return report;
@@ -68,6 +75,7 @@ class March {
     if (command_.needs_state()) plant_.rotor(x.data(), theta_.data(), omega_.data());
     command_.begin(t_begin_, {plant_.q(x.data()), plant_.v(x.data()), theta_.data(), omega_.data()}, final);
     stepper_->restart();
+    if (events_) events_->settle(t_begin_, x);
   }
 
   void integrate_interval(double limit, Failure& failure) {
@@ -75,6 +83,7 @@ class March {
     // A sample on the switch itself belongs to the interval that begins there.
     while (sample_before(limit) && same_instant(output_.times[row_], t_begin_)) write(t_begin_, stepper_->x().data());
     while (stepper_->t() < limit) {
+      const double t_before = stepper_->t();
       if (!stepper_->step(limit, failure)) return;
       for (const double value : stepper_->x()) {
         if (!std::isfinite(value)) {
@@ -82,13 +91,19 @@ class March {
           return;
         }
       }
-      while (sample_before(limit) && (output_.times[row_] < stepper_->t() || at_step_end())) {
-        if (at_step_end()) {
+      const double t_end = events_ ? events_->find(*stepper_, t_before) : stepper_->t();
+      while (sample_before(limit) && (output_.times[row_] < t_end || same_instant(output_.times[row_], t_end))) {
+        if (same_instant(output_.times[row_], stepper_->t())) {
           write(stepper_->t(), stepper_->x().data());
           continue;
         }
         stepper_->interpolate(output_.times[row_], at_sample.data());
         write(output_.times[row_], at_sample.data());
+      }
+      if (events_ && events_->found()) events_->apply(*stepper_, t_end);
+      if (events_ && events_->stalled()) {
+        failure = {"infinitely many events in finite time", t_end};
+        return;
       }
       if (++since_poll_ >= 64) poll_if_due();
     }
@@ -97,8 +112,6 @@ class March {
   bool sample_before(double limit) const {
     return row_ < output_.count && output_.times[row_] < limit && !same_instant(output_.times[row_], limit);
   }
-
-  bool at_step_end() const { return same_instant(output_.times[row_], stepper_->t()); }
 
   void poll_if_due() {
     since_poll_ = 0;
@@ -143,6 +156,7 @@ class March {
   const Poll& poll_;
   Plant::Workspace work_;
   std::unique_ptr<Stepper> stepper_;
+  std::unique_ptr<Events> events_;
   std::vector<double> theta_, omega_, tau_ext_;
   double t_begin_ = 0.0;
   std::size_t row_ = 0;

@@ -26,6 +26,7 @@ struct Output {
 struct Report {
   Failure failure;
   StepperStats stats;
+  long events = 0;
   std::size_t written = 0;      // samples in the output that are valid
   std::vector<double> x;        // last state reached
 };

@@ -5,6 +5,18 @@
 
 namespace flexdyn {
 
+namespace {
+
+bool has_corner(LawKind kind) {
+  return kind == LawKind::torque_speed_limit || kind == LawKind::end_stop || kind == LawKind::backlash;
+}
+
+bool has_internal_state(LawKind kind) {
+  return kind == LawKind::presliding_friction || kind == LawKind::spring_hysteresis;
+}
+
+}  // namespace
+
 Plant::Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stiffness, std::vector<double> damping,
              std::vector<double> rotor_inertia, const std::vector<Law>& laws)
     : links_(std::move(links)), n_(links_->size()), rotor_slot_(n_, -1), K_(std::move(stiffness)),
@@ -14,30 +26,61 @@ Plant::Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stif
     rotor_slot_[j] = elastic();
     elastic_.push_back(j);
   }
-  for (const Law& law : laws) {
-    switch (law.stage) {
-      case Stage::actuator: actuator_.push_back(law); break;
-      case Stage::spring: spring_.push_back(law); break;
-      case Stage::friction: friction_.push_back(law); break;
-      case Stage::dry: {
-        auto contact = std::find_if(dry_.begin(), dry_.end(), [&](const DryContact& c) {
-          return c.joint == law.joint && c.side == law.side;
-        });
-        if (contact == dry_.end()) contact = dry_.insert(contact, {law.joint, law.side, {}});
-        contact->laws.push_back(law);
-        break;
-      }
+  for (const Law& law : laws) sort_in(law);
+  // The kinematic error comes before the dead zone.
+  std::stable_partition(deflection_.begin(), deflection_.end(),
+                        [](const Law& law) { return law.kind == LawKind::kinematic_error; });
+}
+
+void Plant::sort_in(Law law) {
+  if (law.kind == LawKind::backlash) {
+    // Gaps in one transmission add up to one dead zone.
+    for (Law& known : deflection_) {
+      if (known.kind != LawKind::backlash || known.joint != law.joint) continue;
+      known.p[0] += law.p[0];
+      switches_[known.region].p[0] = known.p[0];
+      return;
     }
   }
+  if (has_internal_state(law.kind)) law.state = internal_++;
+  if (has_corner(law.kind)) {
+    law.region = switches();
+    switches_.push_back(law);
+  }
+  switch (law.stage) {
+    case Stage::actuator: actuator_.push_back(law); return;
+    case Stage::deflection: deflection_.push_back(law); return;
+    case Stage::spring: (law.kind == LawKind::transmission_damping ? damper_ : spring_).push_back(law); return;
+    case Stage::friction: friction_.push_back(law); return;
+    case Stage::link: link_.push_back(law); return;
+    case Stage::dry: break;
+  }
+  const bool rigid = rotor_slot_[law.joint] < 0;
+  auto contact = std::find_if(dry_.begin(), dry_.end(), [&](const DryContact& c) {
+    return c.joint == law.joint && (rigid || c.side == law.side);
+  });
+  if (contact == dry_.end()) contact = dry_.insert(contact, {law.joint, rigid ? Side::link : law.side, {}});
+  contact->laws.push_back(law);
 }
 
 Plant::Workspace Plant::workspace() const {
   Workspace w;
   w.links = links_->workspace();
-  for (auto* array : {&w.tau_applied, &w.tau_s, &w.tau_link, &w.f_link, &w.f_motor, &w.theta, &w.omega, &w.a}) {
+  for (auto* array : {&w.theta, &w.omega, &w.a, &w.alpha, &w.deflection, &w.deflection_rate, &w.rotor_gain, &w.spring,
+                      &w.tau_applied, &w.tau_s, &w.tau_rotor, &w.tau_link, &w.f_link, &w.f_motor}) {
     array->assign(n_, 0.0);
   }
+  w.friction.assign(dry_.size(), 0.0);
+  w.motion.assign(dry_.size(), stuck);
+  w.region.assign(switches_.size(), 0);
+  w.actuator_value.assign(switches_.size(), 0.0);
+  w.held.assign(n_, 0);
   return w;
+}
+
+std::size_t Plant::velocity_index(const DryContact& contact) const {
+  const int base = n_ + elastic();
+  return contact.side == Side::link ? base + contact.joint : base + n_ + rotor_slot_[contact.joint];
 }
 
 void Plant::rotor(const double* x, double* theta, double* omega) const {
@@ -50,72 +93,207 @@ void Plant::rotor(const double* x, double* theta, double* omega) const {
   }
 }
 
+LawInput Plant::input(const Workspace& w, const Law& law, double t, const double* x) const {
+  const int j = law.joint;
+  const bool link = law.side == Side::link;
+  LawInput in{t, link ? x[j] : w.theta[j], link ? v(x)[j] : w.omega[j]};
+  in.tau_s = w.tau_s[j];
+  if (law.state >= 0) in.z = z(x)[law.state];
+  if (law.other >= 0) in.other = w.omega[law.other];
+  return in;
+}
+
 void Plant::evaluate_laws(Workspace& w, double t, const double* x, const double* tau) const {
-  const double* q_ = x;
-  const double* v_ = v(x);
   rotor(x, w.theta.data(), w.omega.data());
-  for (int j = 0; j < n_; ++j) {
-    w.tau_applied[j] = tau[j];
-    w.f_link[j] = 0.0;
-    w.f_motor[j] = 0.0;
+  transmission(w, t, x);
+  actuators(w, t, tau);
+  frictions(w, t, x);
+}
+
+void Plant::transmission(Workspace& w, double t, const double* x) const {
+  const double* v_ = v(x);
+  for (const int j : elastic_) {
+    w.deflection[j] = w.theta[j] - x[j];
+    w.deflection_rate[j] = w.omega[j] - v_[j];
+    w.rotor_gain[j] = 1.0;
   }
-  for (const int j : elastic_) w.tau_s[j] = K_[j] * (w.theta[j] - q_[j]) + D_[j] * (w.omega[j] - v_[j]);
+  for (const Law& law : deflection_) {
+    const int j = law.joint;
+    if (law.kind == LawKind::kinematic_error) {
+      const double angle = law.p[1] * w.theta[j] + law.p[2], slope = law.p[0] * law.p[1] * std::cos(angle);
+      w.deflection[j] += law.p[0] * std::sin(angle);
+      w.deflection_rate[j] += slope * w.omega[j];
+      w.rotor_gain[j] += slope;
+      continue;
+    }
+    w.actuator_value[law.region] = w.deflection[j];  // what the gap sees
+    if (!w.located) w.region[law.region] = current_region(w, law.region, t, x);
+    const int side = w.region[law.region];
+    w.deflection[j] = side == 0 ? 0.0 : w.deflection[j] - side * law.p[0];
+    if (side == 0) w.deflection_rate[j] = 0.0;
+  }
+  for (const int j : elastic_) w.spring[j] = K_[j] * w.deflection[j];
   for (const Law& law : spring_) {
     const int j = law.joint;
-    const LawInput in{t, w.theta[j] - q_[j], w.omega[j] - v_[j]};
-    w.tau_s[j] += law.callback ? (*law.callback)(in, 0.0) : spring_torque(law.kind, law.p, in);
+    LawInput in{t, w.deflection[j], w.deflection_rate[j]};
+    if (law.state >= 0) in.z = z(x)[law.state];
+    w.spring[j] += law.callback ? (*law.callback)(in, 0.0) : spring_torque(law.kind, law.p, in);
   }
-  for (const Law& law : actuator_) {
-    double& torque = w.tau_applied[law.joint];
-    const LawInput in{t, w.theta[law.joint], w.omega[law.joint]};
-    torque = law.callback ? (*law.callback)(in, torque) : actuator_torque(law.kind, law.p, in, torque);
+  for (const int j : elastic_) {
+    const double damping = D_[j] * (w.omega[j] - v_[j]);
+    w.tau_s[j] = w.spring[j] + damping;
+    w.tau_rotor[j] = w.rotor_gain[j] * w.spring[j] + damping;
   }
-  for (const Law& law : friction_) {
-    const int j = law.joint;
-    const bool link = law.side == Side::link;
-    const LawInput in{t, link ? q_[j] : w.theta[j], link ? v_[j] : w.omega[j]};
-    (link ? w.f_link : w.f_motor)[j] += law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in);
-  }
-  for (const DryContact& contact : dry_) {
-    const int j = contact.joint;
-    const bool link = contact.side == Side::link;
-    const LawInput in{t, link ? q_[j] : w.theta[j], link ? v_[j] : w.omega[j]};
-    double level = 0.0;
-    for (const Law& law : contact.laws) {
-      level += law.callback ? (*law.callback)(in, 0.0) : dry_level(law.kind, law.p, in);
-    }
-    (link ? w.f_link : w.f_motor)[j] += level * smooth_sign(in.u, w.smoothing);
+  for (const Law& law : damper_) {
+    const double torque = law.p[0] * (w.omega[law.joint] - v_[law.joint]);
+    w.tau_s[law.joint] += torque;
+    w.tau_rotor[law.joint] += torque;
   }
 }
 
-void Plant::solve_links(Workspace& w, const double* x, const double* tau_ext) const {
+void Plant::actuators(Workspace& w, double t, const double* tau) const {
+  std::copy(tau, tau + n_, w.tau_applied.begin());
+  for (const Law& law : actuator_) {
+    double& torque = w.tau_applied[law.joint];
+    const LawInput in{t, w.theta[law.joint], w.omega[law.joint]};
+    if (law.callback) {
+      torque = (*law.callback)(in, torque);
+      continue;
+    }
+    int region = 0;
+    if (law.region >= 0) {
+      w.actuator_value[law.region] = torque;
+      if (!w.located) w.region[law.region] = region_of(law.kind, law.p, in, torque);
+      region = w.region[law.region];
+    }
+    torque = actuator_torque(law.kind, law.p, in, torque, region);
+  }
+}
+
+void Plant::frictions(Workspace& w, double t, const double* x) const {
+  for (int j = 0; j < n_; ++j) w.f_link[j] = w.f_motor[j] = w.tau_link[j] = 0.0;
+  for (const Law& law : friction_) {
+    const LawInput in = input(w, law, t, x);
+    const double torque = law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in);
+    (law.side == Side::link ? w.f_link : w.f_motor)[law.joint] += torque;
+  }
+  for (const Law& law : link_) {
+    const LawInput in = input(w, law, t, x);
+    if (law.region >= 0 && !w.located) w.region[law.region] = region_of(law.kind, law.p, in, 0.0);
+    w.tau_link[law.joint] += link_torque(law.kind, law.p, in, law.region < 0 ? 0 : w.region[law.region]);
+  }
+  dry_frictions(w, t, x);
+}
+
+void Plant::dry_frictions(Workspace& w, double t, const double* x) const {
+  for (std::size_t c = 0; c < dry_.size(); ++c) {
+    const DryContact& contact = dry_[c];
+    const double u = x[velocity_index(contact)];
+    if (w.located) {
+      w.friction[c] = w.motion[c] == stuck ? 0.0 : w.motion[c] * level(w, c, t, x, w.motion[c]);
+    } else {
+      w.friction[c] = level(w, c, t, x, u < 0.0 ? -1.0 : 1.0) * smooth_sign(u, w.smoothing);
+    }
+    (contact.side == Side::link ? w.f_link : w.f_motor)[contact.joint] += w.friction[c];
+  }
+}
+
+double Plant::level(const Workspace& w, std::size_t contact, double t, const double* x, double direction) const {
+  double sum = 0.0;
+  for (const Law& law : dry_[contact].laws) sum += dry_level(law.kind, law.p, input(w, law, t, x), direction);
+  return sum;
+}
+
+double Plant::switch_value(const Workspace& w, int which) const { return w.actuator_value[which]; }
+
+int Plant::current_region(const Workspace& w, int which, double t, const double* x) const {
+  const Law& law = switches_[which];
+  return region_of(law.kind, law.p, input(w, law, t, x), switch_value(w, which));
+}
+
+double Plant::region_margin(const Workspace& w, int which, double t, const double* x) const {
+  const Law& law = switches_[which];
+  return region_guard(law.kind, law.p, input(w, law, t, x), switch_value(w, which), w.region[which]);
+}
+
+void Plant::link_drive(Workspace& w, const double* tau_ext) const {
   for (int j = 0; j < n_; ++j) {
     const double drive = rotor_slot_[j] < 0 ? w.tau_applied[j] - w.f_motor[j] : w.tau_s[j];
-    w.tau_link[j] = drive - w.f_link[j] + (tau_ext ? tau_ext[j] : 0.0);
+    w.tau_link[j] += drive - w.f_link[j] + (tau_ext ? tau_ext[j] : 0.0);
   }
-  links_->acceleration(*w.links, x, v(x), w.tau_link.data(), w.a.data());
+}
+
+void Plant::solve(Workspace& w, const double* x, const double* tau_ext) const {
+  link_drive(w, tau_ext);
+  bool any_held = false;
+  if (w.located) {
+    std::fill(w.held.begin(), w.held.end(), 0);
+    for (std::size_t c = 0; c < dry_.size(); ++c) {
+      if (w.motion[c] != stuck || dry_[c].side != Side::link) continue;
+      w.held[dry_[c].joint] = any_held = true;
+    }
+  }
+  if (any_held) {
+    links_->held_acceleration(*w.links, x, v(x), w.tau_link.data(), w.held.data(), w.a.data(), w.tau_link.data());
+  } else {
+    links_->acceleration(*w.links, x, v(x), w.tau_link.data(), w.a.data());
+  }
+  for (const int j : elastic_) w.alpha[j] = (w.tau_applied[j] - w.tau_rotor[j] - w.f_motor[j]) / J_[j];
+  if (!w.located) return;
+  for (std::size_t c = 0; c < dry_.size(); ++c) {
+    if (w.motion[c] != stuck) continue;
+    const int j = dry_[c].joint;
+    if (dry_[c].side == Side::link) {
+      w.friction[c] = w.tau_link[j];  // what holds it
+      w.f_link[j] += w.friction[c];
+    } else {
+      w.friction[c] = w.tau_applied[j] - w.tau_rotor[j] - w.f_motor[j];
+      w.f_motor[j] += w.friction[c];
+      w.alpha[j] = 0.0;
+    }
+  }
 }
 
 void Plant::derivative(Workspace& w, double t, const double* x, const double* tau, const double* tau_ext,
                        double* dx) const {
   evaluate_laws(w, t, x, tau);
-  solve_links(w, x, tau_ext);
+  solve(w, x, tau_ext);
   const int half = n_ + elastic();
   std::copy(x + half, x + 2 * half, dx);  // q' = v, theta' = omega
   std::copy(w.a.begin(), w.a.end(), dx + half);
-  for (int e = 0; e < elastic(); ++e) {
-    const int j = elastic_[e];
-    dx[half + n_ + e] = (w.tau_applied[j] - w.tau_s[j] - w.f_motor[j]) / J_[j];
+  for (int e = 0; e < elastic(); ++e) dx[half + n_ + e] = w.alpha[elastic_[e]];
+  for (const Law& law : friction_) {
+    if (law.state >= 0) dx[2 * half + law.state] = internal_rate(law.kind, law.p, input(w, law, t, x));
+  }
+  for (const Law& law : spring_) {
+    if (law.state < 0) continue;
+    LawInput in{t, w.deflection[law.joint], w.deflection_rate[law.joint]};
+    in.z = z(x)[law.state];
+    dx[2 * half + law.state] = internal_rate(law.kind, law.p, in);
   }
 }
 
 void Plant::torques(Workspace& w, double t, const double* x, const double* tau, const double* tau_ext) const {
   evaluate_laws(w, t, x, tau);
   if (elastic() == n_) return;
-  solve_links(w, x, tau_ext);
+  solve(w, x, tau_ext);
   for (int j = 0; j < n_; ++j) {
     if (rotor_slot_[j] < 0) w.tau_s[j] = w.tau_applied[j] - w.f_motor[j] - J_[j] * w.a[j];
   }
+  for (std::size_t c = 0; c < dry_.size(); ++c) w.tau_s[dry_[c].joint] -= motor_share(w, c, t, x);
+}
+
+double Plant::motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const {
+  const DryContact& dry = dry_[contact];
+  if (dry.side != Side::link || rotor_slot_[dry.joint] >= 0 || w.friction[contact] == 0.0) return 0.0;
+  const double direction = w.friction[contact] < 0.0 ? -1.0 : 1.0;
+  double motor = 0.0, all = 0.0;
+  for (const Law& law : dry.laws) {
+    const double one = dry_level(law.kind, law.p, input(w, law, t, x), direction);
+    all += one;
+    if (law.side == Side::motor) motor += one;
+  }
+  return all > 0.0 ? w.friction[contact] * motor / all : 0.0;
 }
 
 }  // namespace flexdyn

@@ -1,8 +1,9 @@
 // The whole arm: links, rotors, transmissions and the laws on them, as x' = f(t, x, tau).
 //
-//   M(q) a + h(q, v) + f_link = tau_s + tau_ext       (paper, eq. 3)
-//   J alpha + f_motor         = tau_applied - tau_s   (paper, eq. 4)
+//   M(q) a + h(q, v) + f_link = tau_s + tau_link + tau_ext    (paper, eq. 3)
+//   J alpha + f_motor         = tau_applied - g tau_s         (paper, eq. 4)
 //
+// g = 1 but for a kinematic error, whose rotor feels the spring through the slope of the error.
 // State x = [q (n), theta (e), v (n), omega (e), z (internal states)], e = number of elastic joints.
 #pragma once
 
@@ -32,57 +33,102 @@ struct Law {
   Side side;
   double p[max_law_parameters];
   std::shared_ptr<const CallbackLaw> callback;
+  int other = -1;   // joint of a coupling
+  int state = -1;   // place of its internal state among the z
+  int region = -1;  // place of its region among the switches
 };
 
-// All dry laws on one joint and side: they add to one interval [-L_negative, L_positive], one contact that
-// sticks as a whole.
+// All dry laws on one velocity: they add to one interval [-L_negative, L_positive], one contact that sticks as a
+// whole. On a rigid joint link and motor laws share the velocity and so the contact.
 struct DryContact {
   int joint;
   Side side;
   std::vector<Law> laws;
 };
 
+// How a contact moves: sliding in a direction, or stuck.
+enum Motion : int { backward = -1, stuck = 0, forward = 1 };
+
 class Plant {
  public:
   Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stiffness, std::vector<double> damping,
         std::vector<double> rotor_inertia, const std::vector<Law>& laws);
 
+  // Everything of one instant. With `located` the motions and regions are held fixed and sticking is exact; without,
+  // dry friction is smoothed and regions follow the point.
   struct Workspace {
     LinkDynamics::WorkspacePtr links;
-    std::vector<double> tau_applied, tau_s, tau_link, f_link, f_motor, theta, omega, a;
-    double smoothing = 0.0;  // width of the smoothed Sgn [rad/s]
+    std::vector<double> theta, omega, a, alpha;
+    std::vector<double> deflection, deflection_rate, rotor_gain;  // after kinematic error and dead zone
+    std::vector<double> spring, tau_applied, tau_s, tau_rotor;    // tau_rotor: what the transmission asks of the rotor
+    std::vector<double> tau_link, f_link, f_motor;
+    std::vector<double> friction;        // of each contact, positive against forward motion
+    std::vector<double> actuator_value;  // of each limited actuator: torque before the limit
+    std::vector<int> motion;             // of each contact
+    std::vector<int> region;             // of each switch
+    std::vector<char> held;              // links that stick (for the constrained solve)
+    bool located = false;
+    double smoothing = 0.0;              // width of the smoothed Sgn [rad/s]
   };
   Workspace workspace() const;
 
   int n() const { return n_; }
   int elastic() const { return static_cast<int>(elastic_.size()); }
-  int state_size() const { return 2 * (n_ + elastic()); }
+  int internal_states() const { return internal_; }
+  int state_size() const { return 2 * (n_ + elastic()) + internal_; }
+  bool has_events() const { return !dry_.empty() || !switches_.empty(); }
   bool has_dry_friction() const { return !dry_.empty(); }
   const LinkDynamics& links() const { return *links_; }
+  const std::vector<DryContact>& contacts() const { return dry_; }
+  int switches() const { return static_cast<int>(switches_.size()); }
+  double rotor_inertia(int joint) const { return J_[joint]; }
+  double stiffness(int joint) const { return K_[joint]; }
+  double damping(int joint) const { return D_[joint]; }
+  int rotor_slot(int joint) const { return rotor_slot_[joint]; }
+  const std::vector<int>& elastic_joints() const { return elastic_; }
 
-  // Views into x.
+  // Views into x, and where a contact's velocity stands in it.
   const double* q(const double* x) const { return x; }
   const double* v(const double* x) const { return x + n_ + elastic(); }
+  const double* z(const double* x) const { return x + 2 * (n_ + elastic()); }
+  std::size_t velocity_index(const DryContact& contact) const;
   // theta and omega of every joint; rigid joints read q and v.
   void rotor(const double* x, double* theta, double* omega) const;
 
   // dx = f(t, x, tau); tau_ext (n) may be null. Leaves all torques of this instant in the workspace.
   void derivative(Workspace& w, double t, const double* x, const double* tau, const double* tau_ext, double* dx) const;
-  // tau_applied and tau_s of this instant into the workspace. On a rigid joint tau_s is what the gear carries:
+  // All torques of this instant into the workspace. On a rigid joint tau_s is what the gear carries:
   // tau_applied - f_motor - J a.
   void torques(Workspace& w, double t, const double* x, const double* tau, const double* tau_ext) const;
 
- private:
+  // For the event layer: all torques but those of stuck contacts, and what one contact could hold.
   void evaluate_laws(Workspace& w, double t, const double* x, const double* tau) const;
-  void solve_links(Workspace& w, const double* x, const double* tau_ext) const;
+  void link_drive(Workspace& w, const double* tau_ext) const;  // tau_link += what drives the links
+  double level(const Workspace& w, std::size_t contact, double t, const double* x, double direction) const;
+  int current_region(const Workspace& w, int which, double t, const double* x) const;
+  double region_margin(const Workspace& w, int which, double t, const double* x) const;
+
+ private:
+  void sort_in(Law law);
+  void transmission(Workspace& w, double t, const double* x) const;
+  void actuators(Workspace& w, double t, const double* tau) const;
+  void frictions(Workspace& w, double t, const double* x) const;
+  void dry_frictions(Workspace& w, double t, const double* x) const;
+  void solve(Workspace& w, const double* x, const double* tau_ext) const;
+  // Of a rigid joint's dry friction, the part of its motor-side laws: before the gear.
+  double motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const;
+  LawInput input(const Workspace& w, const Law& law, double t, const double* x) const;
+  double switch_value(const Workspace& w, int which) const;
 
   std::shared_ptr<const LinkDynamics> links_;
   int n_;
-  std::vector<int> elastic_;         // joints with a finite stiffness
-  std::vector<int> rotor_slot_;      // joint -> place among the elastic ones, -1 = rigid
+  int internal_ = 0;
+  std::vector<int> elastic_;     // joints with a finite stiffness
+  std::vector<int> rotor_slot_;  // joint -> place among the elastic ones, -1 = rigid
   std::vector<double> K_, D_, J_;
-  std::vector<Law> actuator_, spring_, friction_;
+  std::vector<Law> actuator_, deflection_, spring_, damper_, friction_, link_;
   std::vector<DryContact> dry_;
+  std::vector<Law> switches_;    // laws with a corner, each with its region's place
 };
 
 }  // namespace flexdyn

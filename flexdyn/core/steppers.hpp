@@ -33,6 +33,12 @@ class Stepper {
   virtual void restart() = 0;
   // Take one step, at most to `limit`; false with `failure` set if none can be taken.
   virtual bool step(double limit, Failure& failure) = 0;
+  // End the last step early, at t with state x (an event lies there).
+  void truncate(double t, const std::vector<double>& x) {
+    t_ = t;
+    x_ = x;
+    restart();
+  }
   // State at t within the last step.
   virtual void interpolate(double t, double* x) = 0;
 

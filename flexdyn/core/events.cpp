@@ -1,0 +1,179 @@
+#include "events.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flexdyn {
+
+Events::Events(const Plant& plant, Plant::Workspace& work, Torque torque, External external)
+    : plant_(plant), work_(work), torque_(std::move(torque)), external_(std::move(external)),
+      x_(plant.state_size()), dx_(plant.state_size()) {
+  work_.located = true;
+}
+
+void Events::evaluate(double t, const double* x) {
+  plant_.derivative(work_, t, x, torque_(t), external_(t, x), dx_.data());
+}
+
+// Positive while what was assumed over the step still holds.
+double Events::margin(double t, const double* x, std::size_t guard) const {
+  const auto& contacts = plant_.contacts();
+  if (guard >= contacts.size()) return plant_.region_margin(work_, static_cast<int>(guard - contacts.size()), t, x);
+  if (work_.motion[guard] != stuck) return work_.motion[guard] * x[plant_.velocity_index(contacts[guard])];
+  const double friction = work_.friction[guard];
+  return std::min(plant_.level(work_, guard, t, x, 1.0) - friction, friction + plant_.level(work_, guard, t, x, -1.0));
+}
+
+bool Events::needs_evaluation(std::size_t guard) const {
+  return guard >= plant_.contacts().size() || work_.motion[guard] == stuck;
+}
+
+double Events::margin_on_step(Stepper& stepper, double t, std::size_t guard) {
+  stepper.interpolate(t, x_.data());
+  if (needs_evaluation(guard)) evaluate(t, x_.data());
+  return margin(t, x_.data(), guard);
+}
+
+double Events::find(Stepper& stepper, double t_before) {
+  const double t_end = stepper.t();
+  double first = t_end;
+  bool found = false;
+  // The middle is looked at too: a joint may come to rest and start back within one step.
+  for (const double t : {0.5 * (t_before + t_end), t_end}) {
+    stepper.interpolate(t, x_.data());
+    bool evaluated = false;
+    for (std::size_t guard = 0; guard < guards(); ++guard) {
+      if (needs_evaluation(guard) && !evaluated) {
+        evaluate(t, x_.data());
+        evaluated = true;
+      }
+      if (margin(t, x_.data(), guard) >= 0.0) continue;
+      const double event = locate(stepper, guard, t_before, t);
+      if (!found || event < first) first = event;
+      found = true;
+      stepper.interpolate(t, x_.data());
+      evaluated = false;
+    }
+    if (found) break;
+  }
+  event_found_ = found;
+  return first;
+}
+
+// Illinois' variant of the false position; the instant returned lies just past the event.
+double Events::locate(Stepper& stepper, std::size_t guard, double left, double right) {
+  double at_left = std::max(margin_on_step(stepper, left, guard), 0.0);
+  double at_right = margin_on_step(stepper, right, guard);
+  const double resolution = 4e-16 * std::max(1.0, std::abs(right));
+  int side = 0;
+  for (int i = 0; i < 100 && right - left > resolution; ++i) {
+    double t = at_left > 0.0 && i < 60 ? (left * -at_right + right * at_left) / (at_left - at_right) : 0.5 * (left + right);
+    if (!(t > left && t < right)) t = 0.5 * (left + right);
+    const double value = margin_on_step(stepper, t, guard);
+    if (value < 0.0) {
+      right = t;
+      at_right = value;
+      if (side == -1) at_left *= 0.5;
+      side = -1;
+    } else {
+      left = t;
+      at_left = value;
+      if (side == 1) at_right *= 0.5;
+      side = 1;
+      if (value == 0.0) at_left = 0.0;
+    }
+  }
+  return right;
+}
+
+void Events::apply(Stepper& stepper, double t_event) {
+  std::vector<double> x(plant_.state_size());
+  stepper.interpolate(t_event, x.data());
+  const auto& contacts = plant_.contacts();
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    double& u = x[plant_.velocity_index(contacts[c])];
+    if (work_.motion[c] != stuck && work_.motion[c] * u <= 0.0) u = 0.0;  // it came to rest: exactly
+  }
+  stepper.truncate(t_event, x);
+  count_ += 1;
+  const bool moved_on = t_event - last_event_ > 1e-12 * std::max(1.0, std::abs(t_event));
+  stalled_ = moved_on ? 0 : stalled_ + 1;
+  last_event_ = t_event;
+  settle(t_event, x);
+}
+
+void Events::settle(double t, const std::vector<double>& x) {
+  settle_regions(t, x.data());
+  settle_contacts(t, x.data());
+}
+
+void Events::settle_regions(double t, const double* x) {
+  work_.located = false;
+  work_.smoothing = 1.0;  // friction of this call is not used
+  plant_.evaluate_laws(work_, t, x, torque_(t));
+  work_.located = true;
+}
+
+void Events::settle_contacts(double t, const double* x) {
+  const auto& contacts = plant_.contacts();
+  std::vector<std::size_t> resting;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const double u = x[plant_.velocity_index(contacts[c])];
+    work_.motion[c] = u > 0.0 ? forward : u < 0.0 ? backward : stuck;
+    if (u == 0.0) resting.push_back(c);
+  }
+  if (resting.empty()) return;
+  plant_.evaluate_laws(work_, t, x, torque_(t));  // resting contacts count as stuck and give no torque here
+  std::vector<std::size_t> links;
+  for (const std::size_t c : resting) {
+    const int j = contacts[c].joint;
+    if (contacts[c].side == Side::link) {
+      links.push_back(c);
+      continue;
+    }
+    const double net = work_.tau_applied[j] - work_.tau_rotor[j] - work_.f_motor[j];
+    if (net > plant_.level(work_, c, t, x, 1.0)) work_.motion[c] = forward;
+    if (net < -plant_.level(work_, c, t, x, -1.0)) work_.motion[c] = backward;
+  }
+  if (!links.empty()) settle_links(links, t, x);
+}
+
+// Boxed linear complementarity by Bard's pivoting with the least-index rule, finite for M(q) positive definite:
+// flip the first contact whose state contradicts itself until none does.
+void Events::settle_links(const std::vector<std::size_t>& resting, double t, const double* x) {
+  const auto& contacts = plant_.contacts();
+  const int n = plant_.n();
+  plant_.link_drive(work_, external_(t, x));
+  const std::vector<double> drive = work_.tau_link;
+  std::vector<double> tau(n), reaction(n), a(n);
+  std::vector<char> held(n);
+  for (int pivot = 0; pivot < 1000; ++pivot) {
+    tau = drive;
+    std::fill(held.begin(), held.end(), 0);
+    for (const std::size_t c : resting) {
+      const int j = contacts[c].joint, motion = work_.motion[c];
+      if (motion == stuck) held[j] = 1;
+      else tau[j] -= motion * plant_.level(work_, c, t, x, motion);
+    }
+    plant_.links().held_acceleration(*work_.links, x, plant_.v(x), tau.data(), held.data(), a.data(), reaction.data());
+    bool consistent = true;
+    for (const std::size_t c : resting) {
+      const int j = contacts[c].joint;
+      int& motion = work_.motion[c];
+      const int before = motion;
+      if (motion != stuck) {
+        if (motion * a[j] < 0.0) motion = stuck;
+      } else if (reaction[j] > plant_.level(work_, c, t, x, 1.0)) {
+        motion = forward;
+      } else if (reaction[j] < -plant_.level(work_, c, t, x, -1.0)) {
+        motion = backward;
+      }
+      if (motion == before) continue;
+      consistent = false;
+      break;
+    }
+    if (consistent) return;
+  }
+}
+
+}  // namespace flexdyn
