@@ -67,7 +67,40 @@ class DormandPrince(Solver):
     smoothing: float | None = None
 
 
-SOLVERS: dict[str, type[Solver]] = {solver.__name__: solver for solver in (RungeKutta4, DormandPrince)}
+@dataclass(frozen=True, kw_only=True)
+class Rosenbrock(Solver):
+    """RODAS, order 4(3), L-stable: for stiff springs and friction whose bristles are stiff.
+
+    The local error is kept as in `DormandPrince`; the Jacobian is Pinocchio's, analytic.
+
+    Args:
+        rtol: relative tolerance [1].
+        atol: absolute tolerance [rad, rad/s].
+        max_step: [s].
+        smoothing: as in `DormandPrince`.
+    """
+
+    rtol: float = 1e-6
+    atol: float = 1e-8
+    max_step: float = math.inf
+    smoothing: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimeStepping(Solver):
+    """A fixed step over whatever happens in it: springs and dampers implicit, sticking exact, order 1.
+
+    Each step solves a boxed complementarity problem in the velocities; it is stable for any stiffness and damping at
+    steps that resolve the rigid arm's motion, and damps what the step does not resolve.
+
+    Args:
+        step: [s].
+    """
+
+    step: float = 1e-3
+
+
+SOLVERS: dict[str, type[Solver]] = {solver.__name__: solver for solver in (RungeKutta4, DormandPrince, Rosenbrock, TimeStepping)}
 
 
 def make_solver(name: str, **settings: float | None) -> Solver:

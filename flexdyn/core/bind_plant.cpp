@@ -3,6 +3,7 @@
 #include <map>
 
 #include "bindings.hpp"
+#include "events.hpp"
 #include "plant.hpp"
 
 namespace flexdyn {
@@ -189,6 +190,20 @@ void derivative(const Plant& plant, double t, Array x, Array tau, double smoothi
   plant.derivative(work, t, x.data(), tau.data(), nullptr, dx.data());
 }
 
+// Dry friction is smoothed if a width is given; without, what rests and is held has no acceleration.
+void jacobian(const Plant& plant, double t, Array x, Array tau, double smoothing, OutArray out) {
+  const std::size_t size = plant.state_size();
+  require(x.size() == size && out.size() == size * size, "x is (nx,) and the Jacobian (nx, nx)");
+  require(static_cast<int>(tau.size()) == plant.n(), "tau has one entry a joint");
+  auto work = plant.workspace();
+  work.smoothing = smoothing;
+  if (smoothing == 0.0) {
+    Events events(plant, work, [&](double) { return tau.data(); }, [](double, const double*) { return nullptr; });
+    events.settle(t, to_vector(x));
+  }
+  plant.jacobian(work, t, x.data(), tau.data(), nullptr, out.data());
+}
+
 std::shared_ptr<Plant> make_plant(std::shared_ptr<LinkDynamics> links, Array stiffness, Array damping, Array inertia,
                                   const std::vector<Law>& laws) {
   const std::size_t n = links->size();
@@ -218,7 +233,8 @@ void bind_plant(nb::module_& m) {
       .def_prop_ro("state_size", &Plant::state_size)
       .def_prop_ro("has_dry_friction", &Plant::has_dry_friction)
       .def("derivative", &derivative, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"),
-           nb::arg("out"));
+           nb::arg("out"))
+      .def("jacobian", &jacobian, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"), nb::arg("out"));
   m.def("plant", &make_plant, nb::arg("links"), nb::arg("stiffness"), nb::arg("damping"), nb::arg("rotor_inertia"),
         nb::arg("laws"));
 }

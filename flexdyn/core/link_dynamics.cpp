@@ -4,6 +4,7 @@
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/energy.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
+#include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody.hpp>
 
@@ -29,12 +30,12 @@ struct LinkDynamics::Impl {
 
 struct LinkDynamics::Workspace {
   explicit Workspace(const Impl& impl, int n)
-      : data(impl.model), M(n, n), h(n), factor(n), q(impl.offset), v(impl.offset), free(n) {}
+      : data(impl.model), M(n, n), h(n), factor(n), q(impl.offset), v(impl.offset), a(impl.offset), free(n) {}
   pin::Data data;
   MatrixXd M;
   VectorXd h;
   Eigen::LLT<MatrixXd> factor;
-  VectorXd q, v;          // of the whole tree, mimic joints included
+  VectorXd q, v, a;       // of the whole tree, mimic joints included
   std::vector<int> free;  // joints that are not held
 };
 
@@ -133,6 +134,17 @@ void LinkDynamics::bias(Workspace& w, const double* q, const double* v, double* 
   w.q.noalias() = impl_->gain * Map<const VectorXd>(q, n_) + impl_->offset;
   w.v.noalias() = impl_->gain * Map<const VectorXd>(v, n_);
   Map<VectorXd>(h, n_) = impl_->gain.transpose() * pin::nonLinearEffects(impl_->model, w.data, w.q, w.v);
+}
+
+void LinkDynamics::inverse_derivatives(Workspace& w, const double* q, const double* v, const double* a, double* by_q,
+                                       double* by_v) const {
+  const MatrixXd& gain = impl_->gain;
+  w.q.noalias() = gain * Map<const VectorXd>(q, n_) + impl_->offset;
+  w.v.noalias() = gain * Map<const VectorXd>(v, n_);
+  w.a.noalias() = gain * Map<const VectorXd>(a, n_);
+  pin::computeRNEADerivatives(impl_->model, w.data, w.q, w.v, w.a);
+  Map<RowMatrix>(by_q, n_, n_) = gain.transpose() * w.data.dtau_dq * gain;
+  Map<RowMatrix>(by_v, n_, n_) = gain.transpose() * w.data.dtau_dv * gain;
 }
 
 void LinkDynamics::energy(Workspace& w, const double* q, const double* v, double& kinetic, double& potential) const {

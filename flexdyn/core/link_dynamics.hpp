@@ -56,6 +56,9 @@ class LinkDynamics {
                          double* reaction) const;
   // M(q), (n, n) row-major, armature of rigid joints included.
   void mass_matrix(Workspace& w, const double* q, double* M) const;
+  // Derivatives of M(q) a + h(q, v) by q and v at given q, v, a, (n, n) row-major.
+  void inverse_derivatives(Workspace& w, const double* q, const double* v, const double* a, double* by_q,
+                           double* by_v) const;
   // h(q, v): Coriolis, centrifugal and gravity torques.
   void bias(Workspace& w, const double* q, const double* v, double* h) const;
   // Kinetic (armature included) and gravitational energy [J].

@@ -1,5 +1,6 @@
 #include "march.hpp"
 #include "events.hpp"
+#include "time_stepping.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -22,6 +23,12 @@ class March {
       : plant_(plant), command_(command), external_(external), duration_(duration), output_(output), poll_(poll),
         work_(plant.workspace()), theta_(plant.n()), omega_(plant.n()), tau_ext_(plant.n()) {
     work_.smoothing = solver.smoothing;
+    if (solver.name == "TimeStepping") {
+      stepper_ = make_time_stepping(
+          plant, work_, [this](double t) { return command_.at(t); },
+          [this](double t, const double* x) { return wrench_torque(t, x); }, solver.step);
+      return;
+    }
     if (plant.has_events() && solver.smoothing == 0.0) {
       events_ = std::make_unique<Events>(
           plant, work_, [this](double t) { return command_.at(t); },
@@ -34,6 +41,13 @@ class March {
       stepper_ = make_runge_kutta4(f, solver.step);
     } else if (solver.name == "DormandPrince") {
       stepper_ = make_dormand_prince(f, solver.rtol, solver.atol, solver.max_step);
+    } else if (solver.name == "Rosenbrock") {
+      const ExternalTorque torque = external.empty() ? ExternalTorque()
+                                                     : [this](double t, const double* x) { return wrench_torque(t, x); };
+      auto jacobian = [this, torque](double t, const double* x, double* J) {
+        plant_.jacobian(work_, t, x, command_.at(t), torque, J);
+      };
+      stepper_ = make_rosenbrock(f, jacobian, solver.rtol, solver.atol, solver.max_step);
     } else {
       throw std::invalid_argument("unknown solver " + solver.name);
     }

@@ -135,6 +135,7 @@ void Plant::transmission(Workspace& w, double t, const double* x) const {
   for (const int j : elastic_) w.spring[j] = K_[j] * w.deflection[j];
   for (const Law& law : spring_) {
     const int j = law.joint;
+    if (law.state >= 0 && w.without_internal) continue;
     LawInput in{t, w.deflection[j], w.deflection_rate[j]};
     if (law.state >= 0) in.z = z(x)[law.state];
     w.spring[j] += law.callback ? (*law.callback)(in, 0.0) : spring_torque(law.kind, law.p, in);
@@ -173,6 +174,7 @@ void Plant::actuators(Workspace& w, double t, const double* tau) const {
 void Plant::frictions(Workspace& w, double t, const double* x) const {
   for (int j = 0; j < n_; ++j) w.f_link[j] = w.f_motor[j] = w.tau_link[j] = 0.0;
   for (const Law& law : friction_) {
+    if (law.state >= 0 && w.without_internal) continue;
     const LawInput in = input(w, law, t, x);
     const double torque = law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in);
     (law.side == Side::link ? w.f_link : w.f_motor)[law.joint] += torque;
@@ -214,6 +216,12 @@ int Plant::current_region(const Workspace& w, int which, double t, const double*
 double Plant::region_margin(const Workspace& w, int which, double t, const double* x) const {
   const Law& law = switches_[which];
   return region_guard(law.kind, law.p, input(w, law, t, x), switch_value(w, which), w.region[which]);
+}
+
+bool Plant::in_gap(const Workspace& w, int joint) const {
+  return std::any_of(deflection_.begin(), deflection_.end(), [&](const Law& law) {
+    return law.kind == LawKind::backlash && law.joint == joint && w.region[law.region] == 0;
+  });
 }
 
 void Plant::link_drive(Workspace& w, const double* tau_ext) const {
@@ -262,14 +270,18 @@ void Plant::derivative(Workspace& w, double t, const double* x, const double* ta
   std::copy(x + half, x + 2 * half, dx);  // q' = v, theta' = omega
   std::copy(w.a.begin(), w.a.end(), dx + half);
   for (int e = 0; e < elastic(); ++e) dx[half + n_ + e] = w.alpha[elastic_[e]];
+  internal_rates(w, t, x, dx + 2 * half);
+}
+
+void Plant::internal_rates(const Workspace& w, double t, const double* x, double* rate) const {
   for (const Law& law : friction_) {
-    if (law.state >= 0) dx[2 * half + law.state] = internal_rate(law.kind, law.p, input(w, law, t, x));
+    if (law.state >= 0) rate[law.state] = internal_rate(law.kind, law.p, input(w, law, t, x));
   }
   for (const Law& law : spring_) {
     if (law.state < 0) continue;
     LawInput in{t, w.deflection[law.joint], w.deflection_rate[law.joint]};
     in.z = z(x)[law.state];
-    dx[2 * half + law.state] = internal_rate(law.kind, law.p, in);
+    rate[law.state] = internal_rate(law.kind, law.p, in);
   }
 }
 

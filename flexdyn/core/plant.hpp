@@ -7,6 +7,7 @@
 // State x = [q (n), theta (e), v (n), omega (e), z (internal states)], e = number of elastic joints.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -49,6 +50,20 @@ struct DryContact {
 // How a contact moves: sliding in a direction, or stuck.
 enum Motion : int { backward = -1, stuck = 0, forward = 1 };
 
+// Torques of the laws on every link and rotor, and how they change with that joint's own state (dry friction of
+// stuck contacts left out). Column order of `by`: q, theta, v, omega.
+struct LocalSlopes {
+  std::vector<double> link, rotor;          // (n,) [N m]
+  std::vector<double> link_by[4], rotor_by[4];
+  std::vector<double> z_rate;               // (z,)
+  std::vector<double> z_by[4];              // (z,) of the joint the state belongs to
+  std::vector<double> z_self, link_by_z, rotor_by_z;
+  std::vector<int> z_joint;
+};
+
+// tau_ext (n) at a position, or null.
+using ExternalTorque = std::function<const double*(double t, const double* x)>;
+
 class Plant {
  public:
   Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stiffness, std::vector<double> damping,
@@ -68,6 +83,7 @@ class Plant {
     std::vector<int> region;             // of each switch
     std::vector<char> held;              // links that stick (for the constrained solve)
     bool located = false;
+    bool without_internal = false;       // leave out laws with an internal state (TimeStepping adds them itself)
     double smoothing = 0.0;              // width of the smoothed Sgn [rad/s]
   };
   Workspace workspace() const;
@@ -80,6 +96,8 @@ class Plant {
   bool has_dry_friction() const { return !dry_.empty(); }
   const LinkDynamics& links() const { return *links_; }
   const std::vector<DryContact>& contacts() const { return dry_; }
+  const std::vector<Law>& frictions() const { return friction_; }
+  const std::vector<Law>& springs() const { return spring_; }
   int switches() const { return static_cast<int>(switches_.size()); }
   double rotor_inertia(int joint) const { return J_[joint]; }
   double stiffness(int joint) const { return K_[joint]; }
@@ -101,6 +119,15 @@ class Plant {
   // tau_applied - f_motor - J a.
   void torques(Workspace& w, double t, const double* x, const double* tau, const double* tau_ext) const;
 
+  // d(dx)/dx (state_size, state_size) row-major at a point where motions and regions hold: links from Pinocchio's
+  // analytic derivatives, joint-local laws by central differences of their scalar torques.
+  void jacobian(Workspace& w, double t, const double* x, const double* tau, const ExternalTorque& external,
+                double* out) const;
+  // The torques that act on links and rotors and their slopes: the laws without the links' own dynamics.
+  void local_slopes(Workspace& w, double t, const double* x, const double* tau, LocalSlopes& out) const;
+
+  bool in_gap(const Workspace& w, int joint) const;
+
   // For the event layer: all torques but those of stuck contacts, and what one contact could hold.
   void evaluate_laws(Workspace& w, double t, const double* x, const double* tau) const;
   void link_drive(Workspace& w, const double* tau_ext) const;  // tau_link += what drives the links
@@ -110,6 +137,12 @@ class Plant {
 
  private:
   void sort_in(Law law);
+  void local_torques(Workspace& w, double t, const double* x, const double* tau, double* link, double* rotor,
+                     double* z_rate) const;
+  void couple(double* right, double* J) const;
+  void external_slopes(double t, const double* x, const ExternalTorque& external, double* right) const;
+  void acceleration_slopes(const Workspace& w, const double* M, const double* right, double* out) const;
+  void internal_rates(const Workspace& w, double t, const double* x, double* rate) const;
   void transmission(Workspace& w, double t, const double* x) const;
   void actuators(Workspace& w, double t, const double* tau) const;
   void frictions(Workspace& w, double t, const double* x) const;

@@ -12,6 +12,7 @@
 namespace flexdyn {
 
 using RightHandSide = std::function<void(double t, const double* x, double* dx)>;
+using Jacobian = std::function<void(double t, const double* x, double* J)>;  // (nx, nx) row-major
 
 struct StepperStats {
   long steps = 0;
@@ -63,5 +64,6 @@ struct SolverSettings {
 
 std::unique_ptr<Stepper> make_runge_kutta4(RightHandSide f, double step);
 std::unique_ptr<Stepper> make_dormand_prince(RightHandSide f, double rtol, double atol, double max_step);
+std::unique_ptr<Stepper> make_rosenbrock(RightHandSide f, Jacobian jacobian, double rtol, double atol, double max_step);
 
 }  // namespace flexdyn

@@ -1,24 +1,79 @@
 """The effects a drive and its links can have; one class each, the laws in the compiled core."""
 
-from flexdyn.effects.actuator import TorqueOffset, TorqueSpeedLimit
+from flexdyn.effects.actuator import CommandDelay, TorqueConstantError, TorqueOffset, TorqueRipple, TorqueSpeedLimit
 from flexdyn.effects.base import Effect, JointEffect, parameter, registered, unit_for
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
-from flexdyn.effects.friction import CoulombFriction, StribeckFriction, ViscousFriction
-from flexdyn.effects.link import Payload
-from flexdyn.effects.transmission import TransmissionDamping
+from flexdyn.effects.friction import (
+    AsymmetricFriction,
+    CoulombFriction,
+    LoadDependentFriction,
+    PositionDependentFriction,
+    PreslidingFriction,
+    QuadraticDrag,
+    StribeckFriction,
+    ViscousFriction,
+    WarmUpFriction,
+)
+from flexdyn.effects.link import EndStop, JointCoupling, ParallelSpring, Payload, PositionTorque
+from flexdyn.effects.memory import MemoryEffect
+from flexdyn.effects.model_error import ParameterError
+from flexdyn.effects.sensor import (
+    ChannelLag,
+    EncoderEccentricity,
+    SensorEffect,
+    SensorGain,
+    SensorOffset,
+    measure,
+)
+from flexdyn.effects.transmission import (
+    Backlash,
+    DeflectionEffect,
+    HardeningSpring,
+    JointElasticity,
+    KinematicError,
+    SpringHysteresis,
+    TransmissionDamping,
+)
 
 __all__ = [
+    "AsymmetricFriction",
+    "Backlash",
+    "ChannelLag",
+    "CommandDelay",
     "CoulombFriction",
+    "DeflectionEffect",
     "Effect",
+    "EncoderEccentricity",
+    "EndStop",
+    "HardeningSpring",
+    "JointCoupling",
     "JointEffect",
+    "JointElasticity",
+    "KinematicError",
+    "LoadDependentFriction",
+    "MemoryEffect",
+    "ParallelSpring",
+    "ParameterError",
     "Payload",
+    "PositionDependentFriction",
+    "PositionTorque",
+    "PreslidingFriction",
+    "QuadraticDrag",
+    "SensorEffect",
+    "SensorGain",
+    "SensorOffset",
+    "SpringHysteresis",
     "StribeckFriction",
+    "TorqueConstantError",
     "TorqueOffset",
+    "TorqueRipple",
     "TorqueSpeedLimit",
     "TransmissionDamping",
     "ViscousFriction",
+    "WarmUpFriction",
     "catalogue",
     "effect_from_dict",
+    "measure",
     "parameter",
     "registered",
     "unit_for",

@@ -21,8 +21,51 @@ class TorqueOffset(JointEffect):
     stage = "actuator"
     law = "tau + offset"
     neutral = {"offset": 0.0}
+    shown = {"offset": 0.3}
 
     offset: float = parameter("N m")
+
+
+class TorqueConstantError(JointEffect):
+    """The motor gives a fixed share more or less than asked: its torque constant is not the one assumed.
+
+    ``tau_applied = (1 + gain) tau``. Several on one joint add their gains.
+
+    Args:
+        joint: its name.
+        gain: 0.05: five percent more; -2: wired the wrong way round [1].
+    """
+
+    sides = ("motor",)
+    stage = "actuator"
+    law = "(1 + gain)*tau"
+    neutral = {"gain": 0.0}
+    shown = {"gain": 0.2}
+
+    gain: float = parameter("1")
+
+
+class TorqueRipple(JointEffect):
+    """Torque that swings with the rotor's angle: cogging, slots, uneven phase currents.
+
+    ``tau_applied = tau + amplitude sin(harmonic theta + phase)``.
+
+    Args:
+        joint: its name.
+        amplitude: [N m].
+        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
+        phase: [rad].
+    """
+
+    sides = ("motor",)
+    stage = "actuator"
+    law = "tau + amplitude*sin(harmonic*theta + phase)"
+    neutral = {"amplitude": 0.0}
+    shown = {"amplitude": 0.3, "harmonic": 2.0, "phase": 0.0}
+
+    amplitude: float = parameter("N m")
+    harmonic: float = parameter("1")
+    phase: float = parameter("rad")
 
 
 class TorqueSpeedLimit(JointEffect):
@@ -42,6 +85,27 @@ class TorqueSpeedLimit(JointEffect):
     stage = "actuator"
     law = "clip(tau, -stall_torque*(1 + omega/no_load_speed), stall_torque*(1 - omega/no_load_speed))"
     neutral = {"stall_torque": math.inf}
+    shown = {"stall_torque": 1.0, "no_load_speed": 3.0}
 
     stall_torque: float = parameter("N m", lower=0.0)
     no_load_speed: float = parameter("rad/s", lower=0.0, strict=True)
+
+
+class CommandDelay(JointEffect):
+    """The torque asked for arrives late: a bus, a control cycle.
+
+    ``tau_applied(t) = tau(t - delay)``; 0 before the first of it arrives. Several on one joint add.
+
+    Args:
+        joint: its name.
+        delay: [s].
+    """
+
+    sides = ("motor",)
+    stage = "actuator"
+    law = "tau(t - delay)"
+    neutral = {"delay": 0.0}
+    no_torque = "it shifts the command in time"
+    shown = {"delay": 0.005}
+
+    delay: float = parameter("s", lower=0.0)

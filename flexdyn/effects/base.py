@@ -20,22 +20,33 @@ from numpy.typing import ArrayLike, NDArray
 from flexdyn import _core
 from flexdyn.errors import InputError, did_you_mean
 
-Side = Literal["link", "motor", "transmission"]
-Stage = Literal["actuator", "spring", "friction", "dry", "inertia"]
+Side = Literal["link", "motor", "transmission", "sensor"]
+Stage = Literal["actuator", "deflection", "spring", "friction", "dry", "link", "inertia", "sensor", "model"]
 
 _registry: dict[str, type[Effect]] = {}
 
+_USUAL = {"N m": 1.0, "N m s/rad": 0.5, "N m/rad": 100.0, "rad": 0.01, "rad/s": 0.5, "s": 0.01}
 
-def parameter(unit: str, *, lower: float = -math.inf, strict: bool = False, default: Any = dataclasses.MISSING) -> Any:
+
+def parameter(
+    unit: str,
+    *,
+    lower: float = -math.inf,
+    strict: bool = False,
+    infinite: bool = False,
+    default: Any = dataclasses.MISSING,
+) -> Any:
     """A number of an effect.
 
     Args:
         unit: for a revolute joint; a prismatic one reads N for N m and m for rad.
         lower: the least it may be.
         strict: it must be above `lower`, not on it.
+        infinite: it may be infinite; a neutral value always may.
         default: its value where none is given; none: it must be given.
     """
-    return dataclasses.field(default=default, metadata={"unit": unit, "lower": lower, "strict": strict})
+    metadata = {"unit": unit, "lower": lower, "strict": strict, "infinite": infinite}
+    return dataclasses.field(default=default, metadata=metadata)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(parameter, dataclasses.field))
@@ -45,10 +56,14 @@ class Effect:
     Class attributes:
         name: the effect's name in files and reports: the class name in snake_case.
         sides: where it may act.
-        stage: where it stands in the equations: ``actuator`` (tau_applied = law(tau)), ``spring`` (adds to tau_s),
-            ``friction`` and ``dry`` (left side, f_link or f_motor), ``inertia`` (changes M and h).
+        stage: where it stands in the equations: ``actuator`` (tau_applied = law(tau)), ``deflection`` (delta before
+            every spring law), ``spring`` (adds to tau_s), ``friction`` and ``dry`` (left side, f_link or f_motor),
+            ``link`` (right side, on the link), ``inertia`` (changes M and h), ``sensor`` (what is measured),
+            ``model`` (a number of the model).
         law: its formula as the catalogue shows it, in x, u (position, velocity of its side), tau, delta.
         neutral: the parameter values at which it does nothing; such an effect is dropped from the plant.
+        no_torque: where the law is no torque over position and velocity: what to use instead.
+        shown: parameter values with which the documentation shows it.
     """
 
     name: ClassVar[str]
@@ -56,6 +71,8 @@ class Effect:
     stage: ClassVar[Stage] = "friction"
     law: ClassVar[str] = ""
     neutral: ClassVar[Mapping[str, float]] = {}
+    no_torque: ClassVar[str] = ""
+    shown: ClassVar[Mapping[str, float]] = {}
 
     def __init_subclass__(cls, abstract: bool = False) -> None:
         """Make the subclass a frozen dataclass and enter it in the catalogue under its name."""
@@ -103,19 +120,24 @@ class Effect:
 
         Args:
             x: position of the effect's side [rad or m]; the deflection delta in a transmission.
-            u: velocity of the effect's side [rad/s or m/s]; delta' in a transmission.
+            u: velocity of the effect's side [rad/s or m/s]; delta' in a transmission, omega of the other joint in a
+                coupling.
             t: time since the start of the run [s].
-            tau: torque before the law, for the stage ``actuator`` [N m or N].
+            tau: torque before the law, for the stage ``actuator``; tau_s for load-dependent friction [N m or N].
 
         Returns:
             the torque [N m or N], of the broadcast shape of the arguments. A dry law gives the end of its set in the
             direction of u, and 0 at u = 0.
+
+        Raises:
+            InputError: the law is no torque over position and velocity.
         """
+        if self.no_torque:
+            problem = "the effect has no torque over position and velocity"
+            raise InputError(problem, key="effect", value=self.name, remedy=self.no_torque)
         columns = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (t, x, u, tau)))
         t_, x_, u_, tau_ = (np.ascontiguousarray(column) for column in columns)
-        out = np.empty(columns[0].shape)
-        _core.evaluate_law(self.name, self.values, t_, x_, u_, tau_, out)
-        return out
+        return self._evaluate(t_, x_, u_, tau_)
 
     def to_dict(self) -> dict[str, Any]:
         """As a model file writes it: ``{effect: name, joint: ..., parameters}``; None is left out."""
@@ -139,14 +161,40 @@ class Effect:
                 raise InputError(f"{cls.name} needs it", key=key, remedy=f"give it in {unit}" if unit else "name it")
         return cls(**entry)
 
+    @classmethod
+    def example(cls, joint: str = "joint", other: str = "other_joint") -> Self:
+        """One with parameters that show what it does, for documentation and drawings.
+
+        Args:
+            joint: that it acts on, where it acts on one.
+            other: a second joint, where it needs one.
+        """
+        numbers = {
+            field.name: cls.shown.get(field.name, _USUAL.get(field.metadata["unit"], 1.0))
+            for field in cls.parameters()
+            if field.default is dataclasses.MISSING or field.name in cls.shown
+        }
+        return cls(**cls._example_place(joint, other), **numbers)
+
+    @classmethod
+    def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
+        """Its fields that are no numbers."""
+        return {}
+
+    def _evaluate(self, *columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The core's law of this name over contiguous t, x, u, tau."""
+        out = np.empty(columns[0].shape)
+        _core.evaluate_law(self.name, self.values, *columns, out)
+        return out
+
     def _checked(self, field: dataclasses.Field[Any], value: Any) -> float:
         place = f"{self.name}.{field.name}"
-        unit, lower, strict = (field.metadata[key] for key in ("unit", "lower", "strict"))
+        unit, lower, strict, infinite = (field.metadata[key] for key in ("unit", "lower", "strict", "infinite"))
         if isinstance(value, bool) or not isinstance(value, int | float | np.number):
             raise InputError("a number is needed", key=place, value=value, remedy=f"give it in {unit}")
         number = float(value)
-        infinite = math.isinf(number) and number != self.neutral.get(field.name, math.nan)
-        if math.isnan(number) or infinite:
+        too_large = math.isinf(number) and not infinite and number != self.neutral.get(field.name, math.nan)
+        if math.isnan(number) or too_large:
             raise InputError("it must be finite", key=place, value=number)
         if number < lower or (strict and number == lower):
             bound = f"above {lower:g}" if strict else f"at least {lower:g}"
@@ -170,6 +218,10 @@ class JointEffect(Effect, abstract=True):
             problem = "the side must be said" if side is None else "no such side for this effect"
             raise InputError(problem, key=f"{self.name}.side", value=side, remedy=f"it is {' or '.join(self.sides)}")
         object.__setattr__(self, "side", side)
+
+    @classmethod
+    def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
+        return {"joint": joint, "side": cls.sides[0]}
 
 
 def registered() -> Mapping[str, type[Effect]]:

@@ -9,9 +9,15 @@ from flexdyn.effects.base import Effect, registered
 from flexdyn.errors import InputError, did_you_mean
 
 
+FILES = ("friction", "transmission", "actuator", "link", "model_error", "sensor")
+"""Modules of flexdyn's own effects, in the order of the catalogue."""
+
+
 def catalogue() -> dict[str, type[Effect]]:
-    """All effects by name: flexdyn's own in the order of their definition, then the users' own."""
-    return dict(registered())
+    """All effects by name: flexdyn's own from the motor's friction to the sensors, then the users' own."""
+    place = {f"flexdyn.effects.{file}": k for k, file in enumerate(FILES)}
+    known = registered()
+    return {name: known[name] for name in sorted(known, key=lambda name: place.get(known[name].__module__, len(FILES)))}
 
 
 def find_effect(name: Any) -> type[Effect]:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.memory import MemoryEffect
 
 
 class ViscousFriction(JointEffect):
@@ -20,6 +24,7 @@ class ViscousFriction(JointEffect):
     stage = "friction"
     law = "coefficient*u"
     neutral = {"coefficient": 0.0}
+    shown = {"coefficient": 0.5}
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
 
@@ -40,8 +45,32 @@ class CoulombFriction(JointEffect):
     stage = "dry"
     law = "level*Sgn(u)"
     neutral = {"level": 0.0}
+    shown = {"level": 1.0}
 
     level: float = parameter("N m", lower=0.0)
+
+
+class AsymmetricFriction(JointEffect):
+    """Dry friction with a level for each direction of motion, set-valued at rest.
+
+    ``f = level_positive`` for u > 0, ``-level_negative`` for u < 0, any torque of ``[-level_negative,
+    level_positive]`` at rest. Equal levels are Coulomb friction.
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        level_positive: against motion in the positive direction [N m].
+        level_negative: against motion in the negative direction [N m].
+    """
+
+    sides = ("link", "motor")
+    stage = "dry"
+    law = "(level_positive if u > 0 else level_negative)*Sgn(u)"
+    neutral = {"level_positive": 0.0, "level_negative": 0.0}
+    shown = {"level_positive": 1.2, "level_negative": 0.7}
+
+    level_positive: float = parameter("N m", lower=0.0)
+    level_negative: float = parameter("N m", lower=0.0)
 
 
 class StribeckFriction(JointEffect):
@@ -62,7 +91,128 @@ class StribeckFriction(JointEffect):
     stage = "dry"
     law = "excess*exp(-(abs(u)/velocity)^exponent)*Sgn(u)"
     neutral = {"excess": 0.0}
+    shown = {"excess": 0.5, "velocity": 0.1}
 
     excess: float = parameter("N m", lower=0.0)
     velocity: float = parameter("rad/s", lower=0.0, strict=True)
     exponent: float = parameter("1", lower=0.0, strict=True, default=1.0)
+
+
+class QuadraticDrag(JointEffect):
+    """Drag that grows with the square of speed: air, churned grease.
+
+    ``f = coefficient u abs(u)``.
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        coefficient: [N m s^2/rad^2].
+    """
+
+    sides = ("link", "motor")
+    stage = "friction"
+    law = "coefficient*u*abs(u)"
+    neutral = {"coefficient": 0.0}
+    shown = {"coefficient": 0.3}
+
+    coefficient: float = parameter("N m s^2/rad^2", lower=0.0)
+
+
+class LoadDependentFriction(JointEffect):
+    """Dry friction in proportion to the torque that the gear carries, set-valued at rest.
+
+    ``f = coefficient abs(tau_s) Sgn(omega)``, tau_s the transmission torque of this instant, damping included. Source:
+    the load-dependent losses of worm, harmonic and planetary gears (1 - efficiency, to first order).
+
+    Args:
+        joint: its name; it must be elastic.
+        coefficient: friction torque over transmission torque [1].
+    """
+
+    sides = ("motor",)
+    stage = "dry"
+    law = "coefficient*abs(tau_s)*Sgn(u)"
+    neutral = {"coefficient": 0.0}
+    shown = {"coefficient": 0.15}
+
+    coefficient: float = parameter("1", lower=0.0)
+
+
+class PositionDependentFriction(JointEffect):
+    """Dry friction that comes and goes over a turn: an eccentric bearing, teeth of uneven fit.
+
+    ``f = amplitude (1 + sin(harmonic x + phase)) Sgn(u)``, set-valued at rest; it is never negative.
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        amplitude: mean level, and how far it swings [N m].
+        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
+        phase: [rad].
+    """
+
+    sides = ("link", "motor")
+    stage = "dry"
+    law = "amplitude*(1 + sin(harmonic*x + phase))*Sgn(u)"
+    neutral = {"amplitude": 0.0}
+    shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
+
+    amplitude: float = parameter("N m", lower=0.0)
+    harmonic: float = parameter("1")
+    phase: float = parameter("rad")
+
+
+class PreslidingFriction(MemoryEffect):
+    """Friction as of bristles that bend before they slip: a spring for small motions, a level for large ones.
+
+    ``f = stiffness z + damping z'``, ``z' = u - stiffness abs(u) z/level``. It is not dry: under a torque below its
+    level it creeps. It stores ``1/2 stiffness z^2`` and never supplies energy beyond that. Source: the LuGre model
+    without Stribeck effect (Canudas de Wit, Olsson, Astrom, Lischinsky, IEEE TAC 40(3), 1995, eq. 1-3).
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        level: reached after a few ``level/stiffness`` of one direction [N m].
+        stiffness: of the bristles [N m/rad].
+        damping: of the bristles [N m s/rad].
+    """
+
+    sides = ("link", "motor")
+    stage = "friction"
+    law = "stiffness*z + damping*z', z' = u - stiffness*abs(u)*z/level"
+    neutral = {"level": 0.0}
+    shown = {"level": 1.0, "stiffness": 500.0}
+
+    level: float = parameter("N m", lower=0.0)
+    stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
+    damping: float = parameter("N m s/rad", lower=0.0, default=0.0)
+
+    @property
+    def reach(self) -> float:
+        """Largest bend of the bristles, level/stiffness [rad or m]."""
+        return self.level / self.stiffness
+
+    def _torque_of(self, z: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.stiffness * z + self.damping * rate
+
+
+class WarmUpFriction(JointEffect):
+    """Viscous friction of a cold gear that fades as the run goes on.
+
+    ``f = coefficient exp(-t/time_constant) u``, t since the start of the run.
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        coefficient: at the start of the run [N m s/rad].
+        time_constant: [s].
+    """
+
+    sides = ("link", "motor")
+    stage = "friction"
+    law = "coefficient*exp(-t/time_constant)*u"
+    neutral = {"coefficient": 0.0}
+    shown = {"coefficient": 1.0, "time_constant": 300.0}
+
+    coefficient: float = parameter("N m s/rad", lower=0.0)
+    time_constant: float = parameter("s", lower=0.0, strict=True)

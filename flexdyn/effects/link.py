@@ -1,8 +1,16 @@
-"""Effects on the links themselves."""
+"""Effects on the links themselves, and the coupling of one joint's drive to another's."""
 
 from __future__ import annotations
 
-from flexdyn.effects.base import Effect, parameter
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects.base import Effect, JointEffect, parameter
+from flexdyn.errors import InputError
 
 
 class Payload(Effect):
@@ -19,6 +27,127 @@ class Payload(Effect):
     stage = "inertia"
     law = "a point mass at the origin of frame"
     neutral = {"mass": 0.0}
+    no_torque = "it changes M(q) and h(q, v)"
+    shown = {"mass": 1.0}
 
     mass: float = parameter("kg", lower=0.0)
     frame: str | None = None
+
+
+class ParallelSpring(JointEffect):
+    """A spring between a link and the one before it: a balancing spring, a stiff cable.
+
+    ``tau_link = -stiffness (q - rest)``, on the right side of the link's equation.
+
+    Args:
+        joint: its name.
+        stiffness: [N m/rad].
+        rest: where it pulls to [rad].
+    """
+
+    sides = ("link",)
+    stage = "link"
+    law = "-stiffness*(q - rest)"
+    neutral = {"stiffness": 0.0}
+    shown = {"stiffness": 20.0, "rest": 0.3}
+
+    stiffness: float = parameter("N m/rad", lower=0.0)
+    rest: float = parameter("rad")
+
+
+class PositionTorque(JointEffect):
+    """A torque that depends on the joint's position alone: a counterbalance, cables, a hose.
+
+    ``tau_link = -(cos_1 cos q + sin_1 sin q + cos_2 cos 2q + sin_2 sin 2q)``, on the right side of the link's
+    equation. On a prismatic joint q counts in m.
+
+    Args:
+        joint: its name.
+        cos_1: [N m].
+        sin_1: [N m].
+        cos_2: [N m].
+        sin_2: [N m].
+    """
+
+    sides = ("link",)
+    stage = "link"
+    law = "-(cos_1*cos(q) + sin_1*sin(q) + cos_2*cos(2*q) + sin_2*sin(2*q))"
+    neutral = {"cos_1": 0.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.0}
+    shown = {"cos_1": 1.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.3}
+
+    cos_1: float = parameter("N m")
+    sin_1: float = parameter("N m")
+    cos_2: float = parameter("N m")
+    sin_2: float = parameter("N m")
+
+
+class EndStop(JointEffect):
+    """Bumpers at the ends of a joint's travel: they press, they never pull.
+
+    ``tau_link = -(stiffness (q - upper) + damping v)`` beyond upper, likewise below lower, and 0 where that would pull
+    the link into the bumper.
+
+    Args:
+        joint: its name.
+        lower: [rad]; -inf: none on this side.
+        upper: [rad]; inf: none on this side.
+        stiffness: [N m/rad].
+        damping: [N m s/rad].
+    """
+
+    sides = ("link",)
+    stage = "link"
+    law = "q > upper: -(stiffness*(q - upper) + damping*v), if that presses; likewise q < lower"
+    neutral = {"stiffness": 0.0, "damping": 0.0}
+    shown = {"lower": -1.0, "upper": 1.0, "stiffness": 100.0, "damping": 2.0}
+
+    lower: float = parameter("rad", infinite=True)
+    upper: float = parameter("rad", infinite=True)
+    stiffness: float = parameter("N m/rad", lower=0.0)
+    damping: float = parameter("N m s/rad", lower=0.0)
+
+    def __post_init__(self) -> None:
+        """Check the numbers, and that the stops leave room."""
+        super().__post_init__()
+        if self.lower > self.upper or self.lower == math.inf or self.upper == -math.inf:
+            remedy = f"it must be at most upper, {self.upper:g}"
+            raise InputError("the stops leave no room", key=f"{self.name}.lower", value=self.lower, remedy=remedy)
+
+
+class JointCoupling(JointEffect):
+    """The rotor of one joint drags on that of another: differential wrists, belts over a common shaft.
+
+    ``f_motor = coefficient omega`` of joint `other`, on the left side of the rotor's equation of `joint`. It is not
+    friction: it may supply power.
+
+    Args:
+        joint: its name.
+        other: the joint whose rotor turns.
+        coefficient: [N m s/rad]; of either sign.
+    """
+
+    sides = ("motor",)
+    stage = "friction"
+    law = "coefficient*omega of joint other"
+    neutral = {"coefficient": 0.0}
+    shown = {"coefficient": 0.5}
+
+    coefficient: float = parameter("N m s/rad")
+    other: str = dataclasses.field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check the numbers, and that there are two joints."""
+        super().__post_init__()
+        if not isinstance(self.other, str) or not self.other:
+            raise InputError("a joint's name is needed", key=f"{self.name}.other", value=self.other)
+        if self.other == self.joint:
+            remedy = "name another joint, or use viscous_friction"
+            raise InputError("a joint does not couple to itself", key=f"{self.name}.other", value=self.other, remedy=remedy)
+
+    @classmethod
+    def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
+        return super()._example_place(joint, other) | {"other": other}
+
+    def _evaluate(self, *columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        # Pointwise the core knows one joint alone.
+        return self.coefficient * columns[2]

@@ -1,8 +1,43 @@
-"""Effects between rotor and link: they act on the deflection delta = theta - q and its rate."""
+"""Effects between rotor and link: they act on the deflection delta = theta - q and its rate.
+
+Kinematic errors come first, then the dead zone, then every spring law. The damping terms take the true velocities.
+"""
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.memory import MemoryEffect
+
+Array = NDArray[np.float64]
+
+
+class JointElasticity(JointEffect):
+    """The elasticity of a joint that was taken for rigid.
+
+    The joint becomes elastic: rotor and link move apart and ``tau_s = stiffness delta`` (paper, eq. 3, 4, with the
+    joint's own `damping` across it). Several on one joint add their stiffness.
+
+    Args:
+        joint: its name; it must be rigid without this effect, and its rotor must have inertia.
+        stiffness: [N m/rad]; infinite: it stays rigid.
+    """
+
+    sides = ("transmission",)
+    stage = "spring"
+    law = "a rigid joint becomes elastic: stiffness*delta"
+    neutral = {"stiffness": math.inf}
+    shown = {"stiffness": 5000.0}
+
+    stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
+
+    def _evaluate(self, *columns: Array) -> Array:
+        # The core has no law of this name: the model folds it into the joint's stiffness.
+        return self.stiffness * columns[1]
 
 
 class TransmissionDamping(JointEffect):
@@ -19,5 +54,118 @@ class TransmissionDamping(JointEffect):
     stage = "spring"
     law = "coefficient*(omega - v)"
     neutral = {"coefficient": 0.0}
+    shown = {"coefficient": 2.0}
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
+
+
+class HardeningSpring(JointEffect):
+    """A transmission that stiffens as it winds up, as harmonic drives do.
+
+    ``tau_s += cubic delta^3``, beside the joint's own ``K delta``; it stores ``1/4 cubic delta^4``.
+
+    Args:
+        joint: its name; it must be elastic.
+        cubic: [N m/rad^3].
+    """
+
+    sides = ("transmission",)
+    stage = "spring"
+    law = "cubic*delta^3"
+    neutral = {"cubic": 0.0}
+    shown = {"cubic": 2.0e8}
+
+    cubic: float = parameter("N m/rad^3", lower=0.0)
+
+
+class DeflectionEffect(JointEffect, abstract=True):
+    """An effect that changes the deflection before every spring law sees it."""
+
+    sides = ("transmission",)
+    stage = "deflection"
+    no_torque = "use deflection(delta, theta)"
+
+    def deflection(self, delta: ArrayLike, theta: ArrayLike = 0.0) -> Array:
+        """The deflection after the law [rad or m].
+
+        Args:
+            delta: before it, theta - q at first [rad or m].
+            theta: rotor position [rad or m].
+        """
+        columns = np.broadcast_arrays(np.asarray(delta, dtype=float), np.asarray(theta, dtype=float))
+        delta_, theta_ = (np.ascontiguousarray(column) for column in columns)
+        nothing = np.zeros(delta_.shape)
+        return self._evaluate(nothing, delta_, nothing, theta_)
+
+
+class Backlash(DeflectionEffect):
+    """Play between rotor and link: within the gap the transmission carries no spring torque.
+
+    ``delta -> delta - half_gap`` above the gap, ``delta + half_gap`` below it, 0 inside. Several on one joint add
+    their half gaps.
+
+    Args:
+        joint: its name; it must be elastic.
+        half_gap: half the play [rad].
+    """
+
+    law = "delta -> dead zone of +-half_gap"
+    neutral = {"half_gap": 0.0}
+    shown = {"half_gap": 0.01}
+
+    half_gap: float = parameter("rad", lower=0.0)
+
+
+class SpringHysteresis(MemoryEffect):
+    """A transmission that gives back less than was put in: rubbing teeth, a flexspline's material.
+
+    ``tau_s += stiffness h``, ``h' = delta' - abs(delta') h/width``, delta after kinematic error and dead zone. It
+    stores ``1/2 stiffness h^2`` and never supplies energy beyond that. Source: the model of Bouc (1967) and Wen (J.
+    Eng. Mech. Div. ASCE 102, 1976) with exponent 1 and no softening on unloading.
+
+    Args:
+        joint: its name; it must be elastic.
+        stiffness: at reversal, beside the joint's K [N m/rad]; far from it the torque is stiffness*width.
+        width: deflection over which it turns round [rad].
+    """
+
+    sides = ("transmission",)
+    stage = "spring"
+    law = "stiffness*h, h' = delta' - abs(delta')*h/width"
+    neutral = {"stiffness": 0.0}
+    shown = {"stiffness": 1000.0, "width": 0.002}
+
+    stiffness: float = parameter("N m/rad", lower=0.0)
+    width: float = parameter("rad", lower=0.0, strict=True)
+
+    @property
+    def reach(self) -> float:
+        """Largest abs(h): the width [rad or m]."""
+        return self.width
+
+    def _torque_of(self, z: Array, rate: Array) -> Array:
+        return self.stiffness * z
+
+
+class KinematicError(DeflectionEffect):
+    """A gear that does not divide its turn evenly: it winds the spring as the rotor turns.
+
+    ``delta -> delta + amplitude sin(harmonic theta + phase)``. The rotor feels the spring's torque times ``1 +
+    amplitude harmonic cos(harmonic theta + phase)``, so that no energy is made or lost. Source: the position error of
+    harmonic drives (Tuttle and Seering, IEEE Trans. Robotics Automation 12(3), 1996); the conservative form, Gandhi
+    and Ghorbel (Robotica 20, 2002).
+
+    Args:
+        joint: its name; it must be elastic.
+        amplitude: at the link [rad].
+        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
+        phase: [rad].
+    """
+
+    law = "delta -> delta + amplitude*sin(harmonic*theta + phase)"
+    neutral = {"amplitude": 0.0}
+    shown = {"amplitude": 0.002, "harmonic": 2.0, "phase": 0.0}
+
+    amplitude: float = parameter("rad")
+    harmonic: float = parameter("1")
+    phase: float = parameter("rad")

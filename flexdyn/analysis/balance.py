@@ -1,0 +1,64 @@
+"""Roots of many functions at once: every component depends on its own unknown alone and does not decrease with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Balance = Callable[[Array], Array]
+FAR = 200
+"""Doublings of the first step before a component is said to have no root."""
+
+
+def roots(f: Balance, start: Array, step: Array, tolerance: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Solve f_j(x_j) = 0 for every j together.
+
+    Args:
+        f: (n,) -> (n,), component by component and nowhere decreasing.
+        start: first guess (n,); kept where f is within the tolerance there.
+        step: how far away the root may be looked for first (n,), above 0.
+        tolerance: of abs(f); where rounding of x allows less, the best x is taken.
+
+    Returns:
+        the roots (n,), and whether there is one (n,); where there is none, x is as far as was looked.
+    """
+    low, high, f_low, f_high = _brackets(f, start, step, tolerance)
+    found = (f_low <= tolerance) & (f_high >= -tolerance)
+    for turn in range(400):
+        inside = np.spacing(np.maximum(np.abs(low), np.abs(high)))
+        open_ = found & (np.abs(f_low) > tolerance) & (np.abs(f_high) > tolerance) & (high - low > inside)
+        if not open_.any():
+            break
+        # False position, and every third time the middle: kinks and flat pieces cannot hold it up.
+        width = np.where(open_, f_high - f_low, 1.0)
+        share = np.full_like(low, 0.5) if turn % 3 == 2 else np.clip(-f_low / width, 1e-3, 1.0 - 1e-3)
+        middle = np.where(open_, low + share * (high - low), low)
+        exact = np.where(open_, low - f_low * (high - low) / width, low)
+        if turn % 3 == 0:
+            middle = np.where(open_ & (exact > low) & (exact < high), exact, middle)
+        value = f(middle)
+        left, right = open_ & (value < 0), open_ & (value >= 0)
+        low, f_low = np.where(left, middle, low), np.where(left, value, f_low)
+        high, f_high = np.where(right, middle, high), np.where(right, value, f_high)
+    return np.where(np.abs(f_low) <= np.abs(f_high), low, high), found
+
+
+def _brackets(f: Balance, start: Array, step: Array, tolerance: float) -> tuple[Array, Array, Array, Array]:
+    """Ends between which every component changes its sign, by doubling steps from the start."""
+    value = f(start)
+    low, high, f_low, f_high = start.copy(), start.copy(), value.copy(), value.copy()
+    reach = step.copy()
+    for _ in range(FAR):
+        down, up = f_low > tolerance, f_high < -tolerance
+        if not (down.any() or up.any()):
+            break
+        # What was one end is the other now: the root lies in the last step.
+        high, f_high = np.where(down, low, high), np.where(down, f_low, f_high)
+        low, f_low = np.where(up, high, low), np.where(up, f_high, f_low)
+        low, high = np.where(down, low - reach, low), np.where(up, high + reach, high)
+        f_low, f_high = np.where(down, f(low), f_low), np.where(up, f(high), f_high)
+        reach = 2.0 * reach
+    return low, high, f_low, f_high

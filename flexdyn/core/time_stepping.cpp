@@ -1,0 +1,283 @@
+#include "time_stepping.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace flexdyn {
+
+namespace {
+
+using Eigen::Map;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// An internal state z' = u - kappa |u| z over a step at constant u: exact, however stiff the bristle is.
+struct Bristle {
+  double z_end, slope;  // z at the step's end and its derivative by u
+};
+
+Bristle bristle(double kappa, double z, double u, double h) {
+  const double sign = u < 0.0 ? -1.0 : 1.0, decay = std::exp(-kappa * std::abs(u) * h);
+  return {decay * z + (1.0 - decay) * sign / kappa, h * decay * (1.0 - kappa * sign * z)};
+}
+
+class TimeStepping : public Stepper {
+ public:
+  TimeStepping(const Plant& plant, Plant::Workspace& work, Events::Torque torque, Events::External external,
+               double step)
+      : plant_(plant), work_(work), torque_(std::move(torque)), external_(std::move(external)), step_(step),
+        n_(plant.n()), e_(plant.elastic()), N_(n_ + e_), motion_(plant.contacts().size(), stuck) {
+    work_.located = true;
+    bristles_ = plant.internal_states() > 0;
+  }
+
+  void start(double t, const std::vector<double>& x) override {
+    t_ = limit_ = t;
+    x_ = before_ = x;
+    M_.resize(n_, n_);
+    bias_.resize(n_);
+  }
+
+  void restart() override { limit_ = t_; }
+
+  bool step(double limit, Failure&) override {
+    if (limit != limit_) {
+      limit_ = limit;
+      origin_ = t_;
+      count_ = std::max(1L, std::lround(std::ceil((limit - t_) / step_ - 1e-6)));
+      done_ = 0;
+    }
+    ++done_;
+    h_ = (limit_ - origin_) / static_cast<double>(count_);
+    t_before_ = t_;
+    before_ = x_;
+    const double end = done_ == count_ ? limit_ : origin_ + h_ * static_cast<double>(done_);
+    const double* tau = torque_(0.5 * (t_ + end));
+    follow_regions(t_, x_.data(), tau);
+    for (int attempt = 0; attempt < 8; ++attempt) {
+      solve_step(tau);
+      // A corner passed within the step: the piece at its end is the one that acts (a stop does not pull).
+      const std::vector<int> assumed = work_.region;
+      follow_regions(end, after_.data(), tau);
+      if (work_.region == assumed) break;
+    }
+    x_ = after_;
+    t_ = end;
+    stats_.steps += 1;
+    return true;
+  }
+
+  // Positions are linear in between and velocities those of the step's end: what the method itself assumes.
+  void interpolate(double t, double* x) override {
+    const double s = (t - t_before_) / h_;
+    for (std::size_t i = 0; i < x_.size(); ++i) x[i] = before_[i] + s * (x_[i] - before_[i]);
+    for (const DryContact& contact : plant_.contacts()) {
+      const std::size_t at = plant_.velocity_index(contact);
+      if (x_[at] == 0.0) x[at] = 0.0;
+    }
+  }
+
+ private:
+  void follow_regions(double t, const double* x, const double* tau) {
+    if (plant_.switches() == 0) return;
+    work_.located = false;
+    work_.smoothing = 1.0;  // friction of this call is not used
+    plant_.evaluate_laws(work_, t, x, tau);
+    work_.located = true;
+  }
+
+  void solve_step(const double* tau) {
+    std::fill(work_.motion.begin(), work_.motion.end(), static_cast<int>(stuck));  // friction is solved for below
+    work_.without_internal = true;
+    plant_.local_slopes(work_, t_, x_.data(), tau, slopes_);
+    work_.without_internal = false;
+    stats_.evaluations += 1;
+    plant_.links().mass_matrix(*work_.links, x_.data(), M_.data());
+    plant_.links().bias(*work_.links, x_.data(), plant_.v(x_.data()), bias_.data());
+    assemble();
+    levels();
+    VectorXd w = Map<const VectorXd>(plant_.v(x_.data()), N_);
+    if (!bristles_) {
+      w = boxed_solve(A_, b_);
+    } else {
+      for (int newton = 0; newton < 20; ++newton) {
+        const VectorXd guess = w;
+        MatrixXd A = A_;
+        VectorXd b = b_;
+        add_bristles(guess, A, b);
+        w = boxed_solve(A, b);
+        if ((w - guess).lpNorm<Eigen::Infinity>() <= 1e-12 * (1.0 + w.lpNorm<Eigen::Infinity>())) break;
+      }
+    }
+    finish(w);
+  }
+
+  void assemble() {
+    const double h = h_;
+    const double* w = plant_.v(x_.data());
+    const double* ext = external_(t_, x_.data());
+    A_.setZero(N_, N_);
+    b_.setZero(N_);
+    A_.topLeftCorner(n_, n_) = M_;
+    for (int i = 0; i < e_; ++i) A_(n_ + i, n_ + i) = plant_.rotor_inertia(plant_.elastic_joints()[i]);
+    b_ = A_ * Map<const VectorXd>(w, N_);
+    for (int j = 0; j < n_; ++j) {
+      const int slot = plant_.rotor_slot(j), r = n_ + slot;
+      const int column[2] = {j, slot < 0 ? j : r};
+      b_[j] += h * (slopes_.link[j] - bias_[j] + (ext ? ext[j] : 0.0));
+      if (slot >= 0) b_[r] += h * slopes_.rotor[j];
+      for (int k = 0; k < 2; ++k) {
+        if (k == 1 && slot < 0) continue;
+        const int c = column[k];
+        A_(j, c) -= h * slopes_.link_by[2 + k][j] + h * h * slopes_.link_by[k][j];
+        b_[j] -= h * slopes_.link_by[2 + k][j] * w[c];
+        if (slot < 0) continue;
+        A_(r, c) -= h * slopes_.rotor_by[2 + k][j] + h * h * slopes_.rotor_by[k][j];
+        b_[r] -= h * slopes_.rotor_by[2 + k][j] * w[c];
+      }
+    }
+  }
+
+  // Level of every contact for sliding on (at this velocity) and for turning round (from rest).
+  void levels() {
+    const auto& contacts = plant_.contacts();
+    level_.resize(2 * contacts.size());
+    std::vector<double> x = x_;
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      const std::size_t at = plant_.velocity_index(contacts[c]);
+      for (const int direction : {backward, forward}) {
+        x[at] = direction * x_[at] > 0.0 ? x_[at] : 0.0;
+        const double saved = rate_of(contacts[c]);
+        set_rate(contacts[c], x[at]);
+        level_[2 * c + (direction > 0)] = h_ * plant_.level(work_, c, t_, x.data(), direction);
+        set_rate(contacts[c], saved);
+      }
+      x[at] = x_[at];
+    }
+  }
+
+  // Rotor velocities that laws see are kept in the workspace.
+  double rate_of(const DryContact& contact) const { return work_.omega[contact.joint]; }
+  void set_rate(const DryContact& contact, double value) {
+    if (contact.side == Side::motor) work_.omega[contact.joint] = value;
+  }
+
+  // Bard's pivoting: flip the first contact that contradicts itself until none does; motions of the last step first.
+  VectorXd boxed_solve(const MatrixXd& A, const VectorXd& b) {
+    const auto& contacts = plant_.contacts();
+    const int base = N_;
+    VectorXd w(N_);
+    std::vector<int> free;
+    for (int pivot = 0; pivot < 1000; ++pivot) {
+      VectorXd rest = b;
+      std::vector<char> held(N_, 0);
+      for (std::size_t c = 0; c < contacts.size(); ++c) {
+        const auto at = static_cast<int>(plant_.velocity_index(contacts[c])) - base;
+        if (motion_[c] == stuck) held[at] = 1;
+        else rest[at] -= motion_[c] * level_[2 * c + (motion_[c] > 0)];
+      }
+      free.clear();
+      for (int i = 0; i < N_; ++i) {
+        if (!held[i]) free.push_back(i);
+      }
+      w.setZero();
+      if (!free.empty()) {
+        const VectorXd moving = MatrixXd(A(free, free)).partialPivLu().solve(VectorXd(rest(free)));
+        w(free) = moving;
+      }
+      bool consistent = true;
+      for (std::size_t c = 0; c < contacts.size() && consistent; ++c) {
+        const auto at = static_cast<int>(plant_.velocity_index(contacts[c])) - base;
+        const int before = motion_[c];
+        if (before != stuck) {
+          if (before * w[at] <= 0.0) motion_[c] = stuck;
+        } else {
+          const double reaction = rest[at] - A.row(at).dot(w);
+          if (reaction > level_[2 * c + 1]) motion_[c] = forward;
+          else if (reaction < -level_[2 * c]) motion_[c] = backward;
+        }
+        consistent = motion_[c] == before;
+      }
+      if (consistent) break;
+    }
+    return w;
+  }
+
+  // Forces of laws with an internal state, linearised in the velocity that drives them.
+  template <typename Visit>
+  void visit_bristles(const VectorXd& w, Visit visit) const {
+    const double* z = plant_.z(x_.data());
+    for (const Law& law : plant_.frictions()) {
+      if (law.state < 0) continue;
+      const int slot = plant_.rotor_slot(law.joint);
+      const int at = law.side == Side::link || slot < 0 ? law.joint : n_ + slot;
+      const Bristle end = bristle(law.p[1] / law.p[0], z[law.state], w[at], h_);
+      const double torque = law.p[1] * end.z_end + law.p[2] * (end.z_end - z[law.state]) / h_;
+      const double slope = (law.p[1] + law.p[2] / h_) * end.slope;
+      visit(law, at, -1, torque, slope, end.z_end);
+    }
+    for (const Law& law : plant_.springs()) {
+      if (law.state < 0) continue;
+      const int r = n_ + plant_.rotor_slot(law.joint);
+      const double gain = work_.rotor_gain[law.joint];
+      const double rate = plant_.in_gap(work_, law.joint) ? 0.0 : gain * w[r] - w[law.joint];
+      const Bristle end = bristle(1.0 / law.p[1], z[law.state], rate, h_);
+      visit(law, law.joint, r, law.p[0] * end.z_end, law.p[0] * end.slope, end.z_end);
+    }
+  }
+
+  void add_bristles(const VectorXd& w, MatrixXd& A, VectorXd& b) const {
+    visit_bristles(w, [&](const Law& law, int at, int rotor, double torque, double slope, double) {
+      if (rotor < 0) {
+        A(at, at) += h_ * slope;
+        b[at] -= h_ * (torque - slope * w[at]);
+        return;
+      }
+      const double gain = work_.rotor_gain[law.joint], rate = gain * w[rotor] - w[at];
+      const double constant = h_ * (torque - slope * rate);
+      b[at] += constant;
+      b[rotor] -= gain * constant;
+      A(at, at) += h_ * slope;
+      A(at, rotor) -= h_ * slope * gain;
+      A(rotor, at) -= h_ * slope * gain;
+      A(rotor, rotor) += h_ * slope * gain * gain;
+    });
+  }
+
+  void finish(const VectorXd& w) {
+    after_ = x_;
+    for (int i = 0; i < N_; ++i) {
+      after_[i] = x_[i] + h_ * w[i];
+      after_[N_ + i] = w[i];
+    }
+    if (!bristles_) return;
+    visit_bristles(w, [&](const Law& law, int, int, double, double, double z_end) {
+      after_[2 * static_cast<std::size_t>(N_) + law.state] = z_end;
+    });
+  }
+
+  const Plant& plant_;
+  Plant::Workspace& work_;
+  Events::Torque torque_;
+  Events::External external_;
+  double step_, h_ = 0.0, t_before_ = 0.0, limit_ = 0.0, origin_ = 0.0;
+  long count_ = 0, done_ = 0;
+  int n_, e_, N_;
+  bool bristles_ = false;
+  std::vector<int> motion_;
+  LocalSlopes slopes_;
+  RowMatrix M_;
+  MatrixXd A_;
+  VectorXd b_, bias_;
+  std::vector<double> before_, after_, level_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_time_stepping(const Plant& plant, Plant::Workspace& work, Events::Torque torque,
+                                            Events::External external, double step) {
+  return std::make_unique<TimeStepping>(plant, work, std::move(torque), std::move(external), step);
+}
+
+}  // namespace flexdyn

@@ -1,0 +1,75 @@
+"""Effects that remember: their torque depends on the path taken, through an internal state z."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.effects.base import JointEffect, Stage
+
+Array = NDArray[np.float64]
+
+
+class MemoryEffect(JointEffect, abstract=True):
+    """An effect on one joint with a state of its own: ``z' = u - abs(u) z/reach``.
+
+    Where u has one sign, z follows the distance s that is covered and not time:
+    ``dz/ds = sgn(u) - z/reach``, so that ``z -> sgn(u) reach`` over a few reaches.
+    """
+
+    stage: ClassVar[Stage] = "friction"
+    no_torque = "it depends on the path: use along(x)"
+
+    @property
+    def reach(self) -> float:
+        """Largest abs(z) [rad or m]; a loop forms over about four of it."""
+        raise NotImplementedError
+
+    def states_along(self, x: ArrayLike, z0: float = 0.0) -> Array:
+        """The state z along a path, exact for a path that is monotone between its points.
+
+        Args:
+            x: position on the effect's side, delta in a transmission (samples,) [rad or m].
+            z0: the state at its start [rad or m].
+
+        Returns:
+            z (samples,) [rad or m].
+        """
+        path = np.asarray(x, dtype=float)
+        z = np.empty(path.shape)
+        z[0] = z0
+        if self.reach == 0.0:
+            z[:] = 0.0
+            return z
+        steps = np.diff(path)
+        ends, kept = np.sign(steps) * self.reach, np.exp(-np.abs(steps) / self.reach)
+        for k in range(len(steps)):
+            z[k + 1] = ends[k] + (z[k] - ends[k]) * kept[k]
+        return z
+
+    def along(self, x: ArrayLike, u: ArrayLike = 0.0, z0: float = 0.0) -> Array:
+        """The torque along a path.
+
+        Args:
+            x: as `states_along` takes it.
+            u: the velocity there, which damping of the state feels (samples,) [rad/s or m/s]; 0: slowly.
+            z0: the state at its start [rad or m].
+
+        Returns:
+            the torque (samples,) [N m or N].
+        """
+        z = self.states_along(x, z0)
+        speed = np.broadcast_to(np.asarray(u, dtype=float), z.shape)
+        pull = np.abs(speed) * z / self.reach if self.reach > 0.0 else speed
+        return self._torque_of(z, speed - pull)
+
+    def example_path(self, samples: int = 1201) -> Array:
+        """A path that shows the loop: out and back twice, widely and then less so (samples,) [rad or m]."""
+        turns = self.reach * np.array([0.0, 4.0, -4.0, 4.0, 2.0, 4.0])
+        return np.interp(np.linspace(0.0, 5.0, samples), np.arange(6.0), turns)
+
+    def _torque_of(self, z: Array, rate: Array) -> Array:
+        """Out of the state and its rate z'."""
+        raise NotImplementedError

@@ -1,0 +1,47 @@
+"""A number of the model itself that is wrong."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from flexdyn.effects import base
+from flexdyn.errors import InputError
+
+
+class ParameterError(base.Effect):
+    """A number of the model file or of the URDF is wrong: ``true = factor given``.
+
+    Which numbers: of a joint ``gear_ratio``, ``rotor_inertia``, ``stiffness``, ``damping`` and, of the URDF's
+    <dynamics>, ``urdf_damping``, ``urdf_friction``; of a link ``link_mass``, ``link_com`` (all of the centre of mass'
+    position in the link's frame), ``link_inertia`` (all of the inertia about it), each by itself; of another effect
+    any parameter of it. Several on one number multiply.
+
+    Args:
+        of: name of the joint or link, or ``effects[i]``, counting the model's own effects from 0.
+        parameter: name of the number.
+        factor: above 0 [1].
+    """
+
+    sides = ()
+    stage = "model"
+    law = "true = factor*given"
+    neutral = {"factor": 1.0}
+    no_torque = "it changes a number of the model: see model.resolved()"
+    shown = {"factor": 1.1}
+
+    of: str = dataclasses.field(kw_only=False)
+    parameter: str
+    factor: float = base.parameter("1", lower=0.0, strict=True)
+
+    def __post_init__(self) -> None:
+        """Check the factor, and that the names are names."""
+        super().__post_init__()
+        for key in ("of", "parameter"):
+            value = getattr(self, key)
+            if not isinstance(value, str) or not value:
+                raise InputError("a name is needed", key=f"{self.name}.{key}", value=value)
+
+    @classmethod
+    def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
+        return {"of": joint, "parameter": "rotor_inertia"}

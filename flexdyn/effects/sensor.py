@@ -1,0 +1,203 @@
+"""Effects on what is measured and not on the motion: a run stays true, its recording shows them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.effects.base import Effect, Side, Stage, parameter
+from flexdyn.errors import InputError
+
+Array = NDArray[np.float64]
+POSITIONS = ("q", "theta")
+HELD = ("tau", "tau_applied")
+"""Signals that keep their value from one sample to the next."""
+SAME_INSTANT = 1e-10
+"""Times closer than this are one [s]."""
+
+
+class SensorEffect(Effect, abstract=True):
+    """An effect on one measured channel.
+
+    Class attributes:
+        signals: those that it can act on; empty: any.
+    """
+
+    sides: ClassVar[tuple[Side, ...]] = ("sensor",)
+    stage: ClassVar[Stage] = "sensor"
+    no_torque = "use measured(x, t)"
+    signals: ClassVar[tuple[str, ...]] = ()
+
+    channel: str = dataclasses.field(kw_only=False)
+    side: Side = "sensor"
+
+    def __post_init__(self) -> None:
+        """Check the numbers, and that the channel reads ``<signal>.<joint>``."""
+        super().__post_init__()
+        key = f"{self.name}.channel"
+        signal, dot, joint = self.channel.partition(".") if isinstance(self.channel, str) else ("", "", "")
+        if not (signal and dot and joint):
+            raise InputError("a channel is needed", key=key, value=self.channel, remedy="write <signal>.<joint>")
+        if self.signals and signal not in self.signals:
+            remedy = f"the signal is {' or '.join(self.signals)}"
+            raise InputError("the effect does not act on this signal", key=key, value=self.channel, remedy=remedy)
+        if self.side != "sensor":
+            raise InputError("no such side for this effect", key=f"{self.name}.side", value=self.side, remedy="sensor")
+
+    @property
+    def signal(self) -> str:
+        """What is measured: ``q``, ``theta``, ``tau_s``, ..."""
+        return self.channel.partition(".")[0]
+
+    @property
+    def joint(self) -> str:
+        """Name of the joint that is measured."""
+        return self.channel.partition(".")[2]
+
+    def measured(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """What the sensor reports.
+
+        Args:
+            x: the true channel (samples,), in its unit.
+            t: times of the samples, increasing (samples,) [s].
+
+        Returns:
+            the measured channel (samples,).
+        """
+        true = np.asarray(x, dtype=float)
+        return true + self.error(true)
+
+    def error(self, x: Array) -> Array:
+        """What is added to the true channel, where that depends on its value alone."""
+        raise NotImplementedError
+
+    @classmethod
+    def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
+        return {"channel": f"q.{joint}"}
+
+
+class ChannelLag(SensorEffect):
+    """A measured channel is late: filters, buses, clocks that differ.
+
+    ``measured(t) = x(t - delay)``, linear between samples (torques asked for are held), the first value before the
+    first sample has arrived. Several on one channel add.
+
+    Args:
+        channel: ``<signal>.<joint>``.
+        delay: [s].
+    """
+
+    law = "x(t - delay)"
+    neutral = {"delay": 0.0}
+    shown = {"delay": 0.005}
+
+    delay: float = parameter("s", lower=0.0)
+
+    def measured(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """What the sensor reports: see the base class."""
+        true, times = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
+        if self.signal not in HELD:
+            return np.interp(times - self.delay, times, true)
+        # Rounding of t - delay must not miss a sample by its last bit.
+        instants = times - self.delay + SAME_INSTANT
+        return true[np.maximum(np.searchsorted(times, instants, side="right") - 1, 0)]
+
+
+class EncoderEccentricity(SensorEffect):
+    """An encoder disc off its axis: an error that comes back every turn.
+
+    ``measured = x + amplitude sin(harmonic x + phase)``.
+
+    Args:
+        channel: ``q.<joint>`` or ``theta.<joint>``.
+        amplitude: [rad].
+        harmonic: cycles per reflected turn [1].
+        phase: [rad].
+    """
+
+    law = "x + amplitude*sin(harmonic*x + phase)"
+    neutral = {"amplitude": 0.0}
+    shown = {"amplitude": 0.002, "harmonic": 1.0, "phase": 0.0}
+    signals = POSITIONS
+
+    amplitude: float = parameter("rad")
+    harmonic: float = parameter("1", default=1.0)
+    phase: float = parameter("rad")
+
+    def error(self, x: Array) -> Array:
+        """Over the true position [rad]."""
+        return self.amplitude * np.sin(self.harmonic * x + self.phase)
+
+
+class SensorOffset(SensorEffect):
+    """A sensor whose zero is off.
+
+    ``measured = x + offset``.
+
+    Args:
+        channel: ``<signal>.<joint>``.
+        offset: in the unit of the channel.
+    """
+
+    law = "x + offset"
+    neutral = {"offset": 0.0}
+    shown = {"offset": 0.01}
+
+    offset: float = parameter("unit of the channel")
+
+    def error(self, x: Array) -> Array:
+        """The same everywhere."""
+        return np.full_like(x, self.offset)
+
+
+class SensorGain(SensorEffect):
+    """A sensor whose scale is off.
+
+    ``measured = (1 + gain) x``. Several on one channel add their gains.
+
+    Args:
+        channel: ``<signal>.<joint>``.
+        gain: 0.05: it reports five percent too much; -2: mounted the wrong way round [1].
+    """
+
+    law = "(1 + gain)*x"
+    neutral = {"gain": 0.0}
+    shown = {"gain": 0.05}
+
+    gain: float = parameter("1")
+
+    def error(self, x: Array) -> Array:
+        """In proportion."""
+        return self.gain * x
+
+
+_ORDER = (ChannelLag, EncoderEccentricity, SensorGain, SensorOffset)
+
+
+def measure(effects: Iterable[SensorEffect], x: ArrayLike, t: ArrayLike) -> Array:
+    """A channel as the sensor with all of these effects reports it.
+
+    They act in the order lag, eccentricity, gain, offset, users' own; those of one kind see the same input and add.
+
+    Args:
+        effects: on this channel; neutral ones change nothing, bit for bit.
+        x: the true channel (samples,).
+        t: times of the samples [s].
+    """
+    channel = np.asarray(x, dtype=float)
+    acting = [effect for effect in effects if not effect.is_neutral]
+    lags = [effect for effect in acting if isinstance(effect, ChannelLag)]
+    if lags:
+        lag = dataclasses.replace(lags[0], delay=sum(effect.delay for effect in lags))
+        channel = lag.measured(channel, t)
+    for kind in _ORDER[1:]:
+        errors = [effect.error(channel) for effect in acting if isinstance(effect, kind)]
+        channel = channel + sum(errors) if errors else channel
+    for effect in acting:
+        if not isinstance(effect, _ORDER):
+            channel = np.asarray(effect.measured(channel, t), dtype=float)
+    return channel
