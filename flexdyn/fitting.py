@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from flexdyn.effects import (
@@ -23,7 +23,7 @@ MEASURED = ("q", "v", "theta", "omega", "tau", "tau_applied", "tau_s")
 """Signals that a sensor effect can act on."""
 
 
-def fitted(robot: Robot, joints: dict[str, Joint], entries: Iterable[Any]) -> tuple[Effect, ...]:
+def fitted(robot: Robot, joints: Mapping[str, Joint], entries: Iterable[Any]) -> tuple[Effect, ...]:
     """The effects, each checked against the arm and against those beside it.
 
     Args:
@@ -49,7 +49,7 @@ def fitted(robot: Robot, joints: dict[str, Joint], entries: Iterable[Any]) -> tu
     return tuple(effects)
 
 
-def _check(robot: Robot, joints: dict[str, Joint], softened: set[str], effect: Effect) -> None:
+def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect: Effect) -> None:
     if isinstance(effect, Payload):
         frame = robot.frame(robot.tip if effect.frame is None else effect.frame)
         robot.tree.with_point_mass(frame, effect.mass)  # refuses one on the base
@@ -61,10 +61,13 @@ def _check(robot: Robot, joints: dict[str, Joint], softened: set[str], effect: E
             _check_other(robot, effect)
         if isinstance(effect, JointElasticity):
             _check_softening(name, joints[name])
-        elif effect.side == "transmission" or isinstance(effect, LoadDependentFriction):
-            if not joints[name].elastic and name not in softened:
-                remedy = f"give joints.{name} a finite stiffness, or the effect joint_elasticity"
-                raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=name, remedy=remedy)
+        elif not joints[name].elastic and name not in softened and _needs_spring(effect):
+            remedy = f"give joints.{name} a finite stiffness, or the effect joint_elasticity"
+            raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=name, remedy=remedy)
+
+
+def _needs_spring(effect: JointEffect) -> bool:
+    return effect.side == "transmission" or isinstance(effect, LoadDependentFriction)
 
 
 def _check_softening(name: str, joint: Joint) -> None:
@@ -73,14 +76,14 @@ def _check_softening(name: str, joint: Joint) -> None:
         raise InputError("joint_elasticity needs a rigid joint", key="joint", value=name, remedy=remedy)
     if joint.rotor_inertia == 0:
         remedy = f"give joints.{name}.rotor_inertia in kg m^2 on the motor side"
-        raise InputError("joint_elasticity needs a rotor with inertia", key="joint", value=name, remedy=remedy)
+        raise InputError("joint_elasticity needs a rotor that has inertia", key="joint", value=name, remedy=remedy)
 
 
 def _check_other(robot: Robot, effect: JointCoupling) -> None:
     try:
         robot.joint_index(effect.other)
     except InputError as error:
-        raise InputError(error.data["reason"], key="other", value=effect.other, remedy=error.data["remedy"]) from None
+        raise InputError(error.problem, key="other", value=effect.other, remedy=error.remedy) from None
 
 
 def _check_channel(robot: Robot, effect: SensorEffect) -> None:

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.effects import CoulombFriction, Effect, JointEffect, Payload, ViscousFriction, effect_from_dict
+from flexdyn.effects import (
+    CoulombFriction,
+    Effect,
+    JointElasticity,
+    LoadDependentFriction,
+    ParameterError,
+    ViscousFriction,
+)
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.fitting import fitted
+from flexdyn.folding import folded
 from flexdyn.joint import Joint, resolve_joints
 from flexdyn.robot import Robot
 
@@ -71,9 +81,10 @@ class FlexibleJointModel:
         self.gravity = _gravity(gravity)
         self.initial = _initial(initial or {}, robot.joint_names)
         self.tolerance = _tolerance(tolerance)
-        self.effects: tuple[Effect, ...] = tuple(self._fitted(i, effect) for i, effect in enumerate(effects))
+        self.effects: tuple[Effect, ...] = fitted(robot, self.joints, effects)
         self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
         self.__dict__["_locked"] = True
+        self.resolved()  # refuses parameter errors that fit nothing
 
     def __setattr__(self, key: str, value: Any) -> None:
         """Models do not change; `replace` makes another."""
@@ -114,18 +125,23 @@ class FlexibleJointModel:
 
     @property
     def stiffness(self) -> Array:
-        """K of every joint (n,) [N m/rad or N/m], infinite where rigid."""
-        return self._numbers("stiffness")
+        """K of every joint (n,) [N m/rad or N/m], infinite where rigid; with the effect joint_elasticity folded in."""
+        stiffness = self._numbers("stiffness")
+        for effect in self.effects:
+            if isinstance(effect, JointElasticity) and not effect.is_neutral:
+                j = self.index(effect.joint)
+                stiffness[j] = effect.stiffness + (stiffness[j] if np.isfinite(stiffness[j]) else 0.0)
+        return _locked(stiffness)
 
     @property
     def damping(self) -> Array:
         """D of every joint (n,) [N m s/rad or N s/m]."""
-        return self._numbers("damping")
+        return _locked(self._numbers("damping"))
 
     @property
     def rotor_inertia(self) -> Array:
         """J of every joint, reflected to the link side (n,) [kg m^2 or kg]."""
-        return self._numbers("reflected_inertia")
+        return _locked(self._numbers("reflected_inertia"))
 
     @property
     def elastic(self) -> NDArray[np.bool_]:
@@ -150,10 +166,22 @@ class FlexibleJointModel:
         robot, effects = changes.pop("robot", self.robot), changes.pop("effects", self.effects)
         return FlexibleJointModel(robot, joints, effects, **(self._settings() | changes))
 
+    def resolved(self) -> FlexibleJointModel:
+        """The model as it is true: parameter errors and joint elasticities folded into the numbers they change.
+
+        Without any of them it is the model itself. Plants are built of this one.
+        """
+        return self._resolved
+
     def rigid(self) -> FlexibleJointModel:
-        """The same arm without elasticity: every joint rigid, J added to M, effects of transmissions left out."""
-        kept = [effect for effect in self.effects if getattr(effect, "side", None) != "transmission"]
-        return self.replace(joints={"*": {"stiffness": math.inf}}, effects=kept)
+        """The same arm without elasticity: every joint rigid, J added to M, effects that need a spring left out."""
+        true = self.resolved()
+        kept = [
+            effect
+            for effect in true.effects
+            if getattr(effect, "side", None) != "transmission" and not isinstance(effect, LoadDependentFriction)
+        ]
+        return true.replace(joints={"*": {"stiffness": math.inf}}, effects=kept)
 
     def index(self, joint: str) -> int:
         """Place of a joint in q.
@@ -164,9 +192,7 @@ class FlexibleJointModel:
         return self.robot.joint_index(joint)
 
     def _numbers(self, attribute: str) -> Array:
-        array = np.array([getattr(joint, attribute) for joint in self.joints.values()])
-        array.setflags(write=False)
-        return array
+        return np.array([getattr(joint, attribute) for joint in self.joints.values()])
 
     def _settings(self) -> dict[str, Any]:
         keys = ("initial", "tolerance", "gravity", "urdf_dynamics", "rotor_coupling", "name")
@@ -175,26 +201,23 @@ class FlexibleJointModel:
     def _content(self) -> tuple[Any, ...]:
         return dict(self.joints), self.effects, self._settings()
 
-    def _fitted(self, i: int, entry: Any) -> Effect:
-        """The effect, if it fits the robot: its joint is there and can have it."""
-        try:
-            effect: Effect = entry if isinstance(entry, Effect) else effect_from_dict(entry)
-            if isinstance(effect, JointEffect):
-                j = self.index(effect.joint)
-                if effect.side == "transmission" and not self.elastic[j]:
-                    remedy = f"give joints.{effect.joint} a finite stiffness"
-                    raise InputError(
-                        f"{effect.name} needs an elastic joint", key="joint", value=effect.joint, remedy=remedy
-                    )
-            elif isinstance(effect, Payload):
-                self.robot.frame(effect.frame or self.robot.tip)
-        except InputError as error:
-            raise error.at(key=f"effects[{i}]") from None
-        return effect
+    @cached_property
+    def _resolved(self) -> FlexibleJointModel:
+        acting = [effect for effect in self.effects if not effect.is_neutral]
+        if not any(isinstance(effect, ParameterError | JointElasticity) for effect in acting):
+            return self
+        true = folded(self.robot, self.joints, self.effects)
+        joints = {name: dict(numbers) for name, numbers in true.joints.items()}
+        return FlexibleJointModel(true.robot, joints, true.effects, **self._settings())
 
 
 def _rebuild(robot: Robot, joints: Any, effects: Any, settings: dict[str, Any]) -> FlexibleJointModel:
     return FlexibleJointModel(robot, joints, effects, **settings)
+
+
+def _locked(array: Array) -> Array:
+    array.setflags(write=False)
+    return array
 
 
 def _thawed(value: Any) -> Any:

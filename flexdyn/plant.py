@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
-from flexdyn.effects import Effect, JointEffect, Payload
+from flexdyn.effects import CommandDelay, Effect, JointCoupling, JointEffect, Payload, TorqueConstantError
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.robot.tree import Tree
@@ -17,7 +17,10 @@ from flexdyn.robot.tree import Tree
 Array = NDArray[np.float64]
 
 # Torque asked for -> delay, gain, offset, ripple, limit -> tau_applied: the order in which they act.
-ACTUATOR_ORDER = ("torque_offset", "torque_speed_limit")
+ACTUATOR_ORDER = ("command_delay", "torque_constant_error", "torque_offset", "torque_ripple", "torque_speed_limit")
+
+# Stages of the effects that have a law in the plant; the others change M and h, numbers, or what is measured.
+PLANT_STAGES = ("actuator", "deflection", "spring", "friction", "dry", "link")
 
 
 def build_plant(model: FlexibleJointModel) -> _core.Plant:
@@ -26,15 +29,16 @@ def build_plant(model: FlexibleJointModel) -> _core.Plant:
     Raises:
         InputError: a rigid joint that moves no inertia at all.
     """
-    links = build_links(model)
-    laws = [_law(model, effect) for effect in _in_order(model.all_effects)]
-    _check_inertia(model, links)
-    return _core.plant(links, model.stiffness, model.damping, model.rotor_inertia, laws)
+    true = model.resolved()
+    links = build_links(true)
+    laws = [_law(true, effect) for effect in _in_order(true.all_effects)]
+    _check_inertia(true, links)
+    return _core.plant(links, true.stiffness, true.damping, true.rotor_inertia, laws)
 
 
 def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
     """The compiled link side: M(q), h(q, v), with payloads, and J of rigid joints as armature."""
-    return _core.link_dynamics(_arrays(_loaded_tree(model)), np.array(model.gravity))
+    return _core.link_dynamics(_arrays(_loaded_tree(model.resolved())), np.array(model.gravity))
 
 
 class LinkSide:
@@ -109,9 +113,21 @@ def _arrays(tree: Tree) -> dict[str, Array]:
 
 def _in_order(effects: tuple[Effect, ...]) -> list[Effect]:
     """The effects that have a law in the plant, actuator effects in the order in which they act."""
-    acting = [effect for effect in effects if not effect.is_neutral and effect.stage != "inertia"]
+    acting = [effect for effect in effects if not effect.is_neutral and effect.stage in PLANT_STAGES]
+    # A delay acts on the command, before the plant sees it.
+    acting = _gains_added([effect for effect in acting if not isinstance(effect, CommandDelay)])
     order = {name: place for place, name in enumerate(ACTUATOR_ORDER)}
     return sorted(acting, key=lambda effect: order.get(effect.name, len(order)))
+
+
+def _gains_added(effects: list[Effect]) -> list[Effect]:
+    """One torque-constant error a joint: gains add, while one law after the other would multiply."""
+    gains: dict[str, float] = {}
+    for effect in effects:
+        if isinstance(effect, TorqueConstantError):
+            gains[effect.joint] = gains.get(effect.joint, 0.0) + effect.gain
+    others = [effect for effect in effects if not isinstance(effect, TorqueConstantError)]
+    return [*(TorqueConstantError(joint, gain=gain) for joint, gain in gains.items()), *others]
 
 
 def _law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
@@ -119,7 +135,8 @@ def _law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
         raise InputError("an effect in the plant acts on a joint", key=effect.name, remedy="derive it from JointEffect")
     joint, side = model.index(effect.joint), str(effect.side)
     if not effect.is_python:
-        return _core.law(effect.name, joint, side, effect.values)
+        other = model.index(effect.other) if isinstance(effect, JointCoupling) else -1
+        return _core.law(effect.name, joint, side, effect.values, other)
     return _core.python_law(effect.stage, joint, side, _caller(effect))
 
 

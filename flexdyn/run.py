@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.effects import SensorEffect, measure
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 from flexdyn.records import Recording, write_recording
@@ -103,7 +104,7 @@ class Run:
     @cached_property
     def energy(self) -> Energy:
         """Kinetic, spring and gravity energy over time."""
-        model = self.model
+        model = self.model.resolved()
         kinetic, gravity = LinkSide(model).energy(self.q, self.v)
         elastic = model.elastic
         rotors = 0.5 * self.omega[:, elastic] ** 2 @ model.rotor_inertia[elastic]
@@ -119,26 +120,37 @@ class Run:
         return frame_positions(self.model.robot, self.q, frame)
 
     def to_recording(self) -> Recording:
-        """The run as a recording: every signal of every joint.
+        """The run as a recording: every signal of every joint, as the model's sensors report it.
 
-        Its meta holds solver and notes, and the model as the text of its file, unless the robot came from a pin.Model
-        and has no URDF that a file could name.
+        The run's own arrays stay true. Its meta holds solver and notes, and the model as the text of its file, unless
+        the robot came from a pin.Model and has no URDF that a file could name.
         """
         from flexdyn.modelfile import model_to_dict
         from flexdyn.yamlfile import dump_yaml
 
         channels, units = {}, {}
+        sensors = self._sensors()
         for signal in SIGNALS:
             for j, joint in enumerate(self.joint_names):
-                channels[f"{signal}.{joint}"] = getattr(self, signal)[:, j]
+                channel = f"{signal}.{joint}"
+                channels[channel] = measure(sensors.get(channel, ()), getattr(self, signal)[:, j], self.t)
                 if self.model.robot.kinds[j] == "prismatic":
                     units[f"{signal}.{joint}"] = _PRISMATIC_UNITS[signal]
-        meta: dict[str, Any] = {"solver": self.solver.to_dict(), "notes": list(self.notes)}
+        seen = [f"{e.name} acts on the channel {e.channel}" for each in sensors.values() for e in each]
+        meta: dict[str, Any] = {"solver": self.solver.to_dict(), "notes": [*self.notes, *seen]}
         if self.model.robot.source is not None:
             meta["model"] = dump_yaml(model_to_dict(self.model))
         if units:
             meta["units"] = units
         return Recording(self.t, channels, meta=meta, name=self.model.name)
+
+    def _sensors(self) -> dict[str, list[SensorEffect]]:
+        """Sensor effects that do something, by channel."""
+        found: dict[str, list[SensorEffect]] = {}
+        for effect in self.model.resolved().effects:
+            if isinstance(effect, SensorEffect) and not effect.is_neutral:
+                found.setdefault(effect.channel, []).append(effect)
+        return found
 
     def save(self, path: str | Path) -> None:
         """Write it as a recording, the format by suffix: .csv (channels alone), .npz, .h5 (with model and solver).

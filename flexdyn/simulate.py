@@ -69,6 +69,7 @@ def simulate(
     chosen, notes = choose_solver(model, solver)
     plant = build_plant(model)
     x0 = _first_state(model, drive, {"q": q0, "v": v0, "theta": theta0, "omega": omega0})
+    x0 = np.concatenate([x0, np.zeros(plant.state_size - len(x0))])  # internal states start at rest
     grid = _grid(span, rate, times)
     out = {signal: np.empty((len(grid), model.n)) for signal in SIGNALS}
     wrenches = lower_wrenches(model, external, span)
@@ -161,7 +162,7 @@ def equilibrium_theta(model: FlexibleJointModel, q: Array) -> Array:
     weight = LinkSide(model).bias(q, np.zeros(model.n))
     elastic = model.elastic
     theta = q.copy()
-    theta[elastic] += weight[elastic] / model.stiffness[elastic]
+    theta[elastic] += weight[elastic] / model.resolved().stiffness[elastic]
     return theta
 
 

@@ -100,7 +100,9 @@ class TimeStepping(Solver):
     step: float = 1e-3
 
 
-SOLVERS: dict[str, type[Solver]] = {solver.__name__: solver for solver in (RungeKutta4, DormandPrince, Rosenbrock, TimeStepping)}
+SOLVERS: dict[str, type[Solver]] = {
+    solver.__name__: solver for solver in (RungeKutta4, DormandPrince, Rosenbrock, TimeStepping)
+}
 
 
 def make_solver(name: str, **settings: float | None) -> Solver:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Balance = Callable[[Array], Array]
-FAR = 200
+FAR = 100
 """Doublings of the first step before a component is said to have no root."""
 
 

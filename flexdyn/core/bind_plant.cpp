@@ -37,6 +37,7 @@ const std::map<std::string, LawName>& law_table() {
       {"torque_constant_error", {LawKind::torque_constant_error, Stage::actuator, 1}},
       {"torque_ripple", {LawKind::torque_ripple, Stage::actuator, 3}},
       {"torque_speed_limit", {LawKind::torque_speed_limit, Stage::actuator, 2}},
+      {"command_delay", {LawKind::command_delay, Stage::actuator, 1}},
       {"parallel_spring", {LawKind::parallel_spring, Stage::link, 2}},
       {"position_torque", {LawKind::position_torque, Stage::link, 4}},
       {"end_stop", {LawKind::end_stop, Stage::link, 4}},

@@ -40,6 +40,29 @@ const double* OpenLoop::at(double t) {
   return tau_.data();
 }
 
+double OpenLoop::past(double inside, double t, int joint) const {
+  if (!samples_ || inside < 0.0 || inside >= samples_->end()) return 0.0;
+  std::vector<double> tau(tau_.size());
+  samples_->value(samples_->segment(samples_->degree > 1 ? t : inside), t, tau.data());
+  return tau[joint];
+}
+
+// Called at every switch in the run, not only at ticks: the torque is computed anew at ticks alone.
+void Sampled::begin(double t, const JointState& state, bool) {
+  const bool tick = times_.empty() || t >= (std::floor(times_.back() * rate_ + 1e-6) + 1.0) / rate_ - 1e-12;
+  if (!tick) return;
+  compute(t, state);
+  times_.push_back(t);
+  torques_.insert(torques_.end(), tau_.begin(), tau_.end());
+}
+
+double Sampled::past(double inside, double, int joint) const {
+  const auto after = std::upper_bound(times_.begin(), times_.end(), inside);
+  if (after == times_.begin()) return 0.0;
+  const auto row = static_cast<std::size_t>(after - times_.begin()) - 1;
+  return torques_[row * tau_.size() + static_cast<std::size_t>(joint)];
+}
+
 double Sampled::next_switch(double t) const {
   // Ticks stand at k / rate; the tolerance keeps a tick that t already stands on from coming twice.
   return (std::floor(t * rate_ + 1e-6) + 1.0) / rate_;
@@ -50,7 +73,7 @@ Tracking::Tracking(std::shared_ptr<const PiecewisePolynomial> reference,
     : Sampled(rate, n), reference_(std::move(reference)), feedforward_(std::move(feedforward)),
       gains_(std::move(gains)), position_(n), velocity_(n) {}
 
-void Tracking::begin(double t, const JointState& state, bool) {
+void Tracking::compute(double t, const JointState& state) {
   const int n = static_cast<int>(tau_.size());
   const double inside = std::min(t, reference_->end());  // past its end the reference stands still
   const int segment = reference_->segment(inside);

@@ -31,6 +31,8 @@ class Command {
   virtual void begin(double t, const JointState& state, bool final) = 0;
   // tau (n) at t within the interval begun last.
   virtual const double* at(double t) = 0;
+  // tau of one joint at an earlier t, on the piece that holds `inside` (a point of the present interval, as early).
+  virtual double past(double inside, double t, int joint) const = 0;
 };
 
 // Zero torque; open-loop samples are zero after their end.
@@ -40,6 +42,7 @@ class OpenLoop : public Command {
   double next_switch(double t) const override;
   void begin(double t, const JointState&, bool final) override;
   const double* at(double t) override;
+  double past(double inside, double t, int joint) const override;
 
  private:
   std::shared_ptr<const PiecewisePolynomial> samples_;  // null: no torque
@@ -55,10 +58,19 @@ class Sampled : public Command {
   double next_switch(double t) const override;
   bool needs_state() const override { return true; }
   const double* at(double) override { return tau_.data(); }
+  void begin(double t, const JointState& state, bool final) override;
+  double past(double inside, double t, int joint) const override;
+  // Torques at the ticks so far, (ticks, n): what a delay line or a replay needs.
+  const std::vector<double>& tick_times() const { return times_; }
+  const std::vector<double>& tick_torques() const { return torques_; }
 
  protected:
+  virtual void compute(double t, const JointState& state) = 0;
   double rate_;
   std::vector<double> tau_;
+
+ private:
+  std::vector<double> times_, torques_;
 };
 
 // tau = feedforward(t) + kp (reference - y) + kd (reference' - y'), y = theta or q.
@@ -71,9 +83,9 @@ class Tracking : public Sampled {
  public:
   Tracking(std::shared_ptr<const PiecewisePolynomial> reference, std::shared_ptr<const PiecewisePolynomial> feedforward,
            TrackingGains gains, double rate, int n);
-  void begin(double t, const JointState& state, bool) override;
 
  private:
+  void compute(double t, const JointState& state) override;
   std::shared_ptr<const PiecewisePolynomial> reference_, feedforward_;
   TrackingGains gains_;
   std::vector<double> position_, velocity_;
@@ -84,9 +96,9 @@ using ControlLaw = std::function<void(double t, const JointState& state, double*
 class Callback : public Sampled {
  public:
   Callback(ControlLaw law, double rate, int n) : Sampled(rate, n), law_(std::move(law)) {}
-  void begin(double t, const JointState& state, bool) override { law_(t, state, tau_.data()); }
 
  private:
+  void compute(double t, const JointState& state) override { law_(t, state, tau_.data()); }
   ControlLaw law_;
 };
 

@@ -40,6 +40,7 @@ enum class LawKind {
   torque_constant_error,
   torque_ripple,
   torque_speed_limit,
+  command_delay,  // acts on the command's time, not on its value
   parallel_spring,
   position_torque,
   end_stop,

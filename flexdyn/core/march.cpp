@@ -21,31 +21,31 @@ class March {
   March(const Plant& plant, Command& command, const std::vector<ExternalWrench>& external, double duration,
         const SolverSettings& solver, const Output& output, const Poll& poll)
       : plant_(plant), command_(command), external_(external), duration_(duration), output_(output), poll_(poll),
-        work_(plant.workspace()), theta_(plant.n()), omega_(plant.n()), tau_ext_(plant.n()) {
+        work_(plant.workspace()), theta_(plant.n()), omega_(plant.n()), tau_ext_(plant.n()), delayed_(plant.has_delay()), late_(plant.n()) {
     work_.smoothing = solver.smoothing;
     if (solver.name == "TimeStepping") {
       stepper_ = make_time_stepping(
-          plant, work_, [this](double t) { return command_.at(t); },
+          plant, work_, [this](double t) { return torque(t); },
           [this](double t, const double* x) { return wrench_torque(t, x); }, solver.step);
       return;
     }
     if (plant.has_events() && solver.smoothing == 0.0) {
       events_ = std::make_unique<Events>(
-          plant, work_, [this](double t) { return command_.at(t); },
+          plant, work_, [this](double t) { return torque(t); },
           [this](double t, const double* x) { return wrench_torque(t, x); });
     }
     auto f = [this](double t, const double* x, double* dx) {
-      plant_.derivative(work_, t, x, command_.at(t), wrench_torque(t, x), dx);
+      plant_.derivative(work_, t, x, torque(t), wrench_torque(t, x), dx);
     };
     if (solver.name == "RungeKutta4") {
       stepper_ = make_runge_kutta4(f, solver.step);
     } else if (solver.name == "DormandPrince") {
       stepper_ = make_dormand_prince(f, solver.rtol, solver.atol, solver.max_step);
     } else if (solver.name == "Rosenbrock") {
-      const ExternalTorque torque = external.empty() ? ExternalTorque()
+      const ExternalTorque wrench = external.empty() ? ExternalTorque()
                                                      : [this](double t, const double* x) { return wrench_torque(t, x); };
-      auto jacobian = [this, torque](double t, const double* x, double* J) {
-        plant_.jacobian(work_, t, x, command_.at(t), torque, J);
+      auto jacobian = [this, wrench](double t, const double* x, double* J) {
+        plant_.jacobian(work_, t, x, this->torque(t), wrench, J);
       };
       stepper_ = make_rosenbrock(f, jacobian, solver.rtol, solver.atol, solver.max_step);
     } else {
@@ -73,7 +73,7 @@ class March {
 
  private:
   double next_limit() const {
-    double next = command_.next_switch(stepper_->t());
+    double next = next_command_switch(stepper_->t());
     for (const ExternalWrench& wrench : external_) {
       const PiecewisePolynomial& samples = *wrench.samples;
       if (stepper_->t() >= samples.end()) continue;
@@ -83,11 +83,34 @@ class March {
     return next >= duration_ || same_instant(next, duration_) ? duration_ : next;
   }
 
+  // The command itself switches (its tau is written), and so does what reaches a joint after its delay.
+  double next_command_switch(double t) const {
+    double next = command_.next_switch(t);
+    for (int j = 0; delayed_ && j < plant_.n(); ++j) {
+      const double delay = plant_.delay(j);
+      double after = command_.next_switch(t - delay) + delay;
+      if (after <= t + 1e-12) after = command_.next_switch(t - delay + 1e-9) + delay;
+      next = std::min(next, after);
+    }
+    return next;
+  }
+
+  // The torque that reaches the motors.
+  const double* torque(double t) {
+    if (!delayed_) return command_.at(t);
+    for (int j = 0; j < plant_.n(); ++j) {
+      const double delay = plant_.delay(j);
+      late_[j] = delay > 0.0 ? command_.past(t_inside_ - delay, t - delay, j) : command_.at(t)[j];
+    }
+    return late_.data();
+  }
+
   void begin_interval(bool final) {
     const std::vector<double>& x = stepper_->x();
     t_begin_ = stepper_->t();
     if (command_.needs_state()) plant_.rotor(x.data(), theta_.data(), omega_.data());
     command_.begin(t_begin_, {plant_.q(x.data()), plant_.v(x.data()), theta_.data(), omega_.data()}, final);
+    t_inside_ = final ? t_begin_ : 0.5 * (t_begin_ + next_limit());
     stepper_->restart();
     if (events_) events_->settle(t_begin_, x);
   }
@@ -152,7 +175,7 @@ class March {
   void write(double t, const double* x) {
     const std::size_t n = static_cast<std::size_t>(plant_.n()), at = row_ * n;
     const double* tau = command_.at(t);
-    plant_.torques(work_, t, x, tau, wrench_torque(t, x));
+    plant_.torques(work_, t, x, torque(t), wrench_torque(t, x));
     std::copy(plant_.q(x), plant_.q(x) + n, output_.q + at);
     std::copy(plant_.v(x), plant_.v(x) + n, output_.v + at);
     plant_.rotor(x, output_.theta + at, output_.omega + at);
@@ -172,7 +195,9 @@ class March {
   std::unique_ptr<Stepper> stepper_;
   std::unique_ptr<Events> events_;
   std::vector<double> theta_, omega_, tau_ext_;
-  double t_begin_ = 0.0;
+  bool delayed_;
+  std::vector<double> late_;
+  double t_begin_ = 0.0, t_inside_ = 0.0;
   std::size_t row_ = 0;
   int since_poll_ = 0;
   Clock::time_point last_poll_ = Clock::now();

@@ -20,7 +20,7 @@ bool has_internal_state(LawKind kind) {
 Plant::Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stiffness, std::vector<double> damping,
              std::vector<double> rotor_inertia, const std::vector<Law>& laws)
     : links_(std::move(links)), n_(links_->size()), rotor_slot_(n_, -1), K_(std::move(stiffness)),
-      D_(std::move(damping)), J_(std::move(rotor_inertia)) {
+      D_(std::move(damping)), J_(std::move(rotor_inertia)), delay_(n_, 0.0) {
   for (int j = 0; j < n_; ++j) {
     if (std::isinf(K_[j])) continue;
     rotor_slot_[j] = elastic();
@@ -41,6 +41,10 @@ void Plant::sort_in(Law law) {
       switches_[known.region].p[0] = known.p[0];
       return;
     }
+  }
+  if (law.kind == LawKind::command_delay) {
+    delay_[law.joint] += law.p[0];
+    return;
   }
   if (has_internal_state(law.kind)) law.state = internal_++;
   if (has_corner(law.kind)) {
@@ -76,6 +80,10 @@ Plant::Workspace Plant::workspace() const {
   w.actuator_value.assign(switches_.size(), 0.0);
   w.held.assign(n_, 0);
   return w;
+}
+
+bool Plant::has_delay() const {
+  return std::any_of(delay_.begin(), delay_.end(), [](double delay) { return delay > 0.0; });
 }
 
 std::size_t Plant::velocity_index(const DryContact& contact) const {

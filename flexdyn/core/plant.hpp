@@ -99,6 +99,8 @@ class Plant {
   const std::vector<Law>& frictions() const { return friction_; }
   const std::vector<Law>& springs() const { return spring_; }
   int switches() const { return static_cast<int>(switches_.size()); }
+  double delay(int joint) const { return delay_[joint]; }
+  bool has_delay() const;
   double rotor_inertia(int joint) const { return J_[joint]; }
   double stiffness(int joint) const { return K_[joint]; }
   double damping(int joint) const { return D_[joint]; }
@@ -158,7 +160,7 @@ class Plant {
   int internal_ = 0;
   std::vector<int> elastic_;     // joints with a finite stiffness
   std::vector<int> rotor_slot_;  // joint -> place among the elastic ones, -1 = rigid
-  std::vector<double> K_, D_, J_;
+  std::vector<double> K_, D_, J_, delay_;
   std::vector<Law> actuator_, deflection_, spring_, damper_, friction_, link_;
   std::vector<DryContact> dry_;
   std::vector<Law> switches_;    // laws with a corner, each with its region's place

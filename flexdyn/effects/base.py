@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from flexdyn import _core
 from flexdyn.errors import InputError, did_you_mean
 
+Array = NDArray[np.float64]
 Side = Literal["link", "motor", "transmission", "sensor"]
 Stage = Literal["actuator", "deflection", "spring", "friction", "dry", "link", "inertia", "sensor", "model"]
 
@@ -115,7 +116,7 @@ class Effect:
         """Whether its law is written in Python: a subclass overrides `torque`."""
         return type(self).torque is not Effect.torque
 
-    def torque(self, x: ArrayLike, u: ArrayLike, *, t: ArrayLike = 0.0, tau: ArrayLike = 0.0) -> NDArray[np.float64]:
+    def torque(self, x: ArrayLike, u: ArrayLike, *, t: ArrayLike = 0.0, tau: ArrayLike = 0.0) -> Array:
         """The law over whole recordings, as it stands in the equations of motion.
 
         Args:
@@ -136,8 +137,7 @@ class Effect:
             problem = "the effect has no torque over position and velocity"
             raise InputError(problem, key="effect", value=self.name, remedy=self.no_torque)
         columns = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (t, x, u, tau)))
-        t_, x_, u_, tau_ = (np.ascontiguousarray(column) for column in columns)
-        return self._evaluate(t_, x_, u_, tau_)
+        return self._evaluate(*(np.ascontiguousarray(column) for column in columns))
 
     def to_dict(self) -> dict[str, Any]:
         """As a model file writes it: ``{effect: name, joint: ..., parameters}``; None is left out."""
@@ -181,10 +181,10 @@ class Effect:
         """Its fields that are no numbers."""
         return {}
 
-    def _evaluate(self, *columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The core's law of this name over contiguous t, x, u, tau."""
-        out = np.empty(columns[0].shape)
-        _core.evaluate_law(self.name, self.values, *columns, out)
+    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
+        """The core's law of this name over contiguous columns."""
+        out = np.empty(x.shape)
+        _core.evaluate_law(self.name, self.values, t, x, u, tau, out)
         return out
 
     def _checked(self, field: dataclasses.Field[Any], value: Any) -> float:

@@ -6,10 +6,7 @@ import dataclasses
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from flexdyn.effects.base import Effect, JointEffect, parameter
+from flexdyn.effects.base import Array, Effect, JointEffect, parameter
 from flexdyn.errors import InputError
 
 
@@ -142,12 +139,14 @@ class JointCoupling(JointEffect):
             raise InputError("a joint's name is needed", key=f"{self.name}.other", value=self.other)
         if self.other == self.joint:
             remedy = "name another joint, or use viscous_friction"
-            raise InputError("a joint does not couple to itself", key=f"{self.name}.other", value=self.other, remedy=remedy)
+            raise InputError(
+                "a joint does not couple to itself", key=f"{self.name}.other", value=self.other, remedy=remedy
+            )
 
     @classmethod
     def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
         return super()._example_place(joint, other) | {"other": other}
 
-    def _evaluate(self, *columns: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
         # Pointwise the core knows one joint alone.
-        return self.coefficient * columns[2]
+        return self.coefficient * u

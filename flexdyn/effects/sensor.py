@@ -101,7 +101,7 @@ class ChannelLag(SensorEffect):
         """What the sensor reports: see the base class."""
         true, times = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
         if self.signal not in HELD:
-            return np.interp(times - self.delay, times, true)
+            return np.asarray(np.interp(times - self.delay, times, true))
         # Rounding of t - delay must not miss a sample by its last bit.
         instants = times - self.delay + SAME_INSTANT
         return true[np.maximum(np.searchsorted(times, instants, side="right") - 1, 0)]

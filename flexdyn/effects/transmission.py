@@ -35,9 +35,9 @@ class JointElasticity(JointEffect):
 
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
 
-    def _evaluate(self, *columns: Array) -> Array:
+    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
         # The core has no law of this name: the model folds it into the joint's stiffness.
-        return self.stiffness * columns[1]
+        return self.stiffness * x
 
 
 class TransmissionDamping(JointEffect):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from flexdyn.robot.shapes import Visual, read_visuals
 from flexdyn.robot.values import fail, name_of, number, pose_of
@@ -19,6 +20,11 @@ class Inertial:
     xyz: tuple[float, ...]
     rpy: tuple[float, ...]
     moments: tuple[float, ...]
+
+    def scaled(self, mass: float, com: float, inertia: float) -> Inertial:
+        """With mass, position of the centre of mass and moments multiplied, each by its factor."""
+        xyz, moments = tuple(com * value for value in self.xyz), tuple(inertia * value for value in self.moments)
+        return Inertial(mass * self.mass, xyz, self.rpy, moments)
 
 
 @dataclass(frozen=True)
@@ -78,3 +84,11 @@ def _inertial(element: Any, key: str) -> Inertial:
         )
     xyz, rpy = pose_of(element, key)
     return Inertial(mass, xyz, rpy, (xx, xy, xz, yy, yz, zz))
+
+
+def spatial_inertia(body: Inertial) -> pin.Inertia:
+    """Mass, centre of mass and inertia in the axes of the link's frame."""
+    xx, xy, xz, yy, yz, zz = body.moments
+    rotation = pin.rpy.rpyToMatrix(np.array(body.rpy))
+    moments = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
+    return pin.Inertia(body.mass, np.array(body.xyz), moments)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.robot.joints import Joint
-from flexdyn.robot.links import Link
+from flexdyn.robot.links import Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
 from flexdyn.robot.tree import Floats, FramePlacement, Tree, locked
 
@@ -182,6 +182,41 @@ class Robot:
             remedy = f"one number for each of {', '.join(self.joint_names)}"
             raise InputError("wrong shape", key="q", value=positions.shape, remedy=remedy)
         return np.asarray(positions @ self.tree.gain.T + self.tree.offset)
+
+    def with_link_scaled(self, link: str, *, mass: float = 1.0, com: float = 1.0, inertia: float = 1.0) -> Robot:
+        """The robot with numbers of one link's <inertial> multiplied.
+
+        Args:
+            link: its name.
+            mass: factor of the mass [1].
+            com: factor of the position of the centre of mass in the link's frame [1].
+            inertia: factor of the inertia about the centre of mass [1].
+
+        Returns:
+            A new robot; only the link's inertia differs.
+
+        Raises:
+            InputError: no such link, one without mass, or one that stands still.
+        """
+        place = {entry.name: k for k, entry in enumerate(self._links)}.get(link)
+        if place is None:
+            names = [entry.name for entry in self._links if entry.inertial is not None]
+            remedy = did_you_mean(link, names) if names else "load the robot from a URDF, whose links have numbers"
+            raise InputError("no such link", key="link", value=link, remedy=remedy)
+        given = self._links[place].inertial
+        frame = self.frame(link)
+        if given is None or given.mass == 0.0 or frame.joint < 0:
+            problem = "the link has no mass" if frame.joint >= 0 else "the link stands still: its mass moves nothing"
+            raise InputError(problem, key="link", value=link)
+        true = given.scaled(mass, com, inertia)
+        mounted = pin.SE3(frame.rotation, frame.translation)
+        parts = [mounted.act(spatial_inertia(body)) for body in (given, true)]
+        tree = self.tree.with_body_changed(frame.joint, *parts)
+        model = self.pin_model
+        j = frame.joint
+        model.inertias[j + 1] = pin.Inertia(float(tree.mass[j]), np.array(tree.com[j]), np.array(tree.inertia[j]))
+        links = (*self._links[:place], replace(self._links[place], inertial=true), *self._links[place + 1 :])
+        return replace(self, tree=tree, _model=model, _links=links)
 
     def visual_model(self) -> pin.GeometryModel:
         """The shapes of the robot on the joints of pin_model; meshes are read now. Empty for a pin.Model source."""

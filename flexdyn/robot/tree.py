@@ -133,6 +133,26 @@ class Tree:
         masses[j], coms[j], inertias[j] = total, com, inertia
         return replace(self, mass=masses, com=coms, inertia=inertias)
 
+    def with_body_changed(self, joint: int, given: pin.Inertia, true: pin.Inertia) -> Tree:
+        """The tree with one of the parts of a body exchanged.
+
+        Mass, first moment and inertia about the joint's origin add up over the parts: ``body + true - given``.
+
+        Args:
+            joint: that carries the body.
+            given: the part as it is, in the joint frame.
+            true: as it is to be.
+
+        Returns:
+            A new tree.
+        """
+        body = pin.Inertia(float(self.mass[joint]), np.array(self.com[joint]), np.array(self.inertia[joint]))
+        total = body.toDynamicParameters() - given.toDynamicParameters() + true.toDynamicParameters()
+        new = pin.Inertia.FromDynamicParameters(total)
+        masses, coms, inertias = self.mass.copy(), self.com.copy(), self.inertia.copy()
+        masses[joint], coms[joint], inertias[joint] = new.mass, new.lever, new.inertia
+        return replace(self, mass=masses, com=coms, inertia=inertias)
+
 
 def tree_of(model: pin.Model, independent: Sequence[str], followers: Mapping[str, Mimic]) -> Tree:
     """The arrays of a normalised model.

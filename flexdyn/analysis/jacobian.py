@@ -1,0 +1,81 @@
+"""Slopes of x' = f(t, x, tau) at a point, from the compiled plant."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn import _core
+from flexdyn.analysis.statics import Statics, without
+from flexdyn.effects import Effect, JointEffect
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+
+
+def dry_velocities(model: FlexibleJointModel) -> dict[int, list[Effect]]:
+    """Dry effects that act, by the place of their contact's velocity among [v (n), omega (e)].
+
+    On a rigid joint the motor's dry friction acts on v.
+    """
+    slot = np.cumsum(model.elastic) - 1
+    contacts: dict[int, list[Effect]] = {}
+    for effect in model.all_effects:
+        if effect.stage != "dry" or effect.is_neutral or not isinstance(effect, JointEffect):
+            continue
+        j = model.index(effect.joint)
+        on_rotor = effect.side == "motor" and model.elastic[j]
+        contacts.setdefault(model.n + int(slot[j]) if on_rotor else j, []).append(effect)
+    return contacts
+
+
+def resting(model: FlexibleJointModel, x: Array) -> dict[int, list[Effect]]:
+    """Those of `dry_velocities` whose velocity is 0 at x."""
+    half = model.n + int(model.elastic.sum())
+    return {place: effects for place, effects in dry_velocities(model).items() if x[half + place] == 0.0}
+
+
+def without_resting_friction(model: FlexibleJointModel, x: Array) -> FlexibleJointModel:
+    """The model with the dry friction of contacts that rest at x left out; what slides keeps its own."""
+    still = [id(effect) for effects in resting(model, x).values() for effect in effects]
+    return without(model, lambda effect: id(effect) in still) if still else model
+
+
+def state_matrix(plant: _core.Plant, t: float, x: Array, tau: Array) -> Array:
+    """A = d(x')/dx (nx, nx): the links' part analytic, from Pinocchio.
+
+    Every law is on the branch of this point: a sliding contact slides on, a gap stays open or closed, an end stop or
+    a torque limit acts or does not. A contact at rest that its dry friction holds has no acceleration.
+    """
+    A = np.empty((len(x), len(x)))
+    plant.jacobian(t, x, tau, 0.0, A)
+    return A
+
+
+def actuator_gains(statics: Statics, x: Array, tau: Array) -> Array:
+    """d(tau_applied)/d(tau) of every motor (n,) [1]: 0 where it saturates."""
+    model, half = statics.model, len(x) // 2
+    n, e = model.n, int(model.elastic.sum())
+    half = n + e
+    h = 2.0**-10 * max(1.0, float(np.abs(tau).max()))
+    up, down = np.empty(len(x)), np.empty(len(x))
+    statics.plant.derivative(statics.t, x, tau + h, np.inf, up)
+    statics.plant.derivative(statics.t, x, tau - h, np.inf, down)
+    slope = (up - down) / (2.0 * h)
+    # Acceleration times inertia is torque; what an elastic joint's motor does reaches its rotor alone.
+    gains = statics.links.mass_matrix(x[:n]) @ slope[half : half + n]
+    gains[model.elastic] = model.rotor_inertia[model.elastic] * slope[half + n : half + n + e]
+    return gains
+
+
+def sliding_rate(statics: Statics, x: Array, tau: Array) -> Array:
+    """X' (nx,) at x with sliding contacts on their branch; the model of `statics` has no resting ones."""
+    model = statics.model
+    half = model.n + int(model.elastic.sum())
+    speeds = [abs(x[half + place]) for place in dry_velocities(model)]
+    rate = np.empty(len(x))
+    width = min(speeds, default=math.inf) / 64.0  # tanh(64) is 1 to the last bit
+    statics.plant.derivative(statics.t, x, tau, width, rate)
+    return rate

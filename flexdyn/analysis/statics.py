@@ -1,0 +1,136 @@
+"""An arm at rest: the net torques on links and rotors, loaded springs, the motor torques that hold a pose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.analysis.balance import roots
+from flexdyn.effects import Effect
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide, build_plant
+
+Array = NDArray[np.float64]
+ROUNDING = 1e-13
+"""Of the largest torque on the arm: what counts as none."""
+
+
+def without(model: FlexibleJointModel, leave_out: Callable[[Effect], bool]) -> FlexibleJointModel:
+    """The model with some effects made neutral; every effect keeps its place."""
+    effects = [
+        replace(effect, **effect.neutral) if effect.neutral and leave_out(effect) else effect  # type: ignore[type-var]
+        for effect in model.all_effects
+    ]
+    kept = [effect for effect in effects if effect.neutral or not leave_out(effect)]
+    return model.replace(effects=kept, urdf_dynamics="ignore")
+
+
+class Statics:
+    """One model at rest, its dry friction left out: at rest that holds what it is asked to, which is another question.
+
+    At rest every net torque depends on its own joint's rotor position and motor torque alone: the link side of joint
+    j on q and theta_j, its rotor side on q_j, theta_j and tau_j. That is why joints are solved all at once.
+
+    Args:
+        model: the arm; internal states of its effects are 0.
+        t: time since the start of the run [s], for effects that depend on it.
+    """
+
+    def __init__(self, model: FlexibleJointModel, t: float = 0.0) -> None:
+        self.model, self.t = model, t
+        self.plant = build_plant(model)
+        self.links = LinkSide(model)
+        self.elastic = model.elastic
+        self._stiffness = np.where(self.elastic, model.stiffness, 1.0)
+
+    def state(self, q: Array, theta: Array) -> Array:
+        """X = [q, theta, 0, 0, 0] (nx,)."""
+        x = np.zeros(self.plant.state_size)
+        x[: self.model.n] = q
+        x[self.model.n : self.model.n + int(self.elastic.sum())] = theta[self.elastic]
+        return x
+
+    def net(self, q: Array, theta: Array, tau: Array) -> tuple[Array, Array]:
+        """Net torques [N m or N] on links (n,) and rotors (n,): 0 where the arm can rest without friction.
+
+        A rigid joint's rotor is part of its link; its rotor entry repeats the link's.
+        """
+        n, e = self.model.n, int(self.elastic.sum())
+        rate = np.empty(self.plant.state_size)
+        self.plant.derivative(self.t, self.state(q, theta), tau, np.inf, rate)
+        link = self.links.mass_matrix(q) @ rate[n + e : 2 * n + e]
+        rotor = link.copy()
+        rotor[self.elastic] = self.model.rotor_inertia[self.elastic] * rate[2 * n + e : 2 * n + 2 * e]
+        return link, rotor
+
+    def tolerance(self, q: Array, *torques: Array) -> float:
+        """What rounding may leave of a net torque at this pose [N m or N]."""
+        weight = self.links.bias(q, np.zeros(self.model.n))
+        return ROUNDING * max(float(np.abs(each).max()) for each in (weight, *torques))
+
+    def loaded_springs(self, q: Array, net: Array | float = 0.0) -> Array:
+        """Rotor positions (n,) at which the springs carry the links at rest, but for a net torque on each.
+
+        A transmission with backlash that carries nothing has its rotor in the middle of the gap, theta = q.
+
+        Raises:
+            InputError: a spring that cannot carry its link whatever its deflection.
+        """
+        still = np.zeros(self.model.n)
+
+        def lacking(theta: Array) -> Array:
+            return np.where(self.elastic, self.net(q, theta, still)[0] - net, 0.0)
+
+        return self._rotors(lacking, q, self.tolerance(q, lacking(q)), "q", "no deflection of its spring carries")
+
+    def driven_springs(self, q: Array, tau: Array) -> Array:
+        """Rotor positions (n,) at which the springs take up the motors' torques tau at rest.
+
+        Raises:
+            InputError: a spring that cannot take up its motor's torque whatever its deflection.
+        """
+
+        def excess(theta: Array) -> Array:
+            return np.where(self.elastic, -self.net(q, theta, tau)[1], 0.0)
+
+        return self._rotors(excess, q, self.tolerance(q, excess(q), tau), "tau", "no deflection of its spring takes up")
+
+    def motor_torques(self, q: Array, theta: Array, net: Array | float = 0.0) -> Array:
+        """Torques asked of the motors (n,) that leave `net` on the rotors; infinite where no torque reaches that far.
+
+        Rigid joints: on the links. At +inf or -inf the motor saturates before the net torque is reached.
+        """
+
+        def lacking(tau: Array) -> Array:
+            return self.net(q, theta, tau)[1] - net
+
+        nothing = np.zeros(self.model.n)
+        first = lacking(nothing)
+        step = np.maximum(np.abs(first), 1e-6)
+        tau, found = roots(lacking, nothing, step, self.tolerance(q, first))
+        return np.where(found, tau, np.copysign(np.inf, -first))
+
+    def holding(self, q: Array, theta: Array) -> Array:
+        """Torques asked of the motors (n,) that keep the rotors at theta at rest.
+
+        Raises:
+            InputError: a motor too weak for it.
+        """
+        tau = self.motor_torques(q, theta)
+        if not np.isfinite(tau).all():
+            joint = self.model.joint_names[int(np.argmin(np.isfinite(tau)))]
+            problem, remedy = f"the motor of {joint} is too weak to hold the pose", "give tau, or another pose"
+            raise InputError(problem, key="q", value=q, remedy=remedy)
+        return tau
+
+    def _rotors(self, f: Callable[[Array], Array], q: Array, tolerance: float, key: str, what: str) -> Array:
+        first = np.maximum(np.abs(f(q)) / self._stiffness, 1e-9)
+        theta, found = roots(f, q, first, tolerance)
+        if not found.all():
+            joint = self.model.joint_names[int(np.argmin(found))]
+            raise InputError(f"no equilibrium: {what} the torque on {joint}", key=key, value=q)
+        return theta
