@@ -1,23 +1,17 @@
-"""linearize: the equations of motion near a point as x' = A x + B u, y = C x + D u."""
+"""LinearModel: what `linearize` gives back, ready for scipy.signal and python-control."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.analysis.jacobian import actuator_gains, resting, sliding_rate, state_matrix, without_resting_friction
-from flexdyn.analysis.pose import Pose, checked_frequencies, checked_model
-from flexdyn.analysis.statics import Statics
+from flexdyn.analysis.pose import checked_frequencies
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import build_plant
 
 Array = NDArray[np.float64]
-SIGNALS = ("q", "theta", "v", "omega", "deflection")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -103,98 +97,5 @@ class LinearModel:
         return response
 
 
-def linearize(
-    model: FlexibleJointModel,
-    x: Pose = None,
-    tau: ArrayLike | Mapping[str, float] | None = None,
-    *,
-    outputs: Sequence[str] = ("q", "theta"),
-    inputs: Sequence[str] | None = None,
-    stuck: Literal["free", "held"] = "free",
-    t: float = 0.0,
-) -> LinearModel:
-    """The equations of motion near a point as a linear state-space model.
-
-    A is exact: Pinocchio's derivatives of the links, gravity included, and the slopes of every effect. Laws with a
-    corner (backlash, end stop, torque limit) are on the branch of the point.
-
-    Args:
-        model: the arm.
-        x: a state (nx,); or a pose (n,) or by joint, at rest with its springs loaded; None: the model's `initial` pose.
-        tau: torques asked for (n,) or by joint; None: what holds the arm at rest at the positions of x.
-        outputs: signals (q, theta, v, omega, deflection) of every joint, or channels like ``q.elbow``.
-        inputs: joints whose motor torques are inputs; None: every joint.
-        stuck: dry friction of contacts that rest at x: ``free`` leaves it out, ``held`` takes their coordinates out of
-            the state. What slides at x has the slope of its branch either way.
-        t: time since the start of the run [s], for effects that depend on it.
-
-    Returns:
-        the linear model.
-
-    Raises:
-        InputError: arguments that do not fit the model, motors too weak for the pose, or with ``held`` a contact that
-            its dry friction does not hold.
-    """
-    checked_model(model)
-    if stuck not in ("free", "held"):
-        raise InputError("no such choice", key="stuck", value=stuck, remedy="it is free or held")
-    x0, tau0 = _point(model, x, tau, t)
-    joints = [model.index(joint) for joint in (model.joint_names if inputs is None else inputs)]
-    names, C = _outputs(model, len(x0), outputs)
-    statics = Statics(without_resting_friction(model, x0), t)
-    gains = actuator_gains(statics, x0, tau0)
-    rate = sliding_rate(statics, x0, tau0)
-    held = sorted(resting(model, x0)) if stuck == "held" else []
-    plant = build_plant(model) if held else statics.plant
-    A = state_matrix(plant, t, x0, tau0)
-    B = _input_matrix(statics, x0, gains, held)
-    rate = _held_rate(statics, x0, rate, held)
-    _check_held(model, A, held)
-    states = _state_names(model, len(x0))
-    half = model.n + int(model.elastic.sum())
-    out = {place for place in held} | {half + place for place in held}
-    kept = [i for i in range(len(x0)) if i not in out]
-    return LinearModel(
-        A=A[np.ix_(kept, kept)],
-        B=B[np.ix_(kept, joints)],
-        C=C[:, kept],
-        D=np.zeros((len(C), len(joints))),
-        x0=x0[kept],
-        tau0=tau0,
-        rate0=rate[kept],
-        state_names=tuple(states[i] for i in kept),
-        input_names=tuple(f"tau.{model.joint_names[j]}" for j in joints),
-        output_names=names,
-        held=tuple(states[place] for place in held),
-    )
-
-
-def frequency_response(
-    model: FlexibleJointModel,
-    frequencies: ArrayLike,
-    *,
-    x: Pose = None,
-    tau: ArrayLike | Mapping[str, float] | None = None,
-    inputs: Sequence[str] | None = None,
-    outputs: Sequence[str] = ("q", "theta"),
-    stuck: Literal["free", "held"] = "free",
-) -> NDArray[np.complex128]:
-    """Small sinusoidal motion per sinusoidal motor torque, amplitude and phase: `linearize` at each frequency.
-
-    Args:
-        model: the arm.
-        frequencies: (f,) [Hz].
-        x: where, as in `linearize`.
-        tau: under which constant torque, as in `linearize`.
-        inputs: joints whose motors move; None: every joint.
-        outputs: signals or channels, as in `linearize`.
-        stuck: ``free`` or ``held``, as in `linearize`.
-
-    Returns:
-        complex (f, outputs, inputs) [rad/(N m)] and the like.
-
-    Raises:
-        InputError: arguments that do not fit the model.
-    """
-    linear = linearize(model, x, tau, inputs=inputs, outputs=outputs, stuck=stuck)
-    return linear.frequency_response(frequencies)
+def _rebuild(entries: dict[str, Any]) -> LinearModel:
+    return LinearModel(**entries)

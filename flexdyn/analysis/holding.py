@@ -1,0 +1,133 @@
+"""holding_torques: the motor torques under which dry friction lets an arm rest at a pose."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.analysis.pose import Pose, checked_model, pose, vector
+from flexdyn.analysis.statics import Statics
+from flexdyn.effects import JointEffect
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+CREEP = float(np.finfo(float).tiny)
+"""A velocity so small that every law has its level at rest [rad/s]."""
+
+
+class HoldingTorques(NamedTuple):
+    """Torques asked of the motors, reflected, between which the arm can rest [N m or N].
+
+    Attributes:
+        lower: (n,); -inf where the motor saturates before it could break the joint away.
+        upper: (n,); inf likewise.
+    """
+
+    lower: Array
+    upper: Array
+
+
+def holding_torques(model: FlexibleJointModel, q: Pose = None, theta: ArrayLike | None = None) -> HoldingTorques:
+    """The interval of motor torques, joint by joint, under which the arm can rest at a pose.
+
+    With W the torque that carries the link (gravity, parallel springs, stops), L the dry levels and positive moving
+    forward, link friction lets the spring's torque be anything in [W - L_link_negative, W + L_link_positive], and so::
+
+        lower = W - L_link_negative - L_motor_negative,    upper = W + L_link_positive + L_motor_positive
+
+    tau before the actuator effects, which are inverted. Load-dependent levels take the spring's torque at that end.
+    An arm at rest stays so under any tau of the box, if its rotors stand where the springs balance it; a torque put on
+    suddenly swings rotors that have no friction of their own, and may break links away earlier. Presliding friction is
+    not dry and holds nothing.
+
+    Args:
+        model: the arm.
+        q: pose (n,) or by joint [rad or m]; None: the model's `initial`.
+        theta: rotor positions (n,); then the interval is that of the motors with springs as they are. None: any rotor
+            positions at which link friction holds the links.
+
+    Returns:
+        lower and upper (n,).
+
+    Raises:
+        InputError: a motor too weak to hold the pose, or springs at theta loaded beyond what link friction holds.
+    """
+    checked_model(model)
+    return holding_at(Statics(model), pose(model, q), theta)
+
+
+def holding_at(statics: Statics, q: Array, theta: ArrayLike | None = None) -> HoldingTorques:
+    """`holding_torques` of a model made ready, q checked."""
+    model = statics.model
+    if theta is None:
+        ends = link_range(statics, q)
+    else:
+        given = vector(theta, model.n, "theta", "one rotor position a joint")
+        _check_links(statics, q, given)
+        ends = (given, given)
+    lower, upper = np.full(model.n, np.inf), np.full(model.n, -np.inf)
+    for rotors in ends:  # load and position may make either end of the spring's range the extreme one
+        negative, positive = levels(statics, q, rotors, "motor")
+        lower = np.minimum(lower, statics.motor_torques(q, rotors, -negative))
+        upper = np.maximum(upper, statics.motor_torques(q, rotors, positive))
+    if np.isposinf(lower).any() or np.isneginf(upper).any():
+        joint = model.joint_names[int(np.argmax(np.isposinf(lower) | np.isneginf(upper)))]
+        raise InputError(f"the motor of {joint} is too weak to hold the pose", key="q", value=q)
+    return HoldingTorques(lower, upper)
+
+
+def link_range(statics: Statics, q: Array) -> tuple[Array, Array]:
+    """Rotor positions (n,) between which link friction holds the links; q on rigid joints."""
+    negative, positive = levels(statics, q, q, "link")
+    elastic = statics.elastic
+    least = statics.loaded_springs(q, np.where(elastic, -negative, 0.0))
+    if not (negative[elastic].any() or positive[elastic].any()):
+        return least, least
+    return least, statics.loaded_springs(q, np.where(elastic, positive, 0.0))
+
+
+def levels(statics: Statics, q: Array, theta: Array, side: Literal["link", "motor"]) -> tuple[Array, Array]:
+    """Dry levels at rest (n,), L_negative and L_positive, of one side; a rigid joint's levels all count as motor's."""
+    model = statics.model
+    negative, positive = np.zeros(model.n), np.zeros(model.n)
+    tau_s: Array | None = None
+    for effect in model.all_effects:
+        if effect.stage != "dry" or effect.is_neutral or not isinstance(effect, JointEffect):
+            continue
+        j = model.index(effect.joint)
+        if side != (effect.side if model.elastic[j] else "motor"):
+            continue
+        if tau_s is None:
+            tau_s = spring_torques(statics, q, theta)
+        x = theta[j] if effect.side == "motor" else q[j]
+        positive[j] += float(effect.torque(x, CREEP, t=statics.t, tau=tau_s[j]))
+        negative[j] -= float(effect.torque(x, -CREEP, t=statics.t, tau=tau_s[j]))
+    return negative, positive
+
+
+def spring_torques(statics: Statics, q: Array, theta: Array) -> Array:
+    """Transmission torques at rest (n,) [N m or N], from the balance of the links; 0 on rigid joints."""
+    model, still = statics.model, np.zeros(statics.model.n)
+    tau_s = statics.net(q, theta, still)[0] + statics.links.bias(q, still)
+    for effect in model.all_effects:
+        if not isinstance(effect, JointEffect) or effect.side != "link" or effect.stage == "dry" or effect.is_neutral:
+            continue
+        j = model.index(effect.joint)
+        on_the_right = effect.stage == "link"
+        tau_s[j] -= (1.0 if on_the_right else -1.0) * float(effect.torque(q[j], 0.0, t=statics.t))
+    return np.where(model.elastic, tau_s, 0.0)
+
+
+def _check_links(statics: Statics, q: Array, theta: Array) -> None:
+    model = statics.model
+    negative, positive = levels(statics, q, theta, "link")
+    net = statics.net(q, theta, np.zeros(model.n))[0]
+    slack = 1e-9 * max(float(np.abs(statics.links.bias(q, np.zeros(model.n))).max()), float(np.abs(net).max()))
+    moves = model.elastic & ((net < -negative - slack) | (net > positive + slack))
+    if moves.any():
+        j = int(np.argmax(moves))
+        problem = f"the link of {model.joint_names[j]} does not rest: the springs leave {net[j]:.4g} N m on it"
+        raise InputError(problem, key="theta", value=theta, remedy="leave theta out, or load the springs")

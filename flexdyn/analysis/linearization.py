@@ -1,0 +1,168 @@
+"""linearize: the equations of motion near a point as x' = A x + B u, y = C x + D u; the frequency response of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.analysis.jacobian import actuator_gains, resting, sliding_rate, state_matrix, without_resting_friction
+from flexdyn.analysis.linear_model import LinearModel
+from flexdyn.analysis.outputs import output_matrix, state_names
+from flexdyn.analysis.pose import Pose, checked_model, pose, torques, vector
+from flexdyn.analysis.statics import Statics
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import build_plant
+
+Array = NDArray[np.float64]
+
+
+def linearize(
+    model: FlexibleJointModel,
+    x: Pose = None,
+    tau: ArrayLike | Mapping[str, float] | None = None,
+    *,
+    outputs: Sequence[str] = ("q", "theta"),
+    inputs: Sequence[str] | None = None,
+    stuck: Literal["free", "held"] = "free",
+    t: float = 0.0,
+) -> LinearModel:
+    """The equations of motion near a point as a linear state-space model.
+
+    A is exact: Pinocchio's derivatives of the links, gravity included, and the slopes of every effect. Laws with a
+    corner (backlash, end stop, torque limit) are on the branch of the point.
+
+    Args:
+        model: the arm.
+        x: a state (nx,); or a pose (n,) or by joint, at rest with its springs loaded; None: the model's `initial` pose.
+        tau: torques asked for (n,) or by joint; None: what holds the arm at rest at the positions of x.
+        outputs: signals (q, theta, v, omega, deflection) of every joint, or channels like ``q.elbow``.
+        inputs: joints whose motor torques are inputs; None: every joint.
+        stuck: dry friction of contacts that rest at x: ``free`` leaves it out, ``held`` takes their coordinates out of
+            the state. What slides at x has the slope of its branch either way.
+        t: time since the start of the run [s], for effects that depend on it.
+
+    Returns:
+        the linear model.
+
+    Raises:
+        InputError: arguments that do not fit the model, motors too weak for the pose, or with ``held`` a contact that
+            its dry friction does not hold.
+    """
+    checked_model(model)
+    if stuck not in ("free", "held"):
+        raise InputError("no such choice", key="stuck", value=stuck, remedy="it is free or held")
+    x0, tau0 = _point(model, x, tau, t)
+    joints = [model.index(joint) for joint in (model.joint_names if inputs is None else inputs)]
+    names, C = output_matrix(model, len(x0), outputs)
+    statics = Statics(without_resting_friction(model, x0), t)
+    held = sorted(resting(model, x0)) if stuck == "held" else []
+    A = state_matrix(build_plant(model) if held else statics.plant, t, x0, tau0)
+    _check_held(model, A, held)
+    B = _input_matrix(statics, x0, actuator_gains(statics, x0, tau0), held)
+    half = model.n + int(model.elastic.sum())
+    rate = sliding_rate(statics, x0, tau0)
+    rate[half : 2 * half] = _constrained(statics, x0, rate[half : 2 * half], held)
+    kept = [i for i in range(len(x0)) if i not in {at for place in held for at in (place, half + place)}]
+    states = state_names(model, len(x0))
+    return LinearModel(
+        A=A[np.ix_(kept, kept)],
+        B=B[np.ix_(kept, joints)],
+        C=C[:, kept],
+        D=np.zeros((len(C), len(joints))),
+        x0=x0[kept],
+        tau0=tau0,
+        rate0=rate[kept],
+        state_names=tuple(states[i] for i in kept),
+        input_names=tuple(f"tau.{model.joint_names[j]}" for j in joints),
+        output_names=names,
+        held=tuple(states[place] for place in held),
+    )
+
+
+def frequency_response(
+    model: FlexibleJointModel,
+    frequencies: ArrayLike,
+    *,
+    x: Pose = None,
+    tau: ArrayLike | Mapping[str, float] | None = None,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] = ("q", "theta"),
+    stuck: Literal["free", "held"] = "free",
+) -> NDArray[np.complex128]:
+    """Small sinusoidal motion per sinusoidal motor torque, amplitude and phase: `linearize` at each frequency.
+
+    Args:
+        model: the arm.
+        frequencies: (f,) [Hz].
+        x: where, as in `linearize`.
+        tau: under which constant torque, as in `linearize`.
+        inputs: joints whose motors move; None: every joint.
+        outputs: signals or channels, as in `linearize`.
+        stuck: ``free`` or ``held``, as in `linearize`.
+
+    Returns:
+        complex (f, outputs, inputs) [rad/(N m)] and the like.
+
+    Raises:
+        InputError: arguments that do not fit the model.
+    """
+    linear = linearize(model, x, tau, inputs=inputs, outputs=outputs, stuck=stuck)
+    return linear.frequency_response(frequencies)
+
+
+def _point(
+    model: FlexibleJointModel, x: Pose, tau: ArrayLike | Mapping[str, float] | None, t: float
+) -> tuple[Array, Array]:
+    """State (nx,) and torques asked for (n,) to linearise at."""
+    statics, n = Statics(model, t), model.n
+    if x is None or isinstance(x, Mapping) or np.shape(x) == (n,):
+        q = pose(model, x, "x")
+        state = statics.state(q, statics.loaded_springs(q))
+    else:
+        size = statics.plant.state_size
+        state = vector(x, size, "x", f"a pose has {n} numbers, a state {size}: q, theta, v, omega, internal states")
+    if tau is not None:
+        return state, torques(model, tau)
+    theta = state[:n].copy()
+    theta[model.elastic] = state[n : n + int(model.elastic.sum())]
+    return state, statics.holding(state[:n], theta)
+
+
+def _constrained(statics: Statics, x: Array, rows: Array, held: list[int]) -> Array:
+    """Velocity rows (n + e, ...) of some rate when some velocities stay 0: free links feel the held ones no more."""
+    n = statics.model.n
+    links = [j for j in range(n) if j in held]
+    if links:
+        free = [j for j in range(n) if j not in held]
+        M = statics.links.mass_matrix(x[:n])
+        rows[free] = np.linalg.solve(M[np.ix_(free, free)], (M @ rows[:n])[free])
+    rows[held] = 0.0
+    return rows
+
+
+def _input_matrix(statics: Statics, x: Array, gains: Array, held: list[int]) -> Array:
+    """B (nx, n): a motor turns its rotor, or through a rigid joint all links."""
+    model, n = statics.model, statics.model.n
+    half = n + int(model.elastic.sum())
+    B = np.zeros((len(x), n))
+    rigid = np.flatnonzero(~model.elastic)
+    if len(rigid):
+        B[half : half + n, rigid] = np.linalg.inv(statics.links.mass_matrix(x[:n]))[:, rigid] * gains[rigid]
+    for slot, j in enumerate(np.flatnonzero(model.elastic)):
+        B[half + n + slot, j] = gains[j] / model.rotor_inertia[j]
+    B[half : 2 * half] = _constrained(statics, x, B[half : 2 * half], held)
+    return B
+
+
+def _check_held(model: FlexibleJointModel, A: Array, held: list[int]) -> None:
+    """Dry friction does hold these contacts: the plant gives them no acceleration, whatever the state does."""
+    half = model.n + int(model.elastic.sum())
+    for place in held:
+        if A[half + place].any():
+            name = state_names(model, len(A))[half + place]
+            remedy = "use stuck='free', or a tau within fd.holding_torques(model, q)"
+            raise InputError(f"dry friction does not hold {name} at rest", key="stuck", value="held", remedy=remedy)
