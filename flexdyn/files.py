@@ -36,6 +36,14 @@ def replacing(path: Path) -> Iterator[Path]:
             fresh.unlink()
 
 
+def exists(path: str | Path) -> bool:
+    """Whether something is there; no for a name that no file can have, or in a folder that may not be read."""
+    try:
+        return Path(path).exists()
+    except (OSError, ValueError):
+        return False
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, whole or not at all."""
     with replacing(path) as fresh:

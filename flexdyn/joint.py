@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-import numpy as np
-
+from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
 
@@ -36,9 +35,10 @@ class Joint:
         """Check every number."""
         for field in fields(self):
             value = getattr(self, field.name)
-            if isinstance(value, bool) or not isinstance(value, int | float | np.number) or math.isnan(value):
+            number = as_number(value)
+            if math.isnan(number):
                 raise InputError("a number is needed", key=field.name, value=value)
-            object.__setattr__(self, field.name, float(value))
+            object.__setattr__(self, field.name, number)
         self._above_zero("gear_ratio", self.gear_ratio, finite=True)
         self._above_zero("stiffness", self.stiffness, finite=False)
         for name in ("rotor_inertia", "damping"):
