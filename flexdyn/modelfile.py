@@ -143,11 +143,15 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
                 "there is no such file", key="robot.urdf", value=urdf, remedy=f"it is looked for in {folder}"
             )
         source = urdf
+    else:
+        source = Path(source).resolve()  # one name for one file: models of it compare equal
     package_dirs = [folder / str(directory) for directory in entry.get("package_dirs") or []]
     try:
         return load_robot(source, package_dirs=package_dirs, lock=entry.get("lock"))
     except InputError as error:
-        raise (error if error.file else error.at(key="robot")) from None
+        if error.file or error.key == "robot":
+            raise (error if error.file else InputError(error.problem, **error.data | {"key": "robot.urdf"})) from None
+        raise error.at(key="robot") from None
 
 
 def _source(robot: Robot, folder: Path | None) -> str:

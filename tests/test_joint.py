@@ -54,6 +54,8 @@ def test_any_real_number_is_a_number(kind: Any) -> None:
         ({"stiffness": 1 + 2j}, "stiffness: a number is needed"),
         ({"damping": -0.1}, "damping: it must be finite and at least 0"),
         ({"damping": [1.0]}, "damping: a number is needed"),
+        ({"gear_ratio": 1e200, "rotor_inertia": 1.0}, "rotor_inertia: gear_ratio^2 rotor_inertia is beyond"),
+        ({"gear_ratio": 1e-200, "rotor_inertia": 1.0}, "rotor_inertia: gear_ratio^2 rotor_inertia is beyond"),
         ({"stiffness": 4000.0}, "rotor_inertia: an elastic joint needs it above 0"),
     ],
 )
@@ -92,6 +94,8 @@ def test_own_numbers_stand_over_the_default_joint() -> None:
         ({"elbow": 5.0}, "joints.elbow: a joint is a mapping of its numbers, got 5.0; write {stiffness: 4000.0, ...}"),
         ({"*": [1.0]}, "joints.*: a joint is a mapping of its numbers"),
         ({"elbow": {"stiffness": -1.0}}, "joints.elbow.stiffness: it must be above 0, got -1.0"),
+        ({"*": {"damping": -1.0}, "elbow": {"stiffness": 1.0}}, "joints.*.damping: it must be finite and at least 0"),
+        ({"*": {"damping": 1.0}, "elbow": {"stiffness": 1.0}}, "joints.elbow.rotor_inertia: an elastic joint needs it"),
         ({"*": {"stiffness": 5.0}}, "joints.*.rotor_inertia: an elastic joint needs it above 0"),
         ([], "joints: joints are a mapping by name"),
     ],

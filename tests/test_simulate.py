@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from tests.arms import slider, state, two_link
+from tests.arms import EXACT, slider, state, two_link
 from tests.oracles.two_link import TwoLink
 
 ARM = TwoLink(stiffness=(30.0, 20.0), damping=(0.1, 0.05))
@@ -86,8 +86,8 @@ def test_rotors_of_rigid_joints_are_their_links() -> None:
 def test_loaded_springs_hold_the_arm_at_rest() -> None:
     """theta0="equilibrium" with the holding torque G(q): nothing moves for ten seconds."""
     model = two_link(HEAVY)
-    q0 = [0.4, -0.9]
-    run = fd.simulate(model, list(HEAVY.weight(*q0)), 10.0, q0=q0, theta0="equilibrium")
+    q0 = [-1.2, -0.4]
+    run = fd.simulate(model, list(HEAVY.weight(*q0)), 10.0, EXACT, q0=q0, theta0="equilibrium")
     assert np.abs(run.q - q0).max() < 1e-9
     assert np.abs(run.v).max() < 1e-9
     np.testing.assert_allclose(run.tau_s, np.broadcast_to(HEAVY.weight(*q0), run.tau_s.shape), atol=1e-8)
@@ -143,17 +143,17 @@ def test_torque_that_does_not_change(model: fd.FlexibleJointModel) -> None:
 
 
 def test_progress_and_its_exceptions(model: fd.FlexibleJointModel) -> None:
-    """Progress hears rising times, and what it raises stops the run."""
+    """Progress hears rising times, and what it raises stops a run that would last for days."""
     times: list[float] = []
-    fd.simulate(model, None, 400.0, fd.solvers.RungeKutta4(step=5e-4), rate=1, progress=times.append)
-    assert times == sorted(times)
-    assert all(0 < t <= 400.0 for t in times)
 
-    def stop(_: float) -> None:
-        raise StopIteration("enough")
+    def watch(t: float) -> None:
+        times.append(t)
+        if len(times) == 3:
+            raise StopIteration("enough")
 
     with pytest.raises(StopIteration, match="enough"):
-        fd.simulate(model, None, 1e9, fd.solvers.RungeKutta4(step=1e-4), rate=1e-6, progress=stop)
+        fd.simulate(model, None, 1e9, fd.solvers.RungeKutta4(step=1e-4), rate=1e-6, progress=watch)
+    assert 0 < times[0] < times[1] < times[2] < 1e9
 
 
 @pytest.mark.parametrize("solver", [fd.solvers.RungeKutta4(step=0.01), fd.solvers.DormandPrince()])

@@ -49,8 +49,6 @@ def _run(arguments: list[str]) -> int:
         if hasattr(stream, "reconfigure"):  # a joint's name must not fail for want of a letter
             stream.reconfigure(errors="backslashreplace")
     result = build().main(args=arguments, prog_name="flexdyn", standalone_mode=False)
-    if result == 130:  # what typer makes of Ctrl-C
-        raise KeyboardInterrupt
     return result if isinstance(result, int) else 0
 
 

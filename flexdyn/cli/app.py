@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from flexdyn.cli.failures import Interrupted
 from flexdyn.errors import InputError, did_you_mean
 
 
@@ -22,6 +23,17 @@ class Commands(TyperGroup):
         if args and args[0] not in self.commands:
             raise InputError("no such command", value=args[0], remedy=did_you_mean(args[0], self.commands))
         return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was found.
+
+        Raises:
+            Interrupted: Ctrl-C.
+        """
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise Interrupted from None
 
 
 def build() -> Any:

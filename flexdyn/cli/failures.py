@@ -15,6 +15,10 @@ from flexdyn.errors import FlexdynError, did_you_mean, shown
 UsageError: type[Exception] = next(kind for kind in typer.BadParameter.__mro__ if kind.__name__ == "UsageError")
 
 
+class Interrupted(Exception):
+    """Ctrl-C, out of reach of click, which would print of its own accord."""
+
+
 def report(error: BaseException) -> int:
     """Say on stderr what went wrong.
 
@@ -27,7 +31,7 @@ def report(error: BaseException) -> int:
     debug = bool(os.environ.get("FLEXDYN_DEBUG"))
     if debug:
         traceback.print_exception(error)
-    if isinstance(error, KeyboardInterrupt | typer.Abort):
+    if isinstance(error, KeyboardInterrupt | Interrupted):
         return _say("interrupted", 130)
     if isinstance(error, FlexdynError):
         return _say(str(error), 2)

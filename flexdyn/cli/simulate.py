@@ -73,11 +73,10 @@ def simulate(
     path = output_file("--output", output, SUFFIXES, inputs=(Path(model), command))
     span = None if duration is None else decimal("--duration", duration)
     hertz = decimal("--rate", rate)
-    settings = {"step": step, "rtol": rtol, "atol": atol, "smoothing": smoothing}
-    numbers = {key: decimal(f"--{key}", text) for key, text in settings.items() if text is not None}
+    settings = _settings(step=step, rtol=rtol, atol=atol, smoothing=smoothing)
     arm = model_file(model)
     with naming(NAMES, file=model, files={"samples": command, "pd": command, "command": command}):
-        chosen = choose(solver, **numbers)
+        chosen = choose(solver, **settings)
         starts = _starts(arm, q0=q0, v0=v0, theta0=theta0, omega0=omega0)
         drive = _read_command(command)
         _can_write(path)
@@ -132,6 +131,11 @@ def summary(run: Run, path: Path) -> dict[str, Any]:
             for j, name in enumerate(run.joint_names)
         },
     }
+
+
+def _settings(**texts: str | None) -> dict[str, float]:
+    """Those that were given, as numbers."""
+    return {key: decimal(f"--{key}", text) for key, text in texts.items() if text is not None}
 
 
 def _starts(model: FlexibleJointModel, **given: list[str] | None) -> dict[str, Any]:

@@ -82,10 +82,10 @@ def rotor_inertia(cases: Cases) -> Chapter:
             *lines,
             "",
             "What holds for all three: the flexible arm oscillates where the rigid one does not, v = 0.01 leaves "
-            "more than nine tenths of it after 10 s, and more damping takes more. What depends on J: frequencies and size of "
-            "the vibration, and how much damping helps. The heavier the rotors, the more the links take part in the "
-            "vibration and the better friction on the links damps it. The paper's figures, which might tell its J, are "
-            "lost.",
+            "more than nine tenths of it after 10 s, and more damping takes more. What depends on J: frequencies and "
+            "size of the vibration, and how much damping helps. The heavier the rotors, the more the links take part "
+            "in the vibration and the better friction on the links damps it. The paper's figures, which might tell "
+            "its J, are lost.",
         ]
     )
     figure = Figure(
