@@ -75,7 +75,7 @@ def resolve_command(command: Any) -> Any:
         return command
     if Path(command).suffix.lower() in (".yaml", ".yml"):
         return read_command_file(Path(command))
-    return read_recording(command)
+    return read_recording(command, name=str(command))
 
 
 def read_command_file(path: Path) -> PD:

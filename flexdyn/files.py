@@ -44,6 +44,11 @@ def exists(path: str | Path) -> bool:
         return False
 
 
+def is_file(path: str | Path) -> bool:
+    """Whether a file is there, and not a folder: `exists` with that difference."""
+    return exists(path) and Path(path).is_file()
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, whole or not at all."""
     with replacing(path) as fresh:

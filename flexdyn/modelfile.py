@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.files import exists, write_text
+from flexdyn.files import exists, is_file, write_text
 from flexdyn.model import FlexibleJointModel
 from flexdyn.robot import Robot, load_robot
 from flexdyn.robot.names import shipped_dir
@@ -117,7 +117,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
 
 def _find(path: str | Path) -> Path:
     file = Path(path)
-    if exists(file) and file.is_file():
+    if is_file(file):
         return file
     shipped = shipped_dir() / str(path) / "model.yaml"
     if len(file.parts) == 1 and exists(shipped):
@@ -136,7 +136,7 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
     if not isinstance(urdf, str) or not urdf:
         raise InputError("the path or name of a URDF is needed", key="robot.urdf", value=urdf)
     source: str | Path = folder / urdf
-    if not exists(source):
+    if not is_file(source):
         is_path = "/" in urdf or urdf.lower().endswith((".urdf", ".xml", ".xacro"))
         if is_path:
             raise InputError(
@@ -146,6 +146,9 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
     else:
         source = Path(source).resolve()  # one name for one file: models of it compare equal
     package_dirs = [folder / str(directory) for directory in entry.get("package_dirs") or []]
+    for i, directory in enumerate(package_dirs):
+        if not exists(directory):
+            raise InputError("no such folder", key=f"robot.package_dirs[{i}]", value=str(directory))
     try:
         return load_robot(source, package_dirs=package_dirs, lock=entry.get("lock"))
     except InputError as error:

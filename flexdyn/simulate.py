@@ -22,6 +22,7 @@ from flexdyn.solvers import DormandPrince, RungeKutta4, Solver, make_solver
 
 Array = NDArray[np.float64]
 MAX_STEPS = 1e15  # years of computing; beyond it the core's step counter would overflow
+MAX_SAMPLES = 20_000_000  # 7.8 GB for seven joints: more is a slip of the pen, and would end in a killed process
 Start = ArrayLike | Mapping[str, float] | None
 
 
@@ -124,8 +125,9 @@ def _duration(duration: float | None, drive: Drive) -> float:
 def _grid(span: float, rate: float, times: ArrayLike | None) -> Array:
     if times is None:
         steps = span * checked_rate("rate", rate)
-        if steps > 1e9:
-            raise InputError("more than 1e9 samples", key="rate", value=rate, remedy="lower the rate")
+        if steps > MAX_SAMPLES:
+            problem = f"more than {MAX_SAMPLES:.0e} samples in a run"
+            raise InputError(problem, key="rate", value=rate, remedy="lower the rate; the integration does not change")
         count = max(1, round(steps))
         exact = abs(steps - count) < 1e-9 * count
         return np.arange(count + 1) / rate if exact else np.linspace(0.0, span, count + 1)

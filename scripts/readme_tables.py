@@ -118,7 +118,7 @@ def _stiffness(model: fd.FlexibleJointModel) -> str:
     for which, unit in ((~sliding, "N m/rad"), (sliding, "N/m")):
         K = model.stiffness[which & model.elastic]
         if K.size:
-            ends = dict.fromkeys(f"{end:,.4g}" for end in (K.min(), K.max()))
+            ends = dict.fromkeys(f"{end:,.10g}" for end in (K.min(), K.max()))
             shown.append(" to ".join(ends) + f" {unit}")
     rigid = int((~model.elastic).sum())
     return "; ".join([*shown, *([f"{rigid} rigid"] if rigid else [])])

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ import flexdyn as fd
 from tests.oracles.two_link import TwoLink
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 EXACT = fd.solvers.DormandPrince(rtol=1e-12, atol=1e-13)
 ROD = (
     '<inertial><origin xyz="0.525 0 0"/><mass value="0.42525"/><inertia ixx="1e-6" ixy="0" ixz="0"'
@@ -24,6 +26,12 @@ SLIDER = """<robot name="slider"><link name="base"/>
 <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
 <joint name="lift" type="prismatic"><parent link="base"/><child link="mass"/><axis xyz="0 0 1"/>
 <limit lower="-100" upper="100" effort="1000" velocity="100"/></joint></robot>"""
+
+
+def repickled(value: T) -> T:
+    """The value after a trip to another process."""
+    again: T = pickle.loads(pickle.dumps(value))  # noqa: S301
+    return again
 
 
 def two_link(
@@ -65,5 +73,5 @@ def state(run: fd.Run) -> Array:
     return np.hstack([run.q, run.theta[:, elastic], run.v, run.omega[:, elastic]])
 
 
-BENT: Mapping[str, list[float]] = {"q0": [0.0, math.pi / 2], "v0": [0.4, -0.3]}
+BENT: dict[str, Any] = {"q0": [0.0, math.pi / 2], "v0": [0.4, -0.3]}
 """A first state in which nothing is zero by symmetry."""

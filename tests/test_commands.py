@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +37,7 @@ def model() -> fd.FlexibleJointModel:
         ([0.0, 1.0], {}, "values: one column (samples,) a joint is needed"),
     ],
 )
+from tests.arms import repickled
 def test_samples_without_sense_are_refused(t: Any, values: Any, words: str) -> None:
     """One line that names the row."""
     with pytest.raises(fd.InputError) as caught:
@@ -50,12 +50,12 @@ def test_samples_are_copied_and_locked() -> None:
     t, values = np.array([1.0, 2.0, 4.0]), np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
     samples = fd.Samples(t, values, "linear")
     t[0], values[0, 0] = 9.0, 9.0
-    for each in (samples, pickle.loads(pickle.dumps(samples))):
+    for each in (samples, repickled(samples)):
         assert (each.t[0], each.values[0, 0], each.duration, each.interpolation) == (1.0, 1.0, 3.0, "linear")
         for array in (each.t, each.values):
             with pytest.raises(ValueError, match="read-only"):
                 array[0] = 0.0
-    named = pickle.loads(pickle.dumps(fd.Samples([0, 1], {"elbow": [1, 2]})))
+    named = repickled(fd.Samples([0, 1], {"elbow": [1, 2]}))
     np.testing.assert_array_equal(named.columns(("shoulder", "elbow")), [[0, 1], [0, 2]])
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from flexdyn.effects import (
     parameter,
     unit_for,
 )
+from tests.arms import repickled
 from tests.oracles import laws
 
 SPEED = st.floats(-50, 50)
@@ -100,7 +100,7 @@ def test_the_catalogue_describes_every_effect(kind: type[Effect]) -> None:
     neutral = kind(**place, **(numbers | dict(kind.neutral)))
     assert neutral.is_neutral
     assert effect_from_dict(neutral.to_dict()) == neutral
-    assert pickle.loads(pickle.dumps(neutral)) == neutral
+    assert repickled(neutral) == neutral
 
 
 def test_effects_are_frozen() -> None:
@@ -170,7 +170,7 @@ class UserSquareDrag(JointEffect):
 
     sides = ("link", "motor")
     stage = "friction"
-    neutral = {"coefficient": 0.0}
+    neutral = {"coefficient": 0.0}  # noqa: RUF012
 
     coefficient: float = parameter("N m s^2/rad^2", lower=0.0)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from typing import Any
 
 import pytest
@@ -36,9 +35,10 @@ def test_data_reads_as_attributes() -> None:
         MissingExtra("h5py", "hdf5"),
     ],
 )
+from tests.arms import repickled
 def test_errors_survive_pickling(error: FlexdynError) -> None:
     """A worker can send them home whole."""
-    again = pickle.loads(pickle.dumps(error))
+    again = repickled(error)
     assert type(again) is type(error)
     assert str(again) == str(error)
     assert again.data == error.data

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from dataclasses import FrozenInstanceError
 from typing import Any
 
@@ -12,6 +11,7 @@ import pytest
 
 from flexdyn import InputError, Joint
 from flexdyn.joint import resolve_joints
+from tests.arms import repickled
 
 NAMES = ("shoulder", "elbow")
 
@@ -72,7 +72,7 @@ def test_a_joint_does_not_change_and_pickles() -> None:
     joint = Joint(stiffness=5.0, rotor_inertia=0.1)
     with pytest.raises(FrozenInstanceError):
         joint.stiffness = 6.0  # type: ignore[misc]
-    again = pickle.loads(pickle.dumps(joint))
+    again = repickled(joint)
     assert again == joint
     assert hash(again) == hash(joint)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.effects import CoulombFriction, Payload, TransmissionDamping, ViscousFriction
+from tests.arms import repickled
 
 
 @pytest.fixture
@@ -63,7 +63,7 @@ def test_what_it_was_made_of_may_change_afterwards(robot: fd.Robot) -> None:
 def test_shipped_models_pickle(name: str) -> None:
     """A model and what it simulates are the same after a trip to another process."""
     model = fd.load_model(name)
-    again = pickle.loads(pickle.dumps(model))
+    again = repickled(model)
     assert again == model
     assert hash(again) == hash(model)
     assert again.name == model.name

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +11,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.run import SIGNALS
-from tests.arms import slider
+from tests.arms import repickled, slider
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +33,7 @@ def test_a_run_cannot_be_overwritten(run: fd.Run) -> None:
 
 def test_a_run_pickles(run: fd.Run) -> None:
     """Everything in it arrives, and is locked there too."""
-    again = pickle.loads(pickle.dumps(run))
+    again = repickled(run)
     for name in ("t", *SIGNALS):
         np.testing.assert_array_equal(getattr(again, name), getattr(run, name))
         assert not getattr(again, name).flags.writeable
@@ -120,11 +119,12 @@ import flexdyn as fd
 
 model = fd.load_model("panda")
 fd.simulate(model, None, 0.01, theta0="equilibrium")
-path = fd.Samples([0.0, 30.0, 60.0], np.array([[0, -0.8, 0, -2.4, 0, 1.6, 0.8]] * 3) + 0.1 * np.arange(3)[:, None], "cubic")
+pose = np.array([0, -0.8, 0, -2.4, 0, 1.6, 0.8])
+path = fd.Samples([0.0, 30.0, 60.0], pose + 0.1 * np.arange(3)[:, None], "cubic")
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 run = fd.simulate(model, fd.PD(path, 600.0, 60.0), 60.0, fd.solvers.RungeKutta4(step=1e-3, smoothing=0.1), rate=1000)
 after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-stored = run.t.nbytes + sum(getattr(run, name).nbytes for name in ("q", "theta", "v", "omega", "tau", "tau_applied", "tau_s"))
+stored = run.t.nbytes + sum(getattr(run, name).nbytes for name in fd.run.SIGNALS)
 print(len(run.t), run.q.shape[1], stored, 1024 * (after - before))
 """
 

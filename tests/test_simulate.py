@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from tests.arms import EXACT, slider, state, two_link
+from tests.arms import EXACT, repickled, slider, state, two_link
 from tests.oracles.two_link import TwoLink
 
 ARM = TwoLink(stiffness=(30.0, 20.0), damping=(0.1, 0.05))
@@ -166,7 +165,7 @@ def test_a_motion_that_cannot_go_on(tmp_path: Path, solver: fd.solvers.Solver) -
         command = None
     with pytest.raises(fd.SimulationError, match=r"stopped at t = ") as caught:
         fd.simulate(model, command, 5.0, solver, v0=np.ones(model.n))
-    error = pickle.loads(pickle.dumps(caught.value))
+    error = repickled(caught.value)
     assert 0.0 <= error.t < 5.0
     assert len(error.state) == 2 * (model.n + model.elastic.sum())
     assert error.reason

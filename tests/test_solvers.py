@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from dataclasses import FrozenInstanceError
 from typing import Any
 
@@ -31,6 +30,7 @@ from flexdyn.solvers import SOLVERS, DormandPrince, RungeKutta4, make_solver
         (DormandPrince, {"smoothing": -1.0}),
     ],
 )
+from tests.arms import repickled
 def test_a_setting_without_sense_is_refused(kind: type[fd.solvers.Solver], settings: dict[str, Any]) -> None:
     """One line that names the setting."""
     wrong = list(settings)[-1]
@@ -41,7 +41,7 @@ def test_a_setting_without_sense_is_refused(kind: type[fd.solvers.Solver], setti
 def test_settings_are_frozen_values_that_pickle() -> None:
     """Equal settings are equal after a trip through pickle and through their own dictionary."""
     for solver in (RungeKutta4(step=1e-3, smoothing=0.01), RungeKutta4(step=1), DormandPrince(rtol=1e-6, max_step=0.1)):
-        assert pickle.loads(pickle.dumps(solver)) == solver
+        assert repickled(solver) == solver
         entry = solver.to_dict()
         assert make_solver(entry.pop("name"), **entry) == solver
         with pytest.raises(FrozenInstanceError):
@@ -84,7 +84,7 @@ def test_auto_says_what_it_chose() -> None:
 def test_dry_friction_needs_smoothing_at_a_fixed_step() -> None:
     """RungeKutta4 refuses a law that jumps, with the remedy; a neutral one is no law."""
     model = fd.load_model("scara_two_link")
-    with pytest.raises(fd.InputError, match="the model has coulomb_friction; use DormandPrince, or give .* smoothing"):
+    with pytest.raises(fd.InputError, match=r"the model has coulomb_friction; use DormandPrince, or give .* smoothing"):
         fd.simulate(model, None, 0.01, RungeKutta4(step=1e-3))
     run = fd.simulate(model, None, 0.01, RungeKutta4(step=1e-3, smoothing=0.05))
     assert "0.05 rad/s" in run.notes[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -10,14 +11,13 @@ from scipy.integrate import ode, solve_ivp
 
 Array = NDArray[np.float64]
 Torque = Sequence[float]
+Times = Sequence[float] | Array
 
 
-def trajectory(
-    f: Callable[[float, Sequence[float]], Sequence[float]], x0: Sequence[float], stops: Sequence[float]
-) -> Array:
+def trajectory(f: Callable[[float, Sequence[float]], Sequence[float]], x0: Sequence[float], stops: Times) -> Array:
     """States at `stops`, the first of them the start, by DOP853; f may jump at a stop and nowhere else."""
     states = [np.array(x0, dtype=float)]
-    for begin, end in zip(stops[:-1], stops[1:], strict=True):
+    for begin, end in itertools.pairwise(stops):
         inside = 0.5 * (begin + end)  # f of this piece, also where t rounds onto its ends
 
         def piece(
@@ -34,12 +34,12 @@ def trajectory(
 def held(
     f: Callable[[Sequence[float], Torque], Sequence[float]],
     x0: Sequence[float],
-    ticks: Sequence[float],
+    ticks: Times,
     torque: Callable[[float, Sequence[float]], Torque],
 ) -> tuple[Array, Array]:
     """States at `ticks` and the torques asked for there, each held to the next tick."""
     states, torques = [list(x0)], []
-    for begin, end in zip(ticks[:-1], ticks[1:], strict=True):
+    for begin, end in itertools.pairwise(ticks):
         tau = torque(begin, states[-1])
         torques.append(list(tau))
         step = ode(lambda _, x, tau: f(x.tolist(), tau)).set_integrator("dop853", rtol=1e-13, atol=1e-14)

@@ -76,9 +76,9 @@ class TwoLink:
 
     def weight(self, q1: float, q2: float) -> Pair:
         """G1, G2: gravity along -y."""
-        half, l = 0.5 * self.length, self.length
-        outer = (self.mass * half + self.tip_mass * l) * math.cos(q1 + q2)
-        inner = (self.mass * half + self.mass * l + self.tip_mass * l) * math.cos(q1)
+        half, full = 0.5 * self.length, self.length
+        outer = (self.mass * half + self.tip_mass * full) * math.cos(q1 + q2)
+        inner = (self.mass * half + self.mass * full + self.tip_mass * full) * math.cos(q1)
         return self.gravity * (inner + outer), self.gravity * outer
 
     def bias(self, q: Sequence[float], v: Sequence[float]) -> Pair:
@@ -88,7 +88,7 @@ class TwoLink:
         return -c * v[1] ** 2 - 2 * c * v[0] * v[1] + g1, c * v[0] ** 2 + g2
 
     def tip_torque(self, q: Sequence[float], fx: float, fy: float, mz: float) -> Pair:
-        """J^T (force, moment) at the tip, J of eq. 8-11; eq. 10 is misprinted, its first row is read as l1 cos + l2 cos."""
+        """J^T (force, moment) at the tip, J of eq. 8-11; the sign of l1 cos(q1) in eq. 10 is a misprint."""
         s1, s12 = self.length * math.sin(q[0]), self.length * math.sin(q[0] + q[1])
         c1, c12 = self.length * math.cos(q[0]), self.length * math.cos(q[0] + q[1])
         return (-s1 - s12) * fx + (c1 + c12) * fy + mz, -s12 * fx + c12 * fy + mz
@@ -128,7 +128,7 @@ class TwoLink:
         kinetic = 0.5 * (d11 * v[0] ** 2 + 2 * d12 * v[0] * v[1] + d22 * v[1] ** 2)
         kinetic += 0.5 * sum(self.rotor[j] * omega[j] ** 2 for j in (0, 1))
         spring = 0.5 * sum(self.stiffness[j] * (theta[j] - q[j]) ** 2 for j in (0, 1))
-        half, l = 0.5 * self.length, self.length
-        outer = (self.mass * half + self.tip_mass * l) * math.sin(q[0] + q[1])
-        inner = (self.mass * half + self.mass * l + self.tip_mass * l) * math.sin(q[0])
+        half, full = 0.5 * self.length, self.length
+        outer = (self.mass * half + self.tip_mass * full) * math.sin(q[0] + q[1])
+        inner = (self.mass * half + self.mass * full + self.tip_mass * full) * math.sin(q[0])
         return kinetic + spring + self.gravity * (inner + outer)

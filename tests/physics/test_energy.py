@@ -30,7 +30,7 @@ def test_energy_is_that_of_the_closed_form() -> None:
 
 
 def test_power_of_motor_and_damper() -> None:
-    """dE = integral of tau omega - D (omega - v)^2: what the motor supplies less what the damper takes."""
+    """The gain is the integral of tau omega - D (omega - v)^2: what the motor supplies less what the damper takes."""
     arm = TwoLink(stiffness=(30.0, 20.0), damping=(0.4, 0.3), gravity=9.81)
     run = fd.simulate(two_link(arm), [1.0, -0.5], 2.0, EXACT, rate=2000, **BENT)
     power = (run.tau * run.omega).sum(axis=1) - (run.omega - run.v) ** 2 @ np.array(arm.damping)
