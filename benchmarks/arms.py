@@ -22,7 +22,6 @@ class Arm:
         q0: first link positions (n,) [rad]; everything starts at rest.
         theta0: first rotor positions (n,) [rad].
         step: of the fixed-step solvers [s].
-        step_error: greatest position error of RungeKutta4 at that step over 5 s, as an upper bound [rad].
     """
 
     model: fd.FlexibleJointModel
@@ -47,19 +46,20 @@ class Arm:
 
 def two_link(*, dry: bool = False) -> Arm:
     """The paper's two-link arm: soft springs, links at rest, springs strained, a torque on both motors."""
-    model = _with_laws("scara_two_link", dry)
+    model = with_laws("scara_two_link", dry=dry)
     return Arm(model, np.array([0.3, -0.1]), np.array([0.0, 0.5 * np.pi]), np.array([0.3, 1.3]), 1e-3)
 
 
 def six_joints(*, dry: bool = False) -> Arm:
-    """The UR5 against gravity, every spring strained by 0.002 rad, under a third of its holding torque."""
-    model = _with_laws("ur5", dry)
+    """The UR5 against gravity, every spring strained by 0.002 rad, 5 N m above the holding torques."""
+    model = with_laws("ur5", dry=dry)
     q0 = np.array([model.initial["q"].get(joint, 0.0) for joint in model.joint_names])
     weight = fd.LinkSide(model).bias(q0, np.zeros(model.n))
     return Arm(model, weight + 5.0, q0, q0 + 0.002, 2e-4)
 
 
-def _with_laws(name: str, dry: bool) -> fd.FlexibleJointModel:
+def with_laws(name: str, *, dry: bool = False) -> fd.FlexibleJointModel:
+    """A shipped model with its springs, dampers, viscous friction and, if asked for, Coulomb friction only."""
     kept = ("viscous_friction", "coulomb_friction") if dry else ("viscous_friction",)
     model = fd.load_model(name)
     return model.replace(effects=[effect for effect in model.effects if effect.name in kept])

@@ -1,4 +1,4 @@
-"""The same arm in MuJoCo: rotors as hinges of their own, springs and dampers as fixed tendons between rotor and link."""
+"""The same arm in MuJoCo: rotors as hinges of their own, springs as fixed tendons between rotor and link."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pinocchio as pin
-
 from arms import Arm, Array
 
 # What a modeller who wants speed switches off: everything that this arm does not have.
 UNUSED = ("contact", "equality", "limit", "actuation", "sensor", "midphase", "autoreset")
+SETTINGS = {
+    "smooth": f"flags off: {', '.join(UNUSED)}, constraint, frictionloss; no geoms; the rest at its default",
+    "dry": f"flags off: {', '.join(UNUSED)}, island; solver PGS (fastest here of PGS, CG, Newton)",
+}
 
 
 class MujocoArm:
@@ -26,11 +29,12 @@ class MujocoArm:
         arm: revolute joints only.
         integrator: ``RK4``, ``Euler`` or ``implicitfast``.
         step: [s].
+        tuned: switch off what the arm does not have, as in `SETTINGS`; else MuJoCo's defaults.
     """
 
-    def __init__(self, arm: Arm, integrator: str, step: float) -> None:
+    def __init__(self, arm: Arm, integrator: str, step: float, *, tuned: bool = True) -> None:
         self.arm = arm
-        self.model = mujoco.MjModel.from_xml_string(_xml(arm, integrator, step))
+        self.model = mujoco.MjModel.from_xml_string(_xml(arm, integrator, step, tuned))
         self.data = mujoco.MjData(self.model)
         self.reset()
 
@@ -62,7 +66,7 @@ class MujocoArm:
         return np.array(self.data.qacc)
 
 
-def _xml(arm: Arm, integrator: str, step: float) -> str:
+def _xml(arm: Arm, integrator: str, step: float, tuned: bool) -> str:
     model, tree = arm.model, arm.model.robot.tree
     if tree.prismatic.any() or tree.m != arm.n or not model.elastic.all():
         raise ValueError("this benchmark takes revolute elastic joints only")
@@ -71,9 +75,11 @@ def _xml(arm: Arm, integrator: str, step: float) -> str:
     option = _add(root, "option", integrator=integrator, timestep=step, gravity=model.gravity)
     dry = {side: arm.coefficients("coulomb_friction", side) for side in ("link", "motor")}
     viscous = {side: arm.coefficients("viscous_friction", side) for side in ("link", "motor")}
-    frictionless = not any(level.any() for level in dry.values())
-    unused = (*UNUSED, "constraint", "frictionloss") if frictionless else UNUSED
-    _add(option, "flag", **dict.fromkeys(unused, "disable"))
+    if tuned and any(level.any() for level in dry.values()):
+        option.set("solver", "PGS")
+        _add(option, "flag", **dict.fromkeys((*UNUSED, "island"), "disable"))
+    elif tuned:
+        _add(option, "flag", **dict.fromkeys((*UNUSED, "constraint", "frictionloss"), "disable"))
     world = _add(root, "worldbody")
     tendons = _add(root, "tendon")
     bodies: list[ElementTree.Element] = []

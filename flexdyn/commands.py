@@ -41,7 +41,7 @@ class Samples:
         joints = None
         if isinstance(values, Mapping):
             joints = tuple(str(joint) for joint in values)
-            values = np.column_stack([_numbers("values", column) for column in values.values()])
+            values = _side_by_side(values)
         times, table = _numbers("t", t), _numbers("values", values)
         table = table[:, None] if table.ndim == 1 else table
         if times.ndim != 1 or len(times) < 2 or table.ndim != 2 or len(table) != len(times):
@@ -61,6 +61,11 @@ class Samples:
             array.setflags(write=False)
         for key, entry in (("t", times), ("values", table), ("interpolation", interpolation), ("joints", joints)):
             object.__setattr__(self, key, entry)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays are locked again."""
+        named = self.values if self.joints is None else dict(zip(self.joints, self.values.T, strict=True))
+        return (type(self), (self.t, named, self.interpolation))
 
     @property
     def duration(self) -> float:
@@ -214,6 +219,7 @@ class FrameWrench:
             constant = _numbers("external.samples", self.samples)
             if not np.isfinite(constant).all():
                 raise InputError("finite numbers are needed", key="external.samples", value=constant)
+            constant.setflags(write=False)
             object.__setattr__(self, "constant", constant)
             width = constant.size
         if width != 6:
@@ -259,5 +265,13 @@ def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:
 def _numbers(key: str, value: Any) -> Array:
     try:
         return np.array(value, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError("numbers are needed", key=key, value=value) from None
+
+
+def _side_by_side(columns: Mapping[str, ArrayLike]) -> Array:
+    arrays = [_numbers(f"values.{joint}", column) for joint, column in columns.items()]
+    if len({array.shape for array in arrays}) != 1 or arrays[0].ndim != 1:
+        shapes = {joint: array.shape for joint, array in zip(columns, arrays, strict=True)}
+        raise InputError("one column (samples,) a joint is needed, all of one length", key="values", value=shapes)
+    return np.column_stack(arrays)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -74,7 +75,7 @@ def resolve_command(command: Any) -> Any:
         return command
     if Path(command).suffix.lower() in (".yaml", ".yml"):
         return read_command_file(Path(command))
-    return read_recording(command)
+    return read_recording(command, name=str(command))
 
 
 def read_command_file(path: Path) -> PD:
@@ -117,7 +118,10 @@ def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> S
 
 
 def first_state(recording: Recording, model: FlexibleJointModel) -> dict[str, dict[str, float]]:
-    """The first measured state; a joint with only one encoder has q and theta start alike."""
+    """The first measured state; a joint with only one encoder has q and theta start alike.
+
+    A rigid joint has one position: q, or theta where only that was measured.
+    """
     initial: dict[str, dict[str, float]] = {"q": {}, "theta": {}, "v": {}, "omega": {}}
     for joint in model.joint_names:
         for signal, twin in (("q", "theta"), ("theta", "q"), ("v", "omega"), ("omega", "v")):
@@ -125,6 +129,9 @@ def first_state(recording: Recording, model: FlexibleJointModel) -> dict[str, di
                 if recording.has(source, joint):
                     initial[signal][joint] = float(recording[f"{source}.{joint}"][0])
                     break
+    rigid = [joint for joint in model.joint_names if not model.joints[joint].elastic]
+    for signal, joint in itertools.product(("theta", "omega"), rigid):
+        initial[signal].pop(joint, None)
     return initial
 
 

@@ -62,7 +62,7 @@ class InputError(FlexdynError, ValueError):
 
     def __str__(self) -> str:
         """``file: key: problem, got value; remedy``."""
-        where = "".join(f"{part}: " for part in (self.file, self.key) if part)
+        where = "".join(f"{_clipped(str(part))}: " for part in (self.file, self.key) if part)
         got = "" if self.value is None else f", got {shown(self.value)}"
         remedy = f"; {self.remedy}" if self.remedy else ""
         return " ".join(f"{where}{self.problem}{got}{remedy}".split())
@@ -115,8 +115,18 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 def shown(value: Any) -> str:
     """A value as an error shows it: short whatever was given, so that no input can flood the line."""
     short = reprlib.Repr()
-    short.maxstring = short.maxother = 120
-    return short.repr(value)
+    short.maxstring = short.maxother = short.maxlong = 120
+    short.maxlevel = 3
+    try:
+        return _clipped(short.repr(value))
+    except ValueError:  # Python does not print integers of thousands of digits
+        return f"something of type {type(value).__name__}"
+
+
+def _clipped(text: str) -> str:
+    """Of bounded length, and nothing in it that a terminal would obey."""
+    plain = "".join(letter if letter.isprintable() else " " for letter in text[:1000])
+    return plain if len(plain) <= 240 else f"{plain[:237]}..."
 
 
 def _rebuild(kind: type[FlexdynError], problem: str, data: dict[str, Any]) -> FlexdynError:

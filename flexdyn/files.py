@@ -36,6 +36,19 @@ def replacing(path: Path) -> Iterator[Path]:
             fresh.unlink()
 
 
+def exists(path: str | Path) -> bool:
+    """Whether something is there; no for a name that no file can have, or in a folder that may not be read."""
+    try:
+        return Path(path).exists()
+    except (OSError, ValueError):
+        return False
+
+
+def is_file(path: str | Path) -> bool:
+    """Whether a file is there, and not a folder: `exists` with that difference."""
+    return exists(path) and Path(path).is_file()
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, whole or not at all."""
     with replacing(path) as fresh:

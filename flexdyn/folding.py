@@ -79,8 +79,9 @@ def _fold_effect(effects: list[Effect], error: ParameterError) -> None:
         raise InputError("a parameter error has none itself", key="of", value=error.of)
     known = [field.name for field in target.parameters()]
     _check_parameter(error, known, target.name)
-    changed: dict[str, Any] = {error.parameter: getattr(target, error.parameter) * error.factor}
-    effects[place] = dataclasses.replace(target, **changed)
+    entry = {key: value for key, value in target.to_dict().items() if key != "effect"}
+    entry[error.parameter] *= error.factor
+    effects[place] = type(target).from_dict(entry)
 
 
 def _fold_joint(robot: Robot, numbers: dict[str, dict[str, float]], error: ParameterError) -> Robot:

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-import numpy as np
-
+from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
 
@@ -36,9 +35,10 @@ class Joint:
         """Check every number."""
         for field in fields(self):
             value = getattr(self, field.name)
-            if isinstance(value, bool) or not isinstance(value, int | float | np.number) or math.isnan(value):
+            number = as_number(value)
+            if math.isnan(number):
                 raise InputError("a number is needed", key=field.name, value=value)
-            object.__setattr__(self, field.name, float(value))
+            object.__setattr__(self, field.name, number)
         self._above_zero("gear_ratio", self.gear_ratio, finite=True)
         self._above_zero("stiffness", self.stiffness, finite=False)
         for name in ("rotor_inertia", "damping"):
@@ -48,6 +48,9 @@ class Joint:
         if self.elastic and self.rotor_inertia == 0:
             remedy = "give the rotor's inertia in kg m^2 on the motor side, or stiffness .inf for a rigid joint"
             raise InputError("an elastic joint needs it above 0", key="rotor_inertia", remedy=remedy)
+        if self.rotor_inertia > 0 and not 0 < self.reflected_inertia < math.inf:
+            problem = "gear_ratio^2 rotor_inertia is beyond what a float can hold"
+            raise InputError(problem, key="rotor_inertia", value=self.rotor_inertia)
 
     @property
     def elastic(self) -> bool:
@@ -57,7 +60,7 @@ class Joint:
     @property
     def reflected_inertia(self) -> float:
         """J = gear_ratio^2 rotor_inertia [kg m^2 or kg]."""
-        return self.gear_ratio**2 * self.rotor_inertia
+        return self.gear_ratio * self.gear_ratio * self.rotor_inertia
 
     def to_dict(self) -> dict[str, float]:
         """As a model file writes it."""
@@ -106,14 +109,18 @@ def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[s
             raise InputError(problem, key=f"joints.{name}", remedy=did_you_mean(str(name), names))
     resolved = {}
     for name in names:
-        merged: dict[str, Any] = {}
-        for key in ("*", name):
-            try:
-                merged |= Joint.numbers(entries.get(key, {}))
-            except InputError as error:
-                raise error.at(key=f"joints.{key}") from None
+        shared, own = (_entry(entries, key) for key in ("*", name))
         try:
-            resolved[name] = Joint(**merged)
+            resolved[name] = Joint(**(shared | own))
         except InputError as error:
-            raise error.at(key=f"joints.{name if name in entries else '*'}") from None
+            # A number stands where it was given; one that is missing is missed at the joint itself.
+            inherited = name not in entries or (error.key in shared and error.key not in own)
+            raise error.at(key=f"joints.{'*' if inherited else name}") from None
     return resolved
+
+
+def _entry(entries: Mapping[str, Any], name: str) -> dict[str, Any]:
+    try:
+        return Joint.numbers(entries.get(name, {}))
+    except InputError as error:
+        raise error.at(key=f"joints.{name}") from None

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.checks import as_number
 from flexdyn.effects import (
     CoulombFriction,
     Effect,
@@ -75,11 +76,13 @@ class FlexibleJointModel:
             raise InputError("a Robot is needed", key="robot", value=robot, remedy="use fd.load_robot(...)")
         self.robot = robot
         self.name = name or robot.name
-        self.joints: Mapping[str, Joint] = MappingProxyType(resolve_joints(joints or {}, robot.joint_names))
+        self.joints: Mapping[str, Joint] = MappingProxyType(
+            resolve_joints({} if joints is None else joints, robot.joint_names)
+        )
         self.urdf_dynamics = _one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
         self.rotor_coupling = _one_of("robot.rotor_coupling", rotor_coupling, ("reduced",))
         self.gravity = _gravity(gravity)
-        self.initial = _initial(initial or {}, robot.joint_names)
+        self.initial = _initial({} if initial is None else initial, robot.joint_names)
         self.tolerance = _tolerance(tolerance)
         self.effects: tuple[Effect, ...] = fitted(robot, self.joints, effects)
         self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
@@ -91,6 +94,10 @@ class FlexibleJointModel:
         if self.__dict__.get("_locked"):
             raise AttributeError(f"a model does not change: use model.replace({key}=...)")
         super().__setattr__(key, value)
+
+    def __delattr__(self, key: str) -> None:
+        """Nor do they lose anything."""
+        raise AttributeError(f"a model does not change: {key} stays")
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by what it was made of."""
@@ -181,7 +188,8 @@ class FlexibleJointModel:
             for effect in true.effects
             if getattr(effect, "side", None) != "transmission" and not isinstance(effect, LoadDependentFriction)
         ]
-        return true.replace(joints={"*": {"stiffness": math.inf}}, effects=kept)
+        links = {signal: values for signal, values in self.initial.items() if signal in ("q", "v")}
+        return true.replace(joints={"*": {"stiffness": math.inf}}, effects=kept, initial=links)
 
     def index(self, joint: str) -> int:
         """Place of a joint in q.
@@ -231,14 +239,12 @@ def _one_of(key: str, value: str, allowed: tuple[str, ...]) -> str:
     return value
 
 
-def _gravity(value: Sequence[float]) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(component) for component in value)
-    except (TypeError, ValueError):
-        x = y = z = math.nan
-    if not all(map(math.isfinite, (x, y, z))):
+def _gravity(value: Any) -> tuple[float, float, float]:
+    listed = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
+    numbers = [as_number(component) for component in listed]
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
         raise InputError("three numbers are needed", key="robot.gravity", value=value, remedy="write [0.0, 0.0, -9.81]")
-    return x, y, z
+    return numbers[0], numbers[1], numbers[2]
 
 
 def _initial(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mapping[str, Mapping[str, float]]:
@@ -254,7 +260,7 @@ def _initial(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mapping[str,
             place = f"initial.{signal}.{joint}"
             if joint not in names:
                 raise InputError("the robot has no such joint", key=place, remedy=did_you_mean(str(joint), names))
-            if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
+            if not math.isfinite(as_number(value)):
                 raise InputError("a finite number is needed", key=place, value=value)
         checked[signal] = MappingProxyType({joint: float(value) for joint, value in values.items()})
     return MappingProxyType(checked)
@@ -263,7 +269,7 @@ def _initial(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mapping[str,
 def _tolerance(value: Any) -> float | Mapping[str, float]:
     entries = value if isinstance(value, Mapping) else {"*": value}
     for path, number in entries.items():
-        if isinstance(number, bool) or not isinstance(number, int | float | np.number) or not 0 <= number < math.inf:
+        if not 0 <= as_number(number) < math.inf:
             key = "tolerance" if path == "*" else f"tolerance.{path}"
             raise InputError(
                 "a number of at least 0 is needed", key=key, value=number, remedy="0.05 means 5 %, 1 sigma"

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.files import write_text
+from flexdyn.files import exists, is_file, write_text
 from flexdyn.model import FlexibleJointModel
 from flexdyn.robot import Robot, load_robot
 from flexdyn.robot.names import shipped_dir
@@ -54,7 +54,7 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
         InputError: a key, joint, effect or number that does not fit.
     """
     check_keys(content, TOP_KEYS, required=("flexdyn", "robot"))
-    if content["flexdyn"] != FORMAT:
+    if isinstance(content["flexdyn"], bool) or content["flexdyn"] != FORMAT:
         remedy = f"this version reads format {FORMAT}"
         raise InputError("no such format", key="flexdyn", value=content["flexdyn"], remedy=remedy)
     entry = content["robot"]
@@ -63,12 +63,12 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
         if entry.get(key) is not None and not isinstance(entry[key], kind):
             shape = "a list of folders" if kind is list else "a mapping JOINT: position"
             raise InputError(f"{shape} is needed", key=f"robot.{key}", value=entry[key])
-    effects = content.get("effects") or []
+    effects = [] if content.get("effects") is None else content["effects"]
     if not isinstance(effects, list):
         raise InputError("a list of effects is needed", key="effects", value=effects)
     settings = {key: entry[key] for key in ("gravity", "urdf_dynamics", "rotor_coupling") if entry.get(key) is not None}
     settings |= {key: content[key] for key in ("initial", "tolerance") if content.get(key) is not None}
-    return FlexibleJointModel(_robot(entry, folder), content.get("joints") or {}, effects, name=name, **settings)
+    return FlexibleJointModel(_robot(entry, folder), content.get("joints"), effects, name=name, **settings)
 
 
 def save_model(model: FlexibleJointModel, path: str | Path) -> None:
@@ -82,7 +82,8 @@ def save_model(model: FlexibleJointModel, path: str | Path) -> None:
         InputError: the robot came from a pin.Model and has no URDF, or the file cannot be written.
     """
     file = Path(path)
-    head = f"# {model.name}: a flexdyn model. SI units; rotor_inertia on the motor side, everything else reflected.\n"
+    title = "".join(letter if letter.isprintable() else " " for letter in model.name)
+    head = f"# {title}: a flexdyn model. SI units; rotor_inertia on the motor side, everything else reflected.\n"
     write_text(file, head + dump_yaml(model_to_dict(model, file.parent)))
 
 
@@ -116,13 +117,13 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
 
 def _find(path: str | Path) -> Path:
     file = Path(path)
-    if file.is_file():
+    if is_file(file):
         return file
     shipped = shipped_dir() / str(path) / "model.yaml"
-    if len(file.parts) == 1 and shipped.is_file():
+    if len(file.parts) == 1 and exists(shipped):
         return shipped
-    if file.is_dir():
-        raise InputError("it is a folder", file=path, remedy="give the path of a model.yaml")
+    if exists(file):
+        raise InputError("it is not a file", file=path, remedy="give the path of a model.yaml")
     if file.suffix.lower() in (".yaml", ".yml") or len(file.parts) > 1:
         raise InputError("there is no such file", file=path)
     raise InputError(
@@ -135,18 +136,25 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
     if not isinstance(urdf, str) or not urdf:
         raise InputError("the path or name of a URDF is needed", key="robot.urdf", value=urdf)
     source: str | Path = folder / urdf
-    if not Path(source).exists():
+    if not is_file(source):
         is_path = "/" in urdf or urdf.lower().endswith((".urdf", ".xml", ".xacro"))
         if is_path:
             raise InputError(
                 "there is no such file", key="robot.urdf", value=urdf, remedy=f"it is looked for in {folder}"
             )
         source = urdf
+    else:
+        source = Path(source).resolve()  # one name for one file: models of it compare equal
     package_dirs = [folder / str(directory) for directory in entry.get("package_dirs") or []]
+    for i, directory in enumerate(package_dirs):
+        if not exists(directory):
+            raise InputError("no such folder", key=f"robot.package_dirs[{i}]", value=str(directory))
     try:
         return load_robot(source, package_dirs=package_dirs, lock=entry.get("lock"))
     except InputError as error:
-        raise (error if error.file else error.at(key="robot")) from None
+        if error.file or error.key == "robot":
+            raise (error if error.file else InputError(error.problem, **error.data | {"key": "robot.urdf"})) from None
+        raise error.at(key="robot") from None
 
 
 def _source(robot: Robot, folder: Path | None) -> str:

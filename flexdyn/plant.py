@@ -19,8 +19,11 @@ Array = NDArray[np.float64]
 # Torque asked for -> delay, gain, offset, ripple, limit -> tau_applied: the order in which they act.
 ACTUATOR_ORDER = ("command_delay", "torque_constant_error", "torque_offset", "torque_ripple", "torque_speed_limit")
 
-# Stages of the effects that have a law in the plant; the others change M and h, numbers, or what is measured.
-PLANT_STAGES = ("actuator", "deflection", "spring", "friction", "dry", "link")
+# Effects without a law in the plant: they change M and h, numbers, or what is measured.
+OTHER_STAGES = ("inertia", "model", "sensor")
+
+# Where a law in Python may stand, and on which sides.
+PYTHON_STAGES = {"actuator": ("motor",), "spring": ("transmission",), "friction": ("link", "motor")}
 
 
 def build_plant(model: FlexibleJointModel) -> _core.Plant:
@@ -91,7 +94,8 @@ def _loaded_tree(model: FlexibleJointModel) -> Tree:
     tree = model.robot.tree
     for effect in model.all_effects:
         if isinstance(effect, Payload):
-            tree = tree.with_point_mass(model.robot.frame(effect.frame or model.robot.tip), effect.mass)
+            frame = model.robot.tip if effect.frame is None else effect.frame
+            tree = tree.with_point_mass(model.robot.frame(frame), effect.mass)
     armature = tree.armature.copy()
     for joint in np.flatnonzero(~model.elastic):
         armature[_own_row(tree, int(joint))] += model.rotor_inertia[joint]
@@ -113,9 +117,8 @@ def _arrays(tree: Tree) -> dict[str, Array]:
 
 def _in_order(effects: tuple[Effect, ...]) -> list[Effect]:
     """The effects that have a law in the plant, actuator effects in the order in which they act."""
-    acting = [effect for effect in effects if not effect.is_neutral and effect.stage in PLANT_STAGES]
-    # A delay acts on the command, before the plant sees it.
-    acting = _gains_added([effect for effect in acting if not isinstance(effect, CommandDelay)])
+    acting = [effect for effect in effects if not effect.is_neutral and effect.stage not in OTHER_STAGES]
+    acting = _gains_added(acting)
     order = {name: place for place, name in enumerate(ACTUATOR_ORDER)}
     return sorted(acting, key=lambda effect: order.get(effect.name, len(order)))
 
@@ -134,10 +137,26 @@ def _law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
     if not isinstance(effect, JointEffect):
         raise InputError("an effect in the plant acts on a joint", key=effect.name, remedy="derive it from JointEffect")
     joint, side = model.index(effect.joint), str(effect.side)
-    if not effect.is_python:
-        other = model.index(effect.other) if isinstance(effect, JointCoupling) else -1
+    if effect.is_python:
+        _check_stage(effect)
+        return _core.python_law(effect.stage, joint, side, _caller(effect))
+    other = model.index(effect.other) if isinstance(effect, JointCoupling) else -1
+    try:
         return _core.law(effect.name, joint, side, effect.values, other)
-    return _core.python_law(effect.stage, joint, side, _caller(effect))
+    except ValueError:
+        remedy = "write its law in Python: override torque(self, x, u, *, t, tau)"
+        raise InputError("the core has no law of this name", key=effect.name, remedy=remedy) from None
+
+
+def _check_stage(effect: JointEffect) -> None:
+    """A law in Python must stand where the core can call it."""
+    if effect.stage not in PYTHON_STAGES:
+        remedy = f"it is {', '.join(PYTHON_STAGES)}"
+        raise InputError("no stage for a law in Python", key=f"{effect.name}.stage", value=effect.stage, remedy=remedy)
+    allowed = PYTHON_STAGES[effect.stage]
+    if effect.side not in allowed:
+        problem = f"a law of stage {effect.stage} does not act on this side"
+        raise InputError(problem, key=f"{effect.name}.side", value=effect.side, remedy=f"it is {' or '.join(allowed)}")
 
 
 def _caller(effect: JointEffect) -> Any:

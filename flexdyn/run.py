@@ -37,6 +37,11 @@ class Energy:
     spring: Array
     gravity: Array
 
+    def __post_init__(self) -> None:
+        """Lock every array."""
+        for array in (self.kinetic, self.spring, self.gravity):
+            array.setflags(write=False)
+
     @property
     def mechanical(self) -> Array:
         """Their sum (samples,): constant where nothing drives or brakes."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
+from flexdyn.checks import as_number
 from flexdyn.commands import PD, Controller, FrameWrench, Samples, checked_rate
 from flexdyn.drive import Drive, lower_wrenches, make_drive
 from flexdyn.errors import InputError, SimulationError
@@ -20,6 +21,8 @@ from flexdyn.run import SIGNALS, Run
 from flexdyn.solvers import DormandPrince, RungeKutta4, Solver, make_solver
 
 Array = NDArray[np.float64]
+MAX_STEPS = 1e15  # years of computing; beyond it the core's step counter would overflow
+MAX_SAMPLES = 20_000_000  # 7.8 GB for seven joints: more is a slip of the pen, and would end in a killed process
 Start = ArrayLike | Mapping[str, float] | None
 
 
@@ -67,6 +70,8 @@ def simulate(
     drive = make_drive(model, command, duration)
     span = _duration(duration, drive)
     chosen, notes = choose_solver(model, solver)
+    if isinstance(chosen, RungeKutta4) and span / chosen.step > MAX_STEPS:
+        raise InputError(f"more than {MAX_STEPS:g} steps", key="solver.step", value=chosen.step)
     plant = build_plant(model)
     x0 = _first_state(model, drive, {"q": q0, "v": v0, "theta": theta0, "omega": omega0})
     x0 = np.concatenate([x0, np.zeros(plant.state_size - len(x0))])  # internal states start at rest
@@ -112,22 +117,24 @@ def _duration(duration: float | None, drive: Drive) -> float:
     span = drive.duration if duration is None else duration
     if span is None:
         raise InputError("how long to simulate is not said", key="duration", remedy="give a duration in s or a command")
-    if isinstance(span, bool) or not isinstance(span, int | float | np.number) or not 0 < span < math.inf:
+    number = as_number(span)
+    if not 0 < number < math.inf:
         raise InputError("a time above 0 s is needed", key="duration", value=span)
-    return float(span)
+    return number
 
 
 def _grid(span: float, rate: float, times: ArrayLike | None) -> Array:
     if times is None:
         steps = span * checked_rate("rate", rate)
-        if steps > 1e9:
-            raise InputError("more than 1e9 samples", key="rate", value=rate, remedy="lower the rate")
+        if steps > MAX_SAMPLES:
+            problem = f"more than {MAX_SAMPLES:.0e} samples in a run"
+            raise InputError(problem, key="rate", value=rate, remedy="lower the rate; the integration does not change")
         count = max(1, round(steps))
         exact = abs(steps - count) < 1e-9 * count
         return np.arange(count + 1) / rate if exact else np.linspace(0.0, span, count + 1)
     try:
         grid = np.array(times, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError("times are numbers", key="times", value=times) from None
     if grid.ndim != 1 or not len(grid) or not (grid >= 0).all() or not (grid <= span).all():
         raise InputError(f"times must lie between 0 and the duration, {span:g} s", key="times", value=grid)
@@ -182,7 +189,7 @@ def _start(model: FlexibleJointModel, signal: str, given: Any, known: Mapping[st
         return start
     try:
         array = np.array(given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError("numbers are needed", key=key, value=given) from None
     if array.shape != (model.n,) or not np.isfinite(array).all():
         remedy = f"the joints are {', '.join(names)}"
@@ -191,9 +198,10 @@ def _start(model: FlexibleJointModel, signal: str, given: Any, known: Mapping[st
 
 
 def _number(key: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
+    number = as_number(value)
+    if not math.isfinite(number):
         raise InputError("a finite number is needed", key=key, value=value)
-    return float(value)
+    return number
 
 
 def _settings(solver: Solver) -> _core.SolverSettings:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from flexdyn.errors import InputError, did_you_mean
 
 MAX_BYTES = 4_000_000
+MAX_NODES = 1_000_000
 
 
 def read_yaml(path: Path) -> Mapping[str, Any]:
@@ -37,16 +39,37 @@ def parse_yaml(text: str, path: Path | None = None) -> Mapping[str, Any]:
 
     yaml = YAML(typ="safe", pure=True)  # pure Python: the C parser reads YAML 1.1, where 4e-05 is a string
     try:
+        if "&" in text and _expanded_size(yaml.compose(text), {}) > MAX_NODES:
+            raise InputError(f"its aliases unfold to more than {MAX_NODES} entries", file=path)
         content = yaml.load(text)
+    except InputError:
+        raise
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = "" if mark is None else f" in line {mark.line + 1}"
-        raise InputError(f"not valid YAML{line} ({(error.problem or '').splitlines()[0]})", file=path) from None
-    except (YAMLError, ValueError, TypeError, RecursionError) as error:
-        raise InputError(f"not valid YAML ({str(error).splitlines()[0]})", file=path) from None
+        raise InputError(f"not valid YAML{line}{_reason(error.problem)}", file=path) from None
+    except (YAMLError, ValueError, RecursionError) as error:
+        raise InputError(f"not valid YAML{_reason(error)}", file=path) from None
+    except Exception as error:  # odd tags (!!int '', !!bool x) make ruamel stumble in ways of its own
+        raise InputError(f"not valid YAML ({type(error).__name__})", file=path) from None
     if not isinstance(content, Mapping):
         raise InputError("a mapping of keys is needed", file=path, value=content)
     return content
+
+
+def _expanded_size(node: Any, known: dict[int, float]) -> float:
+    """How many entries a node has once its aliases are unfolded; one that holds itself has no end."""
+    if id(node) not in known:
+        known[id(node)] = math.inf  # met again before it is done: it holds itself
+        children = node.value if isinstance(getattr(node, "value", None), list) else []
+        flat = [child for entry in children for child in (entry if isinstance(entry, tuple) else (entry,))]
+        known[id(node)] = 1.0 + sum(_expanded_size(child, known) for child in flat)
+    return known[id(node)]
+
+
+def _reason(error: Any) -> str:
+    lines = str(error or "").splitlines()
+    return f" ({lines[0][:200]})" if lines else ""
 
 
 def check_keys(content: Any, known: Sequence[str], *, required: Sequence[str] = (), key: str = "") -> None:

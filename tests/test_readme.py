@@ -14,7 +14,9 @@ from flexdyn.cli import main
 README = (Path(__file__).parents[1] / "README.md").read_text()
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
 PYTHON = [body for language, body in BLOCKS if language == "python"]
-COMMANDS = [line for language, body in BLOCKS if language == "bash" for line in body.splitlines() if line[:8] == "flexdyn "]
+COMMANDS = [
+    line for language, body in BLOCKS if language == "bash" for line in body.splitlines() if line[:8] == "flexdyn "
+]
 
 
 def test_readme_has_examples() -> None:

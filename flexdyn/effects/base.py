@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
+from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
 Array = NDArray[np.float64]
@@ -190,11 +191,10 @@ class Effect:
     def _checked(self, field: dataclasses.Field[Any], value: Any) -> float:
         place = f"{self.name}.{field.name}"
         unit, lower, strict, infinite = (field.metadata[key] for key in ("unit", "lower", "strict", "infinite"))
-        if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        number = as_number(value)
+        if math.isnan(number):
             raise InputError("a number is needed", key=place, value=value, remedy=f"give it in {unit}")
-        number = float(value)
-        too_large = math.isinf(number) and not infinite and number != self.neutral.get(field.name, math.nan)
-        if math.isnan(number) or too_large:
+        if math.isinf(number) and not infinite and number != self.neutral.get(field.name, math.nan):
             raise InputError("it must be finite", key=place, value=number)
         if number < lower or (strict and number == lower):
             bound = f"above {lower:g}" if strict else f"at least {lower:g}"

@@ -151,7 +151,7 @@ def _numbers(header: _Header, number: int, lines: list[str]) -> FloatArray:
 
 def _parse(lines: list[str], delimiter: str, width: int) -> FloatArray | None:
     """Numbers (lines, width), or None if any line is not a row of `width` numbers."""
-    if "" in lines:  # loadtxt would skip it and shift the rows below
+    if "" in lines:  # loadtxt would skip it, and warn where nothing is left
         return None
     try:
         block = np.loadtxt(lines, delimiter=delimiter, comments=None, ndmin=2)

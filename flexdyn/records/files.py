@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import secrets
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.files import replacing
 from flexdyn.records import csv_file, hdf5_file, npz_file
 from flexdyn.records.recording import Recording
 from flexdyn.records.table import Table
@@ -42,7 +41,8 @@ def read_recording(path: str | os.PathLike[str], *, name: str | None = None) -> 
 
     CSV is a header ``t,q.elbow,...`` and numbers; semicolons and tabs, a byte-order mark, CRLF and comment lines (#)
     before the header are taken too. NPZ is one array per channel and ``t``. HDF5 is one dataset per channel and ``t``,
-    flat (``/q.elbow``) or grouped by signal (``/q/elbow``). Nothing in a file is executed and no other file is opened.
+    flat (``/q.elbow``) or grouped by signal (``/q/elbow``); an attribute ``units``, text of fixed length, is refused if
+    it is not SI. Nothing in a file is executed and no other file is opened.
 
     Args:
         path: the file.
@@ -87,7 +87,7 @@ def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
     path = Path(path)
     fmt = _format_of(path)
     try:
-        with _replacing(path) as fresh:
+        with replacing(path) as fresh:
             fmt.write(rec, fresh)
     except InputError as error:
         raise error.at(file=path) from error.__cause__
@@ -107,22 +107,3 @@ def _format_of(path: Path) -> Format:
             remedy=near if near == known else f"{near} {known}",
         )
     return FORMATS[suffix]
-
-
-@contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
-    """A fresh file beside `path` to write to; it takes the path's place on success and vanishes on failure."""
-    target = Path(os.path.realpath(path))
-    if not target.parent.is_dir():
-        raise InputError("no such folder", value=str(path.parent), remedy="make it first")
-    if target.exists() and not target.is_file():
-        raise InputError("not a regular file", remedy="give the path of a file")
-    fresh = target.with_name(f".{secrets.token_hex(8)}.tmp")
-    try:
-        yield fresh
-        with open(fresh, "rb+") as stream:
-            os.fsync(stream.fileno())
-        os.replace(fresh, target)
-    finally:
-        with suppress(FileNotFoundError):
-            fresh.unlink()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import os
 import sys
 from pathlib import Path
 
@@ -111,9 +112,9 @@ def _shipped() -> tuple[str, ...]:
 
 def _absolute(path: Path) -> Path:
     try:
-        return path.expanduser().absolute()
+        return Path(os.path.abspath(path.expanduser()))
     except RuntimeError:
-        return path.absolute()
+        return Path(os.path.abspath(path))
 
 
 def _exists(path: Path) -> bool:

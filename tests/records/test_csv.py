@@ -129,6 +129,15 @@ def test_damage_far_down_is_found_in_its_line(tmp_path: Path) -> None:
         read_recording(path)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("blanks", [2, 3_000_000])
+def test_rows_after_blank_lines_are_refused(tmp_path: Path, blanks: int) -> None:
+    """Blank lines end the table; the first of them is named, however many follow."""
+    path = saved(tmp_path, "t,q.a\n0,1\n1,2\n" + "\n" * blanks + "2,3\n")
+    with pytest.raises(InputError, match="line 4: empty line between samples"):
+        read_recording(path)
+
+
 def test_endless_lines_are_refused(tmp_path: Path) -> None:
     """A file without newlines is not drawn into memory."""
     path = saved(tmp_path, b"t,q.a\n" + b"1" * 30_000_000)

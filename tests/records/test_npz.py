@@ -140,6 +140,25 @@ def test_sizes_that_the_file_cannot_hold_are_refused(tmp_path: Path) -> None:
         read_recording(path)
 
 
+def test_samples_that_are_not_there_are_not_made_up(tmp_path: Path) -> None:
+    """Header and directory agree on four samples, three are stored: the fourth would be whatever memory held."""
+    path = zipped(tmp_path / "log.npz", {"t.npy": npy(T), "q.a.npy": npy(T, shape=(4,))})
+    data = bytearray(path.read_bytes())
+    entry = data.rindex(b"PK\x01\x02")
+    (size,) = struct.unpack_from("<I", data, entry + 24)
+    struct.pack_into("<I", data, entry + 24, size + 8)
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=r"q\.a: cut after 24 of 32 bytes"):
+        read_recording(path)
+
+
+def test_long_names_do_not_flood_the_line(tmp_path: Path) -> None:
+    """An error stays a line that can be read."""
+    with pytest.raises(InputError, match="longer than 255 characters") as caught:
+        read_recording(zipped(tmp_path / "log.npz", {"t.npy": npy(T), "q" * 60_000 + ".npy": npy(1j * T)}))
+    assert len(str(caught.value)) < 400 + len(str(tmp_path))
+
+
 def test_a_constant_channel_compresses_as_far_as_deflate_goes(tmp_path: Path) -> None:
     """An honest file, however well it compresses, is below the limit on expansion."""
     path = tmp_path / "log.npz"

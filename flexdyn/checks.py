@@ -1,0 +1,18 @@
+"""What counts as a number in the user's input."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+
+def as_number(value: Any) -> float:
+    """The value as a float; NaN where it is no number (text, truth values and None are none), inf where too large."""
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:  # an integer of hundreds of digits
+        return math.inf if value > 0 else -math.inf

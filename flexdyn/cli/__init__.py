@@ -1,0 +1,58 @@
+"""The command line: what the user typed, done; what is wrong with it, said in one line.
+
+Exit codes: 0 done; 2 what the user gave is wrong; 1 our fault, or a check of the study that failed; 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+
+BROKEN_PIPE = 141
+"""128 + SIGPIPE: what a shell reports of a tool whose reader went away."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Args:
+        argv: arguments without the program's name; default: those of the process.
+
+    Returns:
+        The exit code.
+    """
+    from flexdyn.cli.failures import report, show_warning
+
+    arguments = list(sys.argv[1:] if argv is None else argv) or ["--help"]
+    with warnings.catch_warnings():
+        warnings.showwarning = show_warning
+        try:
+            code = _run(arguments)
+            sys.stdout.flush()
+        except (BrokenPipeError, SystemExit):  # rich and click turn a broken pipe into SystemExit
+            _mute()
+            return BROKEN_PIPE
+        except (Exception, KeyboardInterrupt) as error:
+            return report(error)
+    return code
+
+
+def _run(arguments: list[str]) -> int:
+    from flexdyn.cli.app import build
+
+    if sys.stdout is None or sys.stderr is None:  # closed by the caller: >&-
+        nowhere = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - as long as the process
+        sys.stdout, sys.stderr = sys.stdout or nowhere, sys.stderr or nowhere
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # a joint's name must not fail for want of a letter
+            stream.reconfigure(errors="backslashreplace")
+    result = build().main(args=arguments, prog_name="flexdyn", standalone_mode=False)
+    return result if isinstance(result, int) else 0
+
+
+def _mute() -> None:
+    """Nobody reads any more: let the interpreter's last flush go nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())

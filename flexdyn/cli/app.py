@@ -1,0 +1,78 @@
+"""The commands put together."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from flexdyn.cli.failures import Interrupted
+from flexdyn.errors import InputError, did_you_mean
+
+
+class Commands(TyperGroup):
+    """The group of all commands; an unknown one is answered with the near miss."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command that the first argument names.
+
+        Raises:
+            InputError: there is none.
+        """
+        if args and args[0] not in self.commands:
+            raise InputError("no such command", value=args[0], remedy=did_you_mean(args[0], self.commands))
+        return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was found.
+
+        Raises:
+            Interrupted: Ctrl-C.
+        """
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise Interrupted from None
+
+
+def build() -> Any:
+    """The click command of the whole program."""
+    from flexdyn.cli.effects import effects
+    from flexdyn.cli.info import info
+    from flexdyn.cli.new import new
+    from flexdyn.cli.paper import paper
+    from flexdyn.cli.simulate import simulate
+
+    app = typer.Typer(
+        cls=Commands,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+        rich_markup_mode="markdown",
+        help="Robot arms with elastic joints: simulated fast, compared with measurements, missing effects named.",
+        epilog="Exit codes: 0 done, 2 what was given is wrong (one line on stderr says what), 1 a fault of flexdyn.",
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback()(_program)
+    for command in (info, new, effects, simulate, paper):
+        app.command()(command)
+    return typer.main.get_command(app)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        import flexdyn
+
+        typer.echo(f"flexdyn {flexdyn.__version__}")
+        raise typer.Exit
+
+
+def _program(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, metavar="", help="Print the version and stop."
+        ),
+    ] = False,
+) -> None:
+    """Hold the options that come before any command."""

@@ -1,0 +1,89 @@
+"""Whatever went wrong, as one line on stderr and an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from typing import Any, TextIO
+
+import typer
+
+from flexdyn.errors import FlexdynError, did_you_mean, shown
+
+# typer brings its own click in some versions and needs the real one in others: take the class it uses.
+UsageError: type[Exception] = next(kind for kind in typer.BadParameter.__mro__ if kind.__name__ == "UsageError")
+
+
+class Interrupted(Exception):
+    """Ctrl-C, out of reach of click, which would print of its own accord."""
+
+
+def report(error: BaseException) -> int:
+    """Say on stderr what went wrong.
+
+    Args:
+        error: what a command raised.
+
+    Returns:
+        The exit code: 2 for what the user gave, 130 for Ctrl-C, 1 for anything unforeseen.
+    """
+    debug = bool(os.environ.get("FLEXDYN_DEBUG"))
+    if debug:
+        traceback.print_exception(error)
+    if isinstance(error, KeyboardInterrupt | Interrupted):
+        return _say("interrupted", 130)
+    if isinstance(error, FlexdynError):
+        return _say(str(error), 2)
+    if isinstance(error, UsageError):
+        return _say(usage_line(error), 2)
+    if isinstance(error, MemoryError):
+        return _say("it does not fit into memory; ask for less, for example a lower --rate or a shorter --duration", 2)
+    if isinstance(error, OSError) and error.strerror:
+        return _say(f"{error.filename or 'output'}: {error.strerror}", 2)
+    hint = "" if debug else "; run with FLEXDYN_DEBUG=1 for the traceback"
+    return _say(f"internal error: {type(error).__name__}: {error}{hint}", 1)
+
+
+def show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """A warning as one line, in place of Python's own two with the source."""
+    _say(f"warning: {message}", 0)
+
+
+def usage_line(error: Any) -> str:
+    """What is wrong with a command's arguments, in one line with the near miss.
+
+    Args:
+        error: click's UsageError.
+    """
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context else "flexdyn"
+    where = "".join(f"{word}: " for word in command.split()[1:])
+    if hasattr(error, "possibilities"):  # only an unknown option has them
+        known = [name for entry in context.command.params for name in entry.opts] if context else []
+        return f"{where}{shown(error.option_name)}: no such option; {did_you_mean(error.option_name, known)}"
+    parameter = getattr(error, "param", None)
+    message = str(error.message).rstrip(".")
+    if parameter is not None and message:
+        return f"{where}{_longest(parameter)}: {message}; see {command} --help"
+    message = str(error.format_message()).rstrip(".")
+    return f"{where}{message[:1].lower()}{message[1:]}; see {command} --help"
+
+
+def _longest(parameter: Any) -> str:
+    """An option as it is typed, an argument as the help calls it."""
+    if getattr(parameter, "param_type_name", "") == "option":
+        return str(max(parameter.opts, key=len))
+    return str(parameter.metavar or parameter.name.upper())
+
+
+def _say(text: str, code: int) -> int:
+    print(f"flexdyn: {' '.join(text.split())}", file=sys.stderr, flush=True)  # noqa: T201
+    return code

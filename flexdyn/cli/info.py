@@ -1,0 +1,208 @@
+"""flexdyn info: what a robot or model is made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+
+from flexdyn.cli.options import JsonOption, by_joint
+from flexdyn.cli.output import number, show, show_json, table
+from flexdyn.cli.target import Target, find
+from flexdyn.effects import Effect, JointEffect, Payload, unit_for
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+
+
+def info(
+    target: Annotated[
+        str,
+        typer.Argument(metavar="ROBOT|MODEL", help="A URDF, a robot's name, a model file or a shipped model's name."),
+    ],
+    q: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--q", metavar="VALUES", help="Position for M and the frequencies: 0.1,0.2 or elbow=1.57, in rad or m."
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Show what a robot or model is made of: joints, drives, inertias, frequencies, effects.
+
+    A name that is both (panda) means the shipped model. M_ii is what the joint turns at --q with the other joints
+    held, J included where it is rigid. f locked is the frequency with the rotor held, sqrt(K/M_ii)/2pi; f free the
+    one with the rotor let go, J against M_ii.
+    """
+    found = find(target)
+    document = describe(found, by_joint("--q", q or (), found.model.joint_names))
+    if as_json:
+        show_json(document)
+        return
+    show(_head(document), _limits(document), _drives(document))
+    for extra in (_followers(document), _effects(document)):
+        if extra is not None:
+            show(extra)
+
+
+def describe(found: Target, q: Mapping[str, float]) -> dict[str, Any]:
+    """Everything `info` says, as the JSON document holds it.
+
+    Args:
+        found: robot or model.
+        q: positions by joint over the model's initial ones [rad or m].
+    """
+    model = found.model
+    robot = model.robot
+    at = {**dict.fromkeys(model.joint_names, 0.0), **model.initial.get("q", {}), **q}
+    M = LinkSide(model).mass_matrix(np.array(list(at.values())))
+    return {
+        "name": model.name,
+        "taken": found.taken,
+        "robot": str(robot.source),
+        "gravity": model.gravity,
+        "tip": _tip(model),
+        "moving_mass": float(sum(inertia.mass for inertia in robot.pin_model.inertias[1:])),
+        "payload": float(sum(effect.mass for effect in model.effects if isinstance(effect, Payload))),
+        "tolerance": model.tolerance,
+        "joints": [_joint(model, j, at[name], float(M[j, j])) for j, name in enumerate(model.joint_names)],
+        "mass_matrix": M,
+        "followers": {name: list(entry) for name, entry in robot.followers.items()},
+        "lock": robot.lock,
+        "effects": [_effect(model, effect, f"effects[{i}]") for i, effect in enumerate(model.effects)]
+        + [_effect(model, effect, "URDF") for effect in model.urdf_effects],
+    }
+
+
+def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[str, Any]:
+    robot, name = model.robot, model.joint_names[j]
+    drive = model.joints[name]
+    J = drive.reflected_inertia
+    moving = drive.elastic and inertia > 0
+    return {
+        "name": name,
+        "type": "continuous" if robot.continuous[j] else robot.kinds[j],
+        "unit": robot.angle_unit(j),
+        "lower": float(robot.lower[j]),
+        "upper": float(robot.upper[j]),
+        "velocity_limit": float(robot.velocity_limit[j]),
+        "effort_limit": float(robot.effort_limit[j]),
+        "elastic": drive.elastic,
+        **drive.to_dict(),
+        "reflected_inertia": J,
+        "q": q,
+        "inertia": inertia,
+        "locked_rotor_frequency": math.sqrt(drive.stiffness / inertia) / math.tau if moving else None,
+        "free_frequency": math.sqrt(drive.stiffness * (1 / inertia + 1 / J)) / math.tau if moving else None,
+    }
+
+
+def _effect(model: FlexibleJointModel, effect: Effect, origin: str) -> dict[str, Any]:
+    joint = effect.joint if isinstance(effect, JointEffect) else None
+    prismatic = joint is not None and model.robot.kinds[model.index(joint)] == "prismatic"
+    numbers = {
+        field.name: {
+            "value": getattr(effect, field.name),
+            "unit": unit_for(field.metadata["unit"], prismatic=prismatic),
+        }
+        for field in effect.parameters()
+    }
+    known = {"joint", "side", *numbers}
+    others = {f.name: getattr(effect, f.name) for f in fields(effect) if f.name not in known}  # type: ignore[arg-type]
+    return {
+        "effect": effect.name,
+        "joint": joint,
+        "side": getattr(effect, "side", None),
+        "parameters": numbers,
+        **others,
+        "from": origin,
+        "neutral": effect.is_neutral,
+    }
+
+
+def _tip(model: FlexibleJointModel) -> str | None:
+    try:
+        return model.robot.tip
+    except InputError:  # a branched arm has several ends
+        return None
+
+
+def _head(document: Mapping[str, Any]) -> str:
+    elastic = sum(joint["elastic"] for joint in document["joints"])
+    payload = f" and {number(document['payload'])} kg payload" if document["payload"] else ""
+    lines = [
+        f"{document['name']}, taken for a {document['taken']}; robot: {document['robot']}",
+        f"{len(document['joints'])} joints, {elastic} elastic",
+        f"moving mass: {number(document['moving_mass'])} kg{payload}",
+        f"gravity: {list(document['gravity'])} m/s^2",
+        f"tip frame: {document['tip'] or 'none, the arm is branched'}",
+    ]
+    if document["lock"]:
+        lines.append("locked: " + ", ".join(f"{name} at {number(value)}" for name, value in document["lock"].items()))
+    return "\n".join(lines)
+
+
+def _limits(document: Mapping[str, Any]) -> Any:
+    rows = [
+        (
+            joint["name"],
+            joint["type"],
+            f"{number(joint['lower'])} to {number(joint['upper'])} {joint['unit']}",
+            f"{number(joint['velocity_limit'])} {joint['unit']}/s",
+            f"{number(joint['effort_limit'])} {'N m' if joint['unit'] == 'rad' else 'N'}",
+        )
+        for joint in document["joints"]
+    ]
+    return table("Joints", ("joint", "type", "range", "speed", "effort"), rows)
+
+
+def _drives(document: Mapping[str, Any]) -> Any:
+    columns = ("joint", "drive", "gear", "J", "K", "D", "q", "M_ii", "f locked", "f free")
+    rows = [
+        (
+            joint["name"],
+            "elastic" if joint["elastic"] else "rigid",
+            *(
+                number(joint[key])
+                for key in ("gear_ratio", "reflected_inertia", "stiffness", "damping", "q", "inertia")
+            ),
+            *(
+                "-" if joint[key] is None else f"{number(joint[key])} Hz"
+                for key in ("locked_rotor_frequency", "free_frequency")
+            ),
+        )
+        for joint in document["joints"]
+    ]
+    return table(
+        "Drives, on the link side (SI: rad, N m, kg m^2; prismatic: m, N, kg)",
+        columns,
+        rows,
+        right=columns[2:],
+    )
+
+
+def _followers(document: Mapping[str, Any]) -> Any:
+    rows = [
+        (name, leader, number(factor), number(offset))
+        for name, (leader, factor, offset) in document["followers"].items()
+    ]
+    return table("Mimic joints", ("joint", "follows", "times", "plus"), rows, right=("times", "plus")) if rows else None
+
+
+def _effects(document: Mapping[str, Any]) -> Any:
+    rows = []
+    for effect in document["effects"]:
+        numbers = [f"{key} {number(entry['value'])} {entry['unit']}" for key, entry in effect["parameters"].items()]
+        frame = [f"frame {effect['frame']}"] if effect.get("frame") else []
+        place = (effect["joint"] or "-", effect["side"] or "-")
+        rows.append((effect["from"], effect["effect"], *place, ", ".join(numbers + frame)))
+        if effect["neutral"]:
+            rows[-1] = (*rows[-1][:-1], f"{rows[-1][-1]} (neutral: does nothing)")
+    return table("Effects", ("from", "effect", "joint", "side", "parameters"), rows) if rows else "Effects: none"

@@ -1,0 +1,123 @@
+"""What several commands take: options, values by joint, files to write, and the names errors call them by."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flexdyn.errors import InputError, did_you_mean
+
+JsonOption = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON; infinite numbers are null.")]
+
+
+def by_joint(option: str, texts: Sequence[str], joint_names: Sequence[str]) -> dict[str, float]:
+    """Values by joint out of ``0.1,0.2`` (one for each joint) or ``elbow=1.57,wrist=0`` (some of them).
+
+    Args:
+        option: that they were given with.
+        texts: as typed; an option given twice adds up.
+        joint_names: of the robot.
+
+    Raises:
+        InputError: a joint that is not there, too many or too few values, something that is no number.
+    """
+    entries = [entry.strip() for text in texts for entry in text.split(",")]
+    if not entries:
+        return {}
+    named = [entry.rpartition("=") for entry in entries]
+    names = [name.strip() for name, sign, _ in named if sign]
+    if names and len(names) != len(entries):
+        remedy = "give joint=value for each, or one value for every joint"
+        raise InputError("values with and without a joint", key=option, value=",".join(texts), remedy=remedy)
+    if not names:
+        if len(entries) != len(joint_names):
+            remedy = f"the joints are {', '.join(joint_names)}; or give some as joint=value"
+            problem = f"{len(joint_names)} values are needed"
+            raise InputError(problem, key=option, value=",".join(texts), remedy=remedy)
+        names = list(joint_names)
+    values: dict[str, float] = {}
+    for name, (_, _, text) in zip(names, named, strict=True):
+        if name not in joint_names:
+            raise InputError(
+                "the robot has no such joint", key=option, value=name, remedy=did_you_mean(name, joint_names)
+            )
+        if name in values:
+            raise InputError("the joint is given twice", key=option, value=name)
+        values[name] = decimal(f"{option} {name}", text)
+    return values
+
+
+def decimal(key: str, text: str) -> float:
+    """A text as a finite number.
+
+    Raises:
+        InputError: it is none.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError("a number is needed", key=key, value=text) from None
+    if not math.isfinite(value):
+        raise InputError("a finite number is needed", key=key, value=value)
+    return value
+
+
+def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inputs: Sequence[Path | None] = ()) -> Path:
+    """The file to write, found fit before any work is done.
+
+    Args:
+        option: that it was given with.
+        path: as given.
+        suffixes: that the command can write.
+        inputs: files that the command reads and must not overwrite.
+
+    Raises:
+        InputError: not given, a suffix that is not known, no such folder, no right to write there, or an input.
+    """
+    known = ", ".join(suffixes)
+    if path is None:
+        raise InputError("say which file to write", key=option, remedy=f"give a path that ends in one of {known}")
+    if path.suffix.lower() not in suffixes:
+        near = did_you_mean(path.suffix.lower(), suffixes)
+        remedy = near if near.startswith("known") else f"{near} known: {known}"
+        raise InputError("unknown suffix of a file to write", file=path, key=option, value=path.suffix, remedy=remedy)
+    folder = path.parent
+    if not folder.is_dir():
+        raise InputError("no such folder", file=path, key=option, value=str(folder), remedy="make it first")
+    if path.exists() and not path.is_file():
+        raise InputError("it is no regular file", file=path, key=option, remedy="give the path of a file")
+    if not os.access(folder, os.W_OK):
+        raise InputError("the folder cannot be written to", file=path, key=option, value=str(folder))
+    for given in inputs:
+        if given is not None and path.exists() and given.exists() and path.samefile(given):
+            remedy = "write to another file"
+            raise InputError("the command reads this file", file=path, key=option, remedy=remedy)
+    return path
+
+
+@contextmanager
+def naming(options: Mapping[str, str], *, file: Path | str, files: Mapping[str, Path | None]) -> Iterator[None]:
+    """Errors of the Python interface in the words of the command line.
+
+    Args:
+        options: argument of the Python interface -> option.
+        file: that an error without one belongs to.
+        files: first word of an error's key -> file that it belongs to instead.
+    """
+    try:
+        yield
+    except InputError as error:
+        if error.file:
+            raise
+        key = error.key or ""
+        for argument, option in options.items():
+            if key == argument or key.startswith(f"{argument}."):
+                renamed = f"{option} {key[len(argument) + 1 :]}".strip()
+                raise InputError(error.problem, **{**error.data, "key": renamed}) from None
+        raise error.at(file=files.get(key.partition(".")[0]) or file) from None

@@ -1,0 +1,87 @@
+"""Printing: tables for people, JSON for programs, notes beside both on stderr."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+PIPE_WIDTH = 160
+
+
+def console(*, stderr: bool = False) -> Console:
+    """Where to print; a pipe or file is given wide lines, so that a table's rows stay whole."""
+    from rich.console import Console
+
+    stream = sys.stderr if stderr else sys.stdout
+    width = None if stream.isatty() else int(os.environ.get("COLUMNS") or PIPE_WIDTH)
+    return Console(stderr=stderr, width=width, markup=False, highlight=False, emoji=False)
+
+
+def show(*parts: Any) -> None:
+    """Print texts and tables on stdout, one below the other."""
+    out = console()
+    for part in parts:
+        out.print(part)
+
+
+def show_json(document: Any) -> None:
+    """Print pure JSON on stdout; numbers that JSON does not have (infinite, NaN) are null."""
+    sys.stdout.write(json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def note(text: str) -> None:
+    """One line on stderr that is worth knowing and no error."""
+    console(stderr=True).print(f"flexdyn: {text}", soft_wrap=True)
+
+
+def table(title: str, columns: Iterable[str], rows: Iterable[Sequence[Any]], *, right: Iterable[str] = ()) -> Table:
+    """A table of texts.
+
+    Args:
+        title: above it.
+        columns: their heads.
+        rows: their cells, in order.
+        right: heads of the columns that hold numbers and stand to the right.
+    """
+    from rich import box
+    from rich.table import Table
+
+    made = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, title_style="bold", pad_edge=False)
+    numbers = set(right)
+    for column in columns:
+        made.add_column(column, justify="right" if column in numbers else "left", overflow="fold")
+    for row in rows:
+        made.add_row(*(str(cell) for cell in row))
+    return made
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number as a table shows it; a dash where there is none."""
+    return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
+
+
+def plain(value: Any) -> Any:
+    """Data as JSON can hold it."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    if isinstance(value, np.bool_ | np.integer | np.floating):
+        return plain(value.item())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    return str(value)

@@ -1,0 +1,65 @@
+"""flexdyn paper: the paper's study, run again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flexdyn.cli.options import JsonOption
+from flexdyn.cli.output import console, number, show, show_json, table
+from flexdyn.errors import InputError
+
+
+def paper(
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="DIR", help="Folder for figures, tables and runs; made if it is not there."
+        ),
+    ] = Path("flexdyn_paper"),
+    as_json: JsonOption = False,
+) -> None:
+    """Run the paper's study on elastic joints and friction.
+
+    It writes figures, tables and runs. Every check compares a number with its bound; exit code 1 if one fails.
+    """
+    _check_folder(output)
+    from flexdyn.paper import run_study
+
+    with _progress() as progress:
+        study = run_study(output, progress=progress)
+    passed = all(check.passed for check in study.checks)
+    if as_json:
+        show_json(study.summary)
+    else:
+        rows = [
+            (check.name, number(float(check.value)), number(float(check.bound)), "passed" if check.passed else "FAILED")
+            for check in study.checks
+        ]
+        columns = ("check", "value", "bound", "result")
+        show(table("Checks", columns, rows, right=("value", "bound")), f"Figures, tables and runs are in {output}")
+    if not passed:
+        raise typer.Exit(1)
+
+
+def _check_folder(path: Path) -> None:
+    if path.exists() and not path.is_dir():
+        raise InputError("it is a file", file=path, key="--output", remedy="give a folder")
+    parent = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
+    if not parent.is_dir():
+        raise InputError("a folder cannot be made in a file", file=path, key="--output", value=str(parent))
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None] | None]:
+    """The part of the study in work, on stderr where that is a terminal."""
+    err = console(stderr=True)
+    if not err.is_terminal:
+        yield None
+        return
+    with err.status("the paper's study") as status:
+        yield status.update

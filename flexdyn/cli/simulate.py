@@ -1,0 +1,205 @@
+"""flexdyn simulate: a model and a command in, a run out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import fields
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from flexdyn.cli.options import JsonOption, by_joint, decimal, naming, output_file
+from flexdyn.cli.output import console, note, number, show, show_json, table
+from flexdyn.cli.target import model_file
+from flexdyn.drive import read_command_file
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording, read_recording, write_recording
+from flexdyn.records.files import SUFFIXES
+from flexdyn.run import Run
+from flexdyn.solvers import SOLVERS, Solver, make_solver
+
+STARTS = "0.1,0.2 or elbow=1.57,wrist=0"
+# Arguments of the Python interface -> what the user typed.
+NAMES = {name: f"--{name}" for name in ("duration", "rate", "q0", "v0", "theta0", "omega0")}
+NAMES |= {f"solver.{name}": f"--{name}" for name in ("step", "rtol", "atol", "smoothing")} | {"solver": "--solver"}
+
+
+def simulate(
+    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model file, or the name of a shipped model.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="RUN", help=f"The run: {', '.join(SUFFIXES)} by its suffix."),
+    ] = None,
+    command: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="A recording whose tau drives the arm, or a YAML file with pd:. Default: no torque."
+        ),
+    ] = None,
+    duration: Annotated[str | None, typer.Option(metavar="S", help="In s. Default: the command's.")] = None,
+    solver: Annotated[str, typer.Option(metavar="NAME", help=f"auto, {', '.join(SOLVERS)}.")] = "auto",
+    step: Annotated[str | None, typer.Option(metavar="S", help="Of a solver with a fixed step, in s.")] = None,
+    rtol: Annotated[str | None, typer.Option(metavar="R", help="Relative tolerance of an adaptive solver.")] = None,
+    atol: Annotated[
+        str | None, typer.Option(metavar="A", help="Absolute tolerance of an adaptive solver, in rad and rad/s.")
+    ] = None,
+    smoothing: Annotated[
+        str | None, typer.Option(metavar="U", help="Width of the smoothed sign in dry friction, in rad/s.")
+    ] = None,
+    rate: Annotated[str, typer.Option(metavar="HZ", help="Of the samples in the run, in Hz.")] = "1000",
+    q0: Annotated[
+        list[str] | None, typer.Option(metavar="VALUES", help=f"First link positions, {STARTS}; rad or m.")
+    ] = None,
+    v0: Annotated[list[str] | None, typer.Option(metavar="VALUES", help="First link velocities, likewise.")] = None,
+    theta0: Annotated[
+        list[str] | None,
+        typer.Option(metavar="VALUES", help="First rotor positions, likewise, or equilibrium: springs carry gravity."),
+    ] = None,
+    omega0: Annotated[
+        list[str] | None, typer.Option(metavar="VALUES", help="First rotor velocities, likewise.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Simulate a model under a command and write the run.
+
+    The first state comes from --q0 and the like, else from the first row of a recording as command, else from the
+    model's initial. Rotors start at theta = q, omega = v where nothing is said.
+    """
+    path = output_file("--output", output, SUFFIXES, inputs=(Path(model), command))
+    span = None if duration is None else decimal("--duration", duration)
+    hertz = decimal("--rate", rate)
+    settings = _settings(step=step, rtol=rtol, atol=atol, smoothing=smoothing)
+    arm = model_file(model)
+    with naming(NAMES, file=model, files={"samples": command, "pd": command, "command": command}):
+        chosen = choose(solver, **settings)
+        starts = _starts(arm, q0=q0, v0=v0, theta0=theta0, omega0=omega0)
+        drive = _read_command(command)
+        _can_write(path)
+        run = _run(arm, drive, span, chosen, hertz, starts)
+    for text in run.notes:
+        note(text)
+    run.save(path)
+    if as_json:
+        show_json(summary(run, path))
+    else:
+        show(*_report(run, path))
+
+
+def choose(name: str, **settings: float) -> Solver | str:
+    """The solver that the options ask for.
+
+    Args:
+        name: as given; of ``auto``, tolerances and smoothing make the adaptive one.
+        settings: those of step, rtol, atol, smoothing that are given.
+
+    Raises:
+        InputError: no such solver, or a setting that it does not have or needs.
+    """
+    if name != "auto" or not settings:
+        return make_solver(name, **settings) if name != "auto" else "auto"
+    if "step" in settings:
+        stepping = [kind for kind in SOLVERS if "step" in {field.name for field in fields(SOLVERS[kind])}]
+        remedy = f"name one that takes a step: --solver {' or '.join(stepping)}"
+        raise InputError("solver auto takes no step", key="solver.step", value=settings["step"], remedy=remedy)
+    chosen = make_solver("DormandPrince", **settings)
+    note(f"solver auto with {', '.join(f'--{key}' for key in settings)}: DormandPrince")
+    return chosen
+
+
+def summary(run: Run, path: Path) -> dict[str, Any]:
+    """What `--json` prints of a run."""
+    peak = {"deflection": run.deflection, "v": run.v, "tau": run.tau, "tau_s": run.tau_s}
+    return {
+        "output": str(path),
+        "model": run.model.name,
+        "duration": float(run.t[-1]),
+        "samples": len(run.t),
+        "solver": run.solver.to_dict(),
+        "notes": list(run.notes),
+        "stats": dict(run.stats),
+        "joints": {
+            name: {
+                "q_first": run.q[0, j],
+                "q_last": run.q[-1, j],
+                **{f"{key}_max": np.abs(signal[:, j]).max() for key, signal in peak.items()},
+            }
+            for j, name in enumerate(run.joint_names)
+        },
+    }
+
+
+def _settings(**texts: str | None) -> dict[str, float]:
+    """Those that were given, as numbers."""
+    return {key: decimal(f"--{key}", text) for key, text in texts.items() if text is not None}
+
+
+def _starts(model: FlexibleJointModel, **given: list[str] | None) -> dict[str, Any]:
+    starts: dict[str, Any] = {}
+    for signal, texts in given.items():
+        if texts == ["equilibrium"] and signal == "theta0":
+            starts[signal] = "equilibrium"
+        elif texts:
+            starts[signal] = by_joint(f"--{signal}", texts, model.joint_names)
+    return starts
+
+
+def _read_command(path: Path | None) -> Any:
+    """The command; a recording keeps its path as name, so that errors can say which file it was."""
+    if path is None:
+        return None
+    if path.suffix.lower() in (".yaml", ".yml"):
+        return read_command_file(path)
+    return read_recording(path, name=str(path))
+
+
+def _can_write(path: Path) -> None:
+    """Write a recording of nothing elsewhere: a library that is missing shows before the work, not after it."""
+    with TemporaryDirectory() as folder:
+        write_recording(Recording([0.0, 1.0], {"q.none": [0.0, 0.0]}), Path(folder) / f"probe{path.suffix}")
+
+
+def _run(
+    model: FlexibleJointModel,
+    command: Any,
+    duration: float | None,
+    solver: Any,
+    rate: float,
+    starts: dict[str, Any],
+) -> Run:
+    from flexdyn.simulate import simulate as integrate
+
+    with _progress(model.name, duration or getattr(command, "duration", None)) as progress:
+        return integrate(model, command, duration, solver, rate=rate, progress=progress, **starts)
+
+
+@contextmanager
+def _progress(name: str, duration: float | None) -> Iterator[Callable[[float], None] | None]:
+    """The time reached, on stderr where that is a terminal."""
+    err = console(stderr=True)
+    if not err.is_terminal:
+        yield None
+        return
+    with err.status(f"{name}: starting") as status:
+        end = f" of {duration:g}" if duration else ""
+        yield lambda t: status.update(f"{name}: t = {t:.3f}{end} s")
+
+
+def _report(run: Run, path: Path) -> list[Any]:
+    stats, joints = run.stats, summary(run, path)["joints"]
+    head = (
+        f"{path}: {number(float(run.t[-1]), 6)} s of {run.model.name}, {len(run.t)} samples; "
+        f"{type(run.solver).__name__}, {stats['steps']} steps, {stats['rejected']} rejected, "
+        f"{stats['evaluations']} evaluations"
+    )
+    keys = ("q_first", "q_last", "v_max", "deflection_max", "tau_max", "tau_s_max")
+    columns = ("q first", "q last", "|v|", "|theta - q|", "|tau|", "|tau_s|")
+    rows = []
+    for j, (name, entry) in enumerate(joints.items()):
+        unit = f"{run.model.robot.angle_unit(j)}, {run.model.robot.torque_unit(j)}"
+        rows.append((name, unit, *(number(float(entry[key])) for key in keys)))
+    return [head, table("First and last position, largest values", ("joint", "unit", *columns), rows, right=columns)]

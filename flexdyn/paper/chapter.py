@@ -1,0 +1,74 @@
+"""What a part of the study hands in: checks, numbers, tables, figures and runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from flexdyn.run import Run
+
+Drawing = Callable[[Any], None]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One statement of the study, measured: it holds where value <= bound.
+
+    Attributes:
+        name: what is stated.
+        value: measured.
+        bound: the most it may be.
+        passed: whether it holds; a value that is no number does not.
+        note: unit, and how it was measured.
+    """
+
+    name: str
+    value: float
+    bound: float
+    passed: bool
+    note: str
+
+
+def check(name: str, value: Any, bound: float, note: str) -> Check:
+    """Measure a statement against its bound."""
+    number = float(value)
+    return Check(name, number, bound, number <= bound, note)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure to be drawn.
+
+    Attributes:
+        name: of its files, without suffix.
+        caption: what it shows.
+        draw: draws into an empty matplotlib figure of the size given.
+        size: width and height [inch].
+    """
+
+    name: str
+    caption: str
+    draw: Drawing
+    size: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A part of the study.
+
+    Attributes:
+        title: of its section in the summary.
+        text: paragraphs and tables in Markdown.
+        checks: its statements.
+        numbers: everything measured, for the JSON summary.
+        figures: to be drawn.
+        runs: to be saved for playback, by name.
+    """
+
+    title: str
+    text: str
+    checks: tuple[Check, ...] = ()
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    figures: tuple[Figure, ...] = ()
+    runs: Mapping[str, Run] = field(default_factory=dict)

@@ -1,0 +1,104 @@
+"""Chapter: the end-of-arm force, which the paper names and then sets to zero, as an input."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.commands import PD, FrameWrench, Samples
+from flexdyn.paper import style
+from flexdyn.paper.cases import PAPER_V, Cases, reference
+from flexdyn.paper.chapter import Chapter, Figure, check
+from flexdyn.paper.equations import Arm, jacobian, tip
+from flexdyn.run import Run
+from flexdyn.simulate import simulate
+
+Array = NDArray[np.float64]
+FORCE = np.array([-0.2, 0.0])  # N, along -x: across the second link as it stands
+RISE, RELEASE, END = 1.0, 16.0, 20.0  # s
+SETTLING = 3.0  # N m s/rad: brings both joints to rest well before the release
+KP, KD = 50.0, 4.5  # N m/rad, N m s/rad: motors that hold their place, critically damped for J = 0.1 kg m^2
+
+
+def end_force(cases: Cases) -> Chapter:
+    """A lateral push at the tool: at rest the springs bend by K^-1 J^T F."""
+    light, heavy = (_pushed(cases, v) for v in (PAPER_V, SETTLING))
+    arm = cases.arm()
+    at = int(np.argmin(np.abs(light.t - RELEASE))) - 1
+    bent = static_deflection(arm, heavy.q[at])
+    error = np.abs(heavy.deflection[at] - bent).max() / np.abs(bent).max()
+    sway = light.t < RELEASE - 1e-9
+    mean = light.deflection[sway & (light.t > RISE)].mean(0)
+    moved = 1e3 * (tip(arm, heavy.q[at]) - tip(arm, heavy.q[0]))
+    numbers = {
+        "force_n": FORCE.tolist(),
+        "deflection_deg": np.degrees(heavy.deflection[at]).tolist(),
+        "static_deflection_deg": np.degrees(bent).tolist(),
+        "tip_moved_mm": moved.tolist(),
+    }
+    text = (
+        "Section 3 names the joint torques induced by an end-of-arm force as a further term and then assumes the force "
+        "to be zero. Here it acts: the motors hold their place (a PD law at 1 kHz), and the tool is pushed by "
+        f"{-FORCE[0]:g} N along -x, across the second link, and let go after {RELEASE:g} s. At rest the springs must "
+        "bend by theta - q = -K^-1 J_r^T F, with the Jacobian of eq. 8-11 at the pose that the arm then has: "
+        f"{_degrees(bent)} degrees (shoulder, elbow). With the damping raised to v = {SETTLING:g} N m s/rad, so that "
+        f"it comes to rest, the simulated arm bends by {_degrees(heavy.deflection[at])} degrees, and its tip gives way "
+        f"by {np.linalg.norm(moved):.0f} mm, {abs(moved[0]):.0f} mm of them along the force. With the paper's "
+        f"v = {PAPER_V:g} it swings about that place (mean deflection {_degrees(mean)} degrees). Dry friction is left "
+        "out: it would let the arm rest anywhere in a band about this place."
+    )
+    checks = (
+        check(
+            "Under an end-of-arm force the springs bend by K^-1 J^T F at rest",
+            error,
+            1e-6,
+            f"relative, {-FORCE[0]:g} N across the second link, v = {SETTLING:g} N m s/rad, after {RELEASE:g} s",
+        ),
+    )
+    figure = Figure(
+        "end_force",
+        "A push of 0.2 N across the second link from 0 to 16 s: deflection of the joints. Dotted: the static value "
+        "-K^-1 J_r^T F.",
+        lambda canvas: _draw(canvas, light, heavy, bent),
+        (style.WIDE, 2.8),
+    )
+    return Chapter("The end-of-arm force", text, checks, numbers, (figure,), {"end_force": light})
+
+
+def static_deflection(arm: Arm, q: Array) -> Array:
+    """Theta - q at rest under the force [rad]: -K^-1 J_r^T F, J_r of eq. 8-11."""
+    return np.asarray(-jacobian(arm, q).T @ FORCE / arm.K)
+
+
+def _pushed(cases: Cases, v: float) -> Run:
+    model = cases.viscous_model(v)
+    held = [model.initial["q"].get(joint, 0.0) for joint in model.joint_names]
+    still = Samples([0.0, END], [held, held], "linear")
+    s = np.linspace(0.0, 1.0, 51)
+    rise = s**3 * (10 - 15 * s + 6 * s**2)
+    t = np.concatenate([RISE * s, [RELEASE, RELEASE + 1e-3, END]])
+    size = np.concatenate([rise, [1.0, 0.0, 0.0]])
+    push = Samples(t, np.outer(size, [*FORCE, 0, 0, 0, 0]), "linear")
+    wrench = FrameWrench(model.robot.tip, push)
+    return simulate(model, PD(still, KP, KD), END, reference(), rate=100.0, external=wrench)
+
+
+def _degrees(angles: Array) -> str:
+    return " and ".join(f"{angle:.3f}" for angle in np.degrees(angles))
+
+
+def _draw(canvas: Any, light: Run, heavy: Run, bent: Array) -> None:
+    panels = canvas.subplots(1, 2, sharex=True)
+    for j, panel in enumerate(panels):
+        panel.axvspan(0.0, RELEASE, color="#EDEDED", linewidth=0, zorder=0)
+        looks = ((light, style.BLUE, "-", PAPER_V), (heavy, style.VERMILION, (0, (5, 2)), SETTLING))
+        for run, colour, dash, v in looks:
+            panel.plot(run.t, np.degrees(run.deflection[:, j]), color=colour, linestyle=dash, label=f"$v = {v:g}$")
+        line = {"color": style.BLACK, "linestyle": (0, (1, 1.2)), "linewidth": 1.3}
+        panel.plot([0.0, RELEASE], np.degrees([bent[j]] * 2), **line, label=r"$-K^{-1} J_r^T F$", zorder=3)
+        panel.set(xlim=(0, END), xticks=range(0, 21, 4), xlabel="time (s)")
+        style.titled(panel, "ab"[j], f"joint {j + 1}")
+    panels[0].set_ylabel(r"deflection $\theta - q$ (deg)")
+    canvas.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)

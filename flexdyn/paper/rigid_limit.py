@@ -1,0 +1,70 @@
+"""Chapter: the flexible arm becomes the rigid one as its springs stiffen: the paper's own test of the model, Fig. 3."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.paper import style
+from flexdyn.paper.cases import SMOOTH_AMPLITUDE, SMOOTH_END, Cases, smooth_samples
+from flexdyn.paper.chapter import Chapter, Figure, check
+from flexdyn.simulate import simulate
+from flexdyn.solvers import DormandPrince
+
+Array = NDArray[np.float64]
+FACTORS = 10.0 ** np.arange(0.0, 6.01, 0.5)  # times the K of Table I
+FITTED = 1e2  # the law of large K is fitted from this factor on
+DURATION = 5.0
+
+
+def rigid_limit(cases: Cases) -> Chapter:
+    """Distance between flexible and rigid arm over K: slope -1."""
+    solver = DormandPrince(rtol=1e-10, atol=1e-12)
+    model, command = cases.smooth_model(), smooth_samples()
+    rigid = simulate(model.rigid(), command, DURATION, solver, rate=200.0)
+    K, rms, most = FACTORS * cases.arm().K, [], []
+    for stiffness in K:
+        run = simulate(model.replace(joints={"*": {"stiffness": stiffness}}), command, DURATION, solver, rate=200.0)
+        distance = np.linalg.norm(run.q - rigid.q, axis=1)
+        rms.append(float(np.sqrt((distance**2).mean())))
+        most.append(float(distance.max()))
+    stiff = FACTORS >= FITTED
+    slope, offset = np.polyfit(np.log10(K[stiff]), np.log10(rms)[stiff], 1)
+    text = (
+        'The paper checks its model by the sentence that "the responses of the system with large spring constant are '
+        'in good agreement" with the rigid arm. Here that becomes a law. Both arms get the same smooth torque '
+        f"({SMOOTH_AMPLITUDE:g} N m at its peak, {SMOOTH_END:g} s long, three derivatives zero at both ends; no "
+        "friction, no torque limit), start at rest with springs unloaded, and the rigid arm carries the rotors' "
+        "inertia J. Then the distance of their link angles falls as 1/K: "
+        f"fitted over K = {K[stiff][0]:.3g} to {K[-1]:.3g} N m/rad, its slope on logarithmic axes is {slope:.4f}. At "
+        f"the K = {K[0]:g} N m/rad of Table I the root-mean-square distance is {np.degrees(rms[0]):.2f} degrees, more "
+        "than the law gives: that arm is too soft for it."
+    )
+    numbers = {"K": K.tolist(), "rms_distance_rad": rms, "largest_distance_rad": most, "slope": float(slope)}
+    note = f"slope {slope:.4f} of log rms |q_flexible - q_rigid| over log K, 5 s, {int(stiff.sum())} values of K"
+    figure = Figure(
+        "fig3_rigid_limit",
+        "Fig. 3, as a law: distance between the link angles of the flexible and the rigid arm over the stiffness of "
+        "the joints, with the line fitted from the dotted mark on.",
+        lambda canvas: _draw(canvas, K, np.array(rms), np.array(most), (slope, offset)),
+        (3.5, 2.9),
+    )
+    checks = (check("The distance to the rigid arm falls as 1/K: slope -1", abs(slope + 1), 0.1, note),)
+    return Chapter("The rigid arm as the limit of stiff joints", text, checks, numbers, (figure,))
+
+
+def _draw(canvas: Any, K: Array, rms: Array, most: Array, line: tuple[float, float]) -> None:
+    panel = canvas.subplots()
+    start = K[FACTORS >= FITTED][0]
+    fitted = np.array([start, K[-1]])
+    panel.loglog(K, most, "s", color=style.VERMILION, markersize=4, markerfacecolor="white", label="largest")
+    panel.loglog(K, rms, "o", color=style.BLUE, markersize=4, label="root mean square")
+    power = 10 ** np.polyval(line, np.log10(fitted))
+    panel.loglog(fitted, power, "-", color=style.BLACK, linewidth=0.9, label=f"fit, slope ${line[0]:.3f}$", zorder=1)
+    panel.axvline(start, color=style.GREY, linewidth=0.8, linestyle=":")
+    panel.annotate("Table I", (K[0], rms[0]), (2.2 * K[0], rms[0]), va="center", fontsize=8)
+    panel.set_xlabel(r"joint stiffness $K$ (N m/rad)")
+    panel.set_ylabel(r"$\|q_\mathrm{flexible} - q_\mathrm{rigid}\|$ (rad)")
+    panel.legend(loc="lower left")

@@ -1,0 +1,107 @@
+"""`flexdyn paper`: the whole study, from the equations to figures, checks and runs for playback."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flexdyn.errors import InputError
+from flexdyn.files import write_text
+from flexdyn.paper import style
+from flexdyn.paper.cases import Cases
+from flexdyn.paper.chapter import Chapter, Check
+from flexdyn.paper.damping import damping
+from flexdyn.paper.end_force import end_force
+from flexdyn.paper.friction_effect import friction_effect
+from flexdyn.paper.friction_law import friction_law
+from flexdyn.paper.readings import readings
+from flexdyn.paper.report import summary_data, summary_text
+from flexdyn.paper.responses import responses
+from flexdyn.paper.rigid_limit import rigid_limit
+from flexdyn.paper.rotor_inertia import rotor_inertia
+from flexdyn.paper.tip_deflection import tip_deflection
+from flexdyn.paper.verification import verification
+
+CHAPTERS: tuple[tuple[str, Callable[[Cases], Chapter]], ...] = (
+    ("equations against Pinocchio and SciPy", verification),
+    ("friction law, Fig. 1", friction_law),
+    ("torque and joint responses, Fig. 4 and 3", responses),
+    ("rigid arm as the limit of large K", rigid_limit),
+    ("effect of friction, Fig. 5", friction_effect),
+    ("growing damping", damping),
+    ("rotor inertia", rotor_inertia),
+    ("end-effector deflection", tip_deflection),
+    ("end-of-arm force", end_force),
+)
+
+
+@dataclass(frozen=True)
+class Study:
+    """What the study found.
+
+    Attributes:
+        summary: as summary.json holds it.
+        checks: every statement with its value and bound.
+        files: everything written.
+    """
+
+    summary: dict[str, Any]
+    checks: tuple[Check, ...]
+    files: tuple[Path, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check holds."""
+        return all(check.passed for check in self.checks)
+
+
+def run_study(out: Path, *, progress: Callable[[str], None] | None = None) -> Study:
+    """Reproduce the paper's study on the shipped ``scara_two_link``.
+
+    Writes into `out`, each file whole or not at all: figures as PNG (300 dpi) and PDF, ``summary.md``,
+    ``summary.json`` and ``runs/NAME.npz``. A second time it replaces them.
+
+    Args:
+        out: the folder; it is made if it is not there.
+        progress: called with a line as each part begins.
+
+    Returns:
+        The study; a check that fails is reported in it, not raised.
+
+    Raises:
+        InputError: the folder cannot be made or written.
+        MissingExtra: matplotlib is not installed.
+    """
+    from flexdyn import __version__
+
+    style.require_matplotlib()
+    out = Path(out)
+    _make(out / "runs")
+    cases, chapters, files = Cases(), list[Chapter](), list[Path]()
+    for place, (title, part) in enumerate(CHAPTERS, 1):
+        if progress is not None:
+            progress(f"{place} of {len(CHAPTERS)}: {title}")
+        chapter = part(cases)
+        chapters.append(chapter)
+        for figure in chapter.figures:
+            files += style.save(figure, out)
+        for name, run in chapter.runs.items():
+            files.append(out / "runs" / f"{name}.npz")
+            run.save(files[-1])
+    read = readings(cases)
+    data = summary_data(chapters, read, __version__)
+    write_text(out / "summary.json", json.dumps(data, indent=1, allow_nan=False) + "\n")
+    write_text(out / "summary.md", summary_text(chapters, read, __version__))
+    files += [out / "summary.json", out / "summary.md"]
+    return Study(data, tuple(check for chapter in chapters for check in chapter.checks), tuple(files))
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        remedy = "name a folder that can be made"
+        raise InputError(f"cannot be made ({error.strerror})", file=folder, remedy=remedy) from None

@@ -1,0 +1,83 @@
+"""How the study's figures look, and how they reach their files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from flexdyn.errors import MissingExtra
+from flexdyn.files import replacing
+from flexdyn.paper.cases import TORQUE_END
+from flexdyn.paper.chapter import Figure
+
+# Okabe and Ito's colours: told apart by colour-blind readers; every one comes with a line style of its own for print.
+BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
+BLACK, GREY = "#000000", "#8C8C8C"
+WIDE = 7.16  # inch: both columns of a journal page
+FLEXIBLE = {"color": BLUE, "linestyle": "-", "label": "flexible"}
+RIGID = {"color": VERMILION, "linestyle": (0, (5, 2)), "label": "rigid"}
+STYLE = {
+    "font.family": "STIXGeneral",  # comes with matplotlib: the same letters everywhere
+    "mathtext.fontset": "stix",
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.labelsize": 9.0,
+    "legend.fontsize": 8.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "axes.linewidth": 0.6,
+    "lines.linewidth": 1.1,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "axes.grid": True,
+    "grid.color": "#D9D9D9",
+    "grid.linewidth": 0.4,
+    "axes.axisbelow": True,
+    "legend.frameon": True,
+    "legend.framealpha": 0.92,
+    "legend.edgecolor": "none",
+    "legend.handlelength": 2.6,
+    "pdf.fonttype": 42,
+    "savefig.dpi": 300,
+}
+
+
+def require_matplotlib() -> Any:
+    """Matplotlib, or a clear line on how to get it.
+
+    Raises:
+        MissingExtra: it is not installed.
+    """
+    try:
+        import matplotlib.figure
+        import matplotlib.style
+    except ImportError:
+        raise MissingExtra("matplotlib", "plot") from None
+    return matplotlib
+
+
+def save(figure: Figure, folder: Path) -> list[Path]:
+    """Draw a figure once and write it as PNG at 300 dpi and as PDF, each whole or not at all."""
+    matplotlib = require_matplotlib()
+    paths = []
+    with matplotlib.style.context(["default", STYLE]):
+        canvas = matplotlib.figure.Figure(figsize=figure.size, layout="constrained")
+        figure.draw(canvas)
+        for kind, stamp in (("png", {"Software": None}), ("pdf", {"CreationDate": None})):
+            path = folder / f"{figure.name}.{kind}"
+            with replacing(path) as fresh:
+                canvas.savefig(fresh, format=kind, metadata=stamp)
+            paths.append(path)
+    return paths
+
+
+def titled(panel: Any, name: str, text: str) -> None:
+    """A panel's letter and what it shows."""
+    panel.set_title(f"({name})  {text}", loc="left")
+
+
+def torque_on(panel: Any) -> None:
+    """Shade the time during which the torque of Fig. 4 acts."""
+    panel.axvspan(0.0, TORQUE_END, color="#EDEDED", linewidth=0, zorder=0)

@@ -1,0 +1,147 @@
+"""Fill the README's tables from what they show: benchmark results, the effects catalogue, the shipped robots.
+
+    python scripts/readme_tables.py            writes README.md
+    python scripts/readme_tables.py --check    exit code 1 if README.md is not what that would write
+
+A table stands between ``<!-- table:NAME -->`` and ``<!-- /table:NAME -->``; NAME is accuracy, peers, effects or robots.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import os
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import flexdyn as fd
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "benchmarks" / "results"
+sys.path.insert(0, str(ROOT / "benchmarks"))
+
+from result_tables import accuracy_table, markdown_table, peers_table  # noqa: E402
+
+MARKER = re.compile(r"<!-- (/?)table:(\w+) -->")
+
+
+def accuracy() -> str:
+    """Every solver against the closed-form two-link equations."""
+    return accuracy_table(_results("analytic_two_link"))
+
+
+def peers() -> str:
+    """One step and five seconds of motion, flexdyn and its peers."""
+    return peers_table(_results("peers"))
+
+
+def effects() -> str:
+    """The catalogue of flexdyn's own effects: name, side, law, parameters with units."""
+    rows = []
+    for name, kind in fd.effects.catalogue().items():
+        if kind.__module__.startswith("flexdyn."):
+            rows.append([f"`{name}`", ", ".join(kind.sides) or "link", f"`{kind.law}`", _parameters(kind)])
+    return markdown_table(["effect", "side", "law", "parameters [unit]"], rows, text=4)
+
+
+def robots() -> str:
+    """The shipped models: what they are, their joints and stiffness, where the numbers come from."""
+    rows = []
+    for name in fd.shipped_models():
+        model = fd.load_model(name)
+        title = (ROOT / "robots" / name / "README.md").read_text(encoding="utf-8").splitlines()[0]
+        source = f"[robots/{name}](robots/{name}/README.md)"
+        rows.append([f"`{name}`", title.partition(": ")[2], str(model.n), _stiffness(model), source])
+    return markdown_table(["model", "what", "joints", "stiffness", "source of every number"], rows, text=5)
+
+
+TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers, "effects": effects, "robots": robots}
+
+
+def markers(text: str) -> list[str]:
+    """The names of the tables that a text has room for, in order.
+
+    Raises:
+        ValueError: a table that nobody makes, or a marker without its partner.
+    """
+    found = [(slash, name) for slash, name in MARKER.findall(text)]
+    for opening, closing in zip(found[::2], [*found[1::2], ("", "")], strict=False):
+        if opening[0] or closing != ("/", opening[1]):
+            raise ValueError(f"the marker of table {opening[1]} has no partner")
+        if opening[1] not in TABLES:
+            raise ValueError(f"no such table: {opening[1]}; known: {', '.join(TABLES)}")
+    return [name for slash, name in found if not slash]
+
+
+def filled(text: str) -> str:
+    """The text with every table as it should be."""
+    for name in dict.fromkeys(markers(text)):
+        begin, end = f"<!-- table:{name} -->", f"<!-- /table:{name} -->"
+        inside = f"{begin}\n{TABLES[name]()}\n{end}".replace("\\", r"\\")
+        text = re.sub(re.escape(begin) + ".*?" + re.escape(end), inside, text, flags=re.DOTALL)
+    return text
+
+
+def stale(text: str) -> list[str]:
+    """The names of the tables in a text that are not what they should be."""
+    return [
+        name for name in dict.fromkeys(markers(text)) if f"<!-- table:{name} -->\n{TABLES[name]()}\n<!--" not in text
+    ]
+
+
+def _results(name: str) -> dict[str, Any]:
+    content: dict[str, Any] = json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+    return content
+
+
+def _parameters(kind: type[fd.effects.Effect]) -> str:
+    shown = []
+    for field in dataclasses.fields(kind):  # type: ignore[arg-type]
+        if field.name in ("joint", "side"):
+            continue
+        unit = f" [{field.metadata['unit']}]" if "unit" in field.metadata else ""
+        optional = field.default is not dataclasses.MISSING and field.default is not None
+        shown.append(f"`{field.name}`{unit}" + (f" = {field.default:g}" if optional else ""))
+    return ", ".join(shown)
+
+
+def _stiffness(model: fd.FlexibleJointModel) -> str:
+    """The range of K by kind of joint."""
+    sliding = np.array([kind == "prismatic" for kind in model.robot.kinds])
+    shown = []
+    for which, unit in ((~sliding, "N m/rad"), (sliding, "N/m")):
+        K = model.stiffness[which & model.elastic]
+        if K.size:
+            ends = dict.fromkeys(f"{end:,.10g}" for end in (K.min(), K.max()))
+            shown.append(" to ".join(ends) + f" {unit}")
+    rigid = int((~model.elastic).sum())
+    return "; ".join([*shown, *([f"{rigid} rigid"] if rigid else [])])
+
+
+def main() -> int:
+    """Write README.md, or check it."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--check", action="store_true", help="write nothing, exit 1 if a table is stale")
+    options = parser.parse_args()
+    readme = ROOT / "README.md"
+    text = readme.read_text(encoding="utf-8")
+    old = stale(text)
+    if options.check:
+        for name in old:
+            print(f"README.md: table {name} is stale; run python scripts/readme_tables.py", file=sys.stderr)
+        return 1 if old else 0
+    beside = readme.with_name("README.md.part")
+    beside.write_text(filled(text), encoding="utf-8")
+    os.replace(beside, readme)
+    print(f"README.md: {len(markers(text))} tables, {len(old)} changed")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

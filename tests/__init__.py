@@ -1,0 +1,1 @@
+"""Tests of flexdyn, and the independent oracles that they compare it with."""

@@ -1,0 +1,104 @@
+"""flexdyn info: the numbers of robots and models."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import flexdyn as fd
+from tests.arms import SLIDER
+from tests.cli.conftest import Runner
+
+
+def test_a_name_that_is_both_is_the_shipped_model(flexdyn: Runner) -> None:
+    """The name panda is a robot and a model: the model is taken, and said to be."""
+    found = flexdyn("info", "panda", "--json").json
+    assert found["taken"] == "shipped model"
+    assert all(joint["elastic"] for joint in found["joints"])
+    assert "taken for a shipped model" in flexdyn("info", "panda").out
+
+
+def test_inertias_are_pinocchios(flexdyn: Runner) -> None:
+    """M at --q is the joint-space inertia of Pinocchio's own CRBA; the moving mass is the sum over its bodies."""
+    robot = fd.load_robot("ur5")
+    q = np.linspace(-1.0, 1.5, 6)
+    found = flexdyn("info", fd.robot.names.find_robot("ur5")[0], "--json", "--q", ",".join(map(repr, q.tolist()))).json
+    model = robot.pin_model
+    M = pin.crba(model, model.createData(), q)
+    M = np.triu(M) + np.triu(M, 1).T
+    np.testing.assert_allclose(np.array(found["mass_matrix"]), M, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose([joint["inertia"] for joint in found["joints"]], np.diag(M), rtol=1e-12)
+    assert found["moving_mass"] == pytest.approx(sum(body.mass for body in list(model.inertias)[1:]))
+    assert found["taken"] == "URDF file"
+
+
+def test_frequencies_of_a_mass_on_a_spring(flexdyn: Runner) -> None:
+    """2.5 kg on 1000 N/m: sqrt(K/m)/2pi with the rotor held, sqrt(K (1/m + 1/J))/2pi with it free, J = 0.5 kg."""
+    Path("lift.urdf").write_text(SLIDER, encoding="utf-8")
+    Path("lift.yaml").write_text(
+        "flexdyn: 1\nrobot: {urdf: lift.urdf}\n"
+        "joints: {lift: {stiffness: 1000, rotor_inertia: 5.0e-3, gear_ratio: 10}}",
+        encoding="utf-8",
+    )
+    (joint,) = flexdyn("info", "lift.yaml", "--json").json["joints"]
+    assert joint["reflected_inertia"] == pytest.approx(0.5)
+    assert joint["locked_rotor_frequency"] == pytest.approx(math.sqrt(1000 / 2.5) / (2 * math.pi))
+    assert joint["free_frequency"] == pytest.approx(math.sqrt(1000 / 2.5 + 1000 / 0.5) / (2 * math.pi))
+    out = flexdyn("info", "lift.yaml").out
+    assert "-100 to 100 m" in out
+    assert "1000 N" in out
+    assert "3.183 Hz" in out
+
+
+def test_infinite_numbers_are_null_in_json(flexdyn: Runner) -> None:
+    """A rigid joint has no stiffness and no frequency that JSON could hold; an unlimited one no limits."""
+    found = flexdyn("info", "double_pendulum_continuous", "--json").json
+    for joint in found["joints"]:
+        assert joint["type"] == "continuous"
+        assert joint["stiffness"] is None
+        assert joint["locked_rotor_frequency"] is None
+        assert joint["upper"] is None
+        assert not joint["elastic"]
+
+
+def test_effects_of_the_urdf_are_marked(flexdyn: Runner) -> None:
+    """<dynamics> counts as effects, but not as effects[i] of the file."""
+    Path("arm.urdf").write_text(
+        SLIDER.replace("<axis", '<dynamics damping="0.5" friction="0.2"/><axis'), encoding="utf-8"
+    )
+    Path("arm.yaml").write_text(
+        "flexdyn: 1\nrobot: {urdf: arm.urdf}\neffects: [{effect: payload, mass: 1.5}, "
+        "{effect: coulomb_friction, joint: lift, side: motor, level: 0}]",
+        encoding="utf-8",
+    )
+    found = flexdyn("info", "arm.yaml", "--json").json
+    rows = [(effect["from"], effect["effect"], effect["neutral"]) for effect in found["effects"]]
+    assert rows == [
+        ("effects[0]", "payload", False),
+        ("effects[1]", "coulomb_friction", True),
+        ("URDF", "viscous_friction", False),
+        ("URDF", "coulomb_friction", False),
+    ]
+    assert found["effects"][2]["parameters"] == {"coefficient": {"value": 0.5, "unit": "N s/m"}}
+    assert found["payload"] == 1.5
+    assert found["joints"][0]["inertia"] == pytest.approx(2.5 + 1.5)
+    assert "neutral: does nothing" in flexdyn("info", "arm.yaml").out
+
+
+def test_branches_followers_and_locks_are_told(flexdyn: Runner) -> None:
+    """A branched hand has no one tip; a gripper's second finger follows its first; a locked joint is named."""
+    assert flexdyn("info", "allegro_right_hand", "--json").json["tip"] is None
+    followers = flexdyn("info", "panda_collision", "--json").json["followers"]
+    assert followers["panda_finger_joint2"] == ["panda_finger_joint1", 1.0, 0.0]
+    assert "panda_finger_joint2" in flexdyn("info", "panda_collision").out
+    assert "locked: panda_finger_joint1 at 0" in flexdyn("info", "panda").out
+
+
+def test_positions_by_name_leave_the_others_at_the_models_own(flexdyn: Runner) -> None:
+    """--q elbow=0.5 moves the elbow alone."""
+    positions = [joint["q"] for joint in flexdyn("info", "scara", "--json", "--q", "joint3=-0.05").json["joints"]]
+    assert positions == [0.0, math.pi / 2, -0.05, 0.0]

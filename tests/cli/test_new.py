@@ -1,0 +1,108 @@
+"""flexdyn new: what it writes loads back as the plain model of the robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import flexdyn as fd
+from flexdyn.cli.new import quoted
+from flexdyn.modelfile import model_to_dict
+from flexdyn.yamlfile import parse_yaml
+from tests.arms import SLIDER
+from tests.cli.conftest import Runner
+
+NASTY = [
+    "null",
+    "yes",
+    ".inf",
+    "1e5",
+    "a: b",
+    "- a",
+    "#",
+    "'",
+    '"\\U',
+    "",
+    "*",
+    "0x10",
+    "é",
+    "a\u2028\x85\n\t",
+    "😀",
+    "~",
+]
+
+
+@pytest.mark.parametrize("robot", ["panda", "ur5", "double_pendulum", "allegro_right_hand", "scara", "baxter"])
+def test_the_file_loads_back_as_the_plain_model(flexdyn: Runner, robot: str) -> None:
+    """A rigid joint for every joint of the URDF and not one number changed."""
+    assert flexdyn("new", robot, "-o", "arm.yaml").code == 0
+    model = fd.load_model("arm.yaml")
+    assert model == fd.FlexibleJointModel(fd.load_robot(robot), name="arm")
+    text = Path("arm.yaml").read_text(encoding="utf-8")
+    assert all(f"\n  {joint}:  # " in text for joint in model.joint_names)
+
+
+def test_every_example_effect_can_be_uncommented(flexdyn: Runner) -> None:
+    """The comments are no decoration: without their # the effects load, each with its own parameters."""
+    flexdyn("new", "double_pendulum", "-o", "arm.yaml")
+    text = Path("arm.yaml").read_text(encoding="utf-8").replace("  # - {", "  - {")
+    text = text.replace("stiffness: .inf", "stiffness: 100.0").replace("rotor_inertia: 0.0", "rotor_inertia: 1.0e-3")
+    Path("arm.yaml").write_text(text, encoding="utf-8")
+    model = fd.load_model("arm.yaml")
+    assert {effect.name for effect in model.effects} == set(fd.effects.catalogue())
+    assert model.elastic.all()
+    assert not any(effect.is_neutral for effect in model.effects)
+
+
+def test_the_suggested_stiffness_is_ten_hertz(flexdyn: Runner) -> None:
+    """K of the comment, put in, gives a locked-rotor frequency of 10 Hz within its two printed figures."""
+    flexdyn("new", "ur5", "-o", "arm.yaml")
+    lines = Path("arm.yaml").read_text(encoding="utf-8").splitlines()
+    given = [line.replace(".inf", line.rpartition(" ")[2]) if "10 Hz" in line else line for line in lines]
+    text = "\n".join(given).replace("rotor_inertia: 0.0", "rotor_inertia: 1.0e-5")
+    Path("arm.yaml").write_text(text, encoding="utf-8")
+    for joint in flexdyn("info", "arm.yaml", "--json").json["joints"]:
+        assert joint["locked_rotor_frequency"] == pytest.approx(10.0, rel=0.03)
+
+
+def test_the_urdf_is_named_relative_to_the_file(flexdyn: Runner, tmp_path: Path) -> None:
+    """The folder can be moved as a whole, whatever letters its paths are made of."""
+    folder = tmp_path / 'it\'s: a "lab" #1, é'
+    (folder / "models").mkdir(parents=True)
+    urdf = folder / "lift {1}.urdf"
+    urdf.write_text(SLIDER, encoding="utf-8")
+    assert flexdyn("new", urdf, "-o", folder / "models" / "lift.yaml").code == 0
+    moved = folder.rename(tmp_path / "moved")
+    model = fd.load_model(moved / "models" / "lift.yaml")
+    plain = fd.FlexibleJointModel(fd.load_robot(moved / "lift {1}.urdf"), name="lift")
+    assert model_to_dict(model) == model_to_dict(plain)
+    text = (moved / "models" / "lift.yaml").read_text(encoding="utf-8")
+    assert "  lift:  # prismatic, -100 to 100 m; M_ii = 2.5 kg at q = 0" in text
+    assert "stiffness: .inf  # N/m;" in text
+
+
+def test_an_existing_file_is_kept_unless_forced(flexdyn: Runner) -> None:
+    """--force overwrites, nothing else does."""
+    Path("arm.yaml").write_text("mine", encoding="utf-8")
+    assert flexdyn("new", "double_pendulum", "-o", "arm.yaml").code == 2
+    assert Path("arm.yaml").read_text(encoding="utf-8") == "mine"
+    assert flexdyn("new", "double_pendulum", "-o", "arm.yaml", "--force").code == 0
+    assert fd.load_model("arm.yaml").n == 2
+
+
+@pytest.mark.parametrize("text", NASTY, ids=ascii)
+def test_a_quoted_text_reads_back(text: str) -> None:
+    """As key and as value, with a comment behind it, on one line."""
+    assert "\n" not in quoted(text)
+    assert parse_yaml(f"{quoted(text)}: {quoted(text)}  # comment") == {text: text}
+
+
+def test_missing_meshes_are_one_warning(flexdyn: Runner) -> None:
+    """Meshes that are not there do not stop the model; one line on stderr says so, without Python's own source line."""
+    mesh = '<visual><geometry><mesh filename="package://nobody/a.stl"/></geometry></visual>'
+    Path("arm.urdf").write_text(SLIDER.replace('name="mass">', f'name="mass">{mesh}'), encoding="utf-8")
+    outcome = flexdyn("new", "arm.urdf", "-o", "arm.yaml")
+    assert outcome.code == 0
+    assert outcome.err.startswith("flexdyn: warning: ")
+    assert outcome.err.count("\n") == 1

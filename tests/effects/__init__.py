@@ -1,0 +1,1 @@
+"""Every effect of the catalogue against equations written a second time."""

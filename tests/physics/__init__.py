@@ -1,0 +1,1 @@
+"""Tests that state physics: trajectories, orders of convergence, energy."""

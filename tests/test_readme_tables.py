@@ -1,0 +1,89 @@
+"""The README's tables are those that the results, the catalogue and the shipped robots give."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import flexdyn as fd
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def script() -> ModuleType:
+    """scripts/readme_tables.py as a module."""
+    spec = importlib.util.spec_from_file_location("readme_tables", ROOT / "scripts" / "readme_tables.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_readme_shows_what_its_sources_give(script: ModuleType) -> None:
+    """No table in the README is older than the file or code it is made from."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    if not script.markers(text):
+        pytest.skip("README.md has no table markers yet")
+    assert script.stale(text) == []
+    assert script.filled(text) == text
+
+
+@pytest.mark.parametrize("name", ["accuracy", "peers", "effects", "robots"])
+def test_filling_twice_changes_nothing_more(script: ModuleType, name: str) -> None:
+    """A stale table is noticed, filled between its markers only, and then stays as it is."""
+    text = f"before\n<!-- table:{name} -->\nold\n<!-- /table:{name} -->\nafter\n"
+    once = script.filled(text)
+    assert script.stale(text) == [name]
+    assert script.stale(once) == []
+    assert once.startswith(f"before\n<!-- table:{name} -->\n| ")
+    assert once.endswith(f" |\n<!-- /table:{name} -->\nafter\n")
+    assert script.filled(once) == once
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<!-- table:speed -->\n<!-- /table:speed -->",
+        "<!-- table:effects -->\n",
+        "<!-- /table:effects -->\n<!-- table:effects -->\n",
+        "<!-- table:effects -->\n<!-- /table:robots -->",
+    ],
+)
+def test_a_wrong_marker_is_refused(script: ModuleType, text: str) -> None:
+    """A table that nobody makes, or a marker without its partner, is an error and not silently left."""
+    with pytest.raises(ValueError, match="table"):
+        script.filled(text)
+
+
+def test_the_effects_table_has_every_effect_of_flexdyn(script: ModuleType) -> None:
+    """One row an effect, with its law and the unit of each parameter; a user's own effects are not shown."""
+    rows = {row.split("`")[1]: row for row in script.effects().splitlines()[2:]}
+    own = {name: kind for name, kind in fd.effects.catalogue().items() if kind.__module__.startswith("flexdyn.")}
+    assert rows.keys() == own.keys()
+    for name, kind in own.items():
+        assert kind.law in rows[name]
+        assert all(f"`{field.name}` [{field.metadata['unit']}]" in rows[name] for field in kind.parameters())
+
+
+def test_the_robots_table_has_every_shipped_model(script: ModuleType) -> None:
+    """The paper's arm stands there with its two joints and the stiffness of Table I."""
+    rows = script.robots().splitlines()[2:]
+    assert [row.split("`")[1] for row in rows] == list(fd.shipped_models())
+    (paper,) = [row for row in rows if "scara_two_link" in row]
+    assert "| 2 | 5.5 N m/rad |" in paper
+
+
+@pytest.mark.parametrize("name", ["analytic_two_link", "peers"])
+def test_results_say_how_they_were_made(name: str) -> None:
+    """A committed result names its command, versions and date, and every bound it was held to held."""
+    results = json.loads((ROOT / "benchmarks" / "results" / f"{name}.json").read_text(encoding="utf-8"))
+    assert results["command"] == f"python benchmarks/{name}.py -o benchmarks/results/{name}.json"
+    assert {"flexdyn", "pin", "numpy", "scipy", "mujoco", "python"} <= results["versions"].keys()
+    assert results["date"].count("-") == 2
+    assert [bound["name"] for bound in results["bounds"] if not bound["passed"]] == []
