@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
-from flexdyn.effects import CommandDelay, Effect, JointCoupling, JointEffect, Payload, TorqueConstantError
+from flexdyn.effects import Effect, JointCoupling, JointEffect, Payload, TorqueConstantError
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.robot.tree import Tree

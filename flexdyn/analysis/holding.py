@@ -7,8 +7,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.analysis.pose import Pose, checked_model, pose, vector
+from flexdyn.analysis.pose import Pose, pose, vector
 from flexdyn.analysis.statics import Statics
+from flexdyn.analysis.variants import checked_model
 from flexdyn.effects import JointEffect
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
@@ -55,7 +56,7 @@ def holding_torques(model: FlexibleJointModel, q: Pose = None, theta: ArrayLike 
     Raises:
         InputError: a motor too weak to hold the pose, or springs at theta loaded beyond what link friction holds.
     """
-    checked_model(model)
+    model = checked_model(model)
     return holding_at(Statics(model), pose(model, q), theta)
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.analysis.statics import Statics, without
+from flexdyn.analysis.statics import Statics
+from flexdyn.analysis.variants import without
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.model import FlexibleJointModel
 
@@ -40,7 +41,7 @@ def resting(model: FlexibleJointModel, x: Array) -> dict[int, list[Effect]]:
 def without_resting_friction(model: FlexibleJointModel, x: Array) -> FlexibleJointModel:
     """The model with the dry friction of contacts that rest at x left out; what slides keeps its own."""
     still = [id(effect) for effects in resting(model, x).values() for effect in effects]
-    return without(model, lambda effect: id(effect) in still) if still else model
+    return without(model, lambda effect: id(effect) in still)
 
 
 def state_matrix(plant: _core.Plant, t: float, x: Array, tau: Array) -> Array:
@@ -56,7 +57,7 @@ def state_matrix(plant: _core.Plant, t: float, x: Array, tau: Array) -> Array:
 
 def actuator_gains(statics: Statics, x: Array, tau: Array) -> Array:
     """d(tau_applied)/d(tau) of every motor (n,) [1]: 0 where it saturates."""
-    model, half = statics.model, len(x) // 2
+    model = statics.model
     n, e = model.n, int(model.elastic.sum())
     half = n + e
     h = 2.0**-10 * max(1.0, float(np.abs(tau).max()))

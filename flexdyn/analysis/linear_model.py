@@ -31,6 +31,7 @@ class LinearModel:
         state_names: ``q.JOINT`` and so on.
         input_names: ``tau.JOINT``.
         output_names: ``q.JOINT`` and so on.
+        delays: dead time of every input (inputs,) [s], from command_delay: no part of A and B.
         held: channels left out of x because dry friction holds them.
     """
 
@@ -44,11 +45,12 @@ class LinearModel:
     state_names: tuple[str, ...]
     input_names: tuple[str, ...]
     output_names: tuple[str, ...]
+    delays: Array
     held: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Lock every array."""
-        for name in ("A", "B", "C", "D", "x0", "tau0", "rate0"):
+        for name in ("A", "B", "C", "D", "x0", "tau0", "rate0", "delays"):
             getattr(self, name).setflags(write=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -56,10 +58,10 @@ class LinearModel:
         return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
 
     def __repr__(self) -> str:
-        """Sizes and names, in a line."""
+        """Sizes, and what is held, in a line."""
         held = f", held: {', '.join(self.held)}" if self.held else ""
-        outputs = ", ".join(self.output_names)
-        return f"<LinearModel {len(self.A)} states, {', '.join(self.input_names)} -> {outputs}{held}>"
+        sizes = f"{len(self.A)} states, {len(self.input_names)} inputs, {len(self.output_names)} outputs"
+        return f"<LinearModel {sizes}{held}>"
 
     @property
     def poles(self) -> NDArray[np.complex128]:
@@ -74,7 +76,7 @@ class LinearModel:
         return StateSpace(self.A, self.B, self.C, self.D)
 
     def frequency_response(self, frequencies: ArrayLike) -> NDArray[np.complex128]:
-        """G(i 2 pi f) = C (i 2 pi f - A)^-1 B + D.
+        """G(s) = (C (s - A)^-1 B + D) exp(-s delays), s = 2 pi i f.
 
         Args:
             frequencies: f (f,) [Hz].
@@ -93,7 +95,7 @@ class LinearModel:
             except np.linalg.LinAlgError:
                 problem, remedy = "the response is without bound", "take a frequency beside it"
                 raise InputError(problem, key="frequencies", value=float(f), remedy=remedy) from None
-            response[k] = self.C @ states + self.D
+            response[k] = (self.C @ states + self.D) * np.exp(-2j * np.pi * f * self.delays)
         return response
 
 

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from flexdyn.analysis.jacobian import actuator_gains, resting, sliding_rate, state_matrix, without_resting_friction
 from flexdyn.analysis.linear_model import LinearModel
 from flexdyn.analysis.outputs import output_matrix, state_names
-from flexdyn.analysis.pose import Pose, checked_model, pose, torques, vector
+from flexdyn.analysis.pose import Pose, pose, torques, vector
 from flexdyn.analysis.statics import Statics
+from flexdyn.analysis.variants import checked_model, command_delays
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import build_plant
@@ -33,7 +34,8 @@ def linearize(
     """The equations of motion near a point as a linear state-space model.
 
     A is exact: Pinocchio's derivatives of the links, gravity included, and the slopes of every effect. Laws with a
-    corner (backlash, end stop, torque limit) are on the branch of the point.
+    corner (backlash, end stop, torque limit) are on the branch of the point. A command delay is no part of A and B; it
+    stands beside them and enters `frequency_response`.
 
     Args:
         model: the arm.
@@ -52,7 +54,7 @@ def linearize(
         InputError: arguments that do not fit the model, motors too weak for the pose, or with ``held`` a contact that
             its dry friction does not hold.
     """
-    checked_model(model)
+    model, delays = checked_model(model), command_delays(model)
     if stuck not in ("free", "held"):
         raise InputError("no such choice", key="stuck", value=stuck, remedy="it is free or held")
     x0, tau0 = _point(model, x, tau, t)
@@ -79,6 +81,7 @@ def linearize(
         state_names=tuple(states[i] for i in kept),
         input_names=tuple(f"tau.{model.joint_names[j]}" for j in joints),
         output_names=names,
+        delays=delays[joints],
         held=tuple(states[place] for place in held),
     )
 

@@ -18,7 +18,9 @@ def state_names(model: FlexibleJointModel, size: int) -> tuple[str, ...]:
     """Channel of every entry of a state of `size` entries; internal states of effects are ``z[i]``."""
     links = model.joint_names
     rotors = [joint for joint, elastic in zip(links, model.elastic, strict=True) if elastic]
-    names = [f"{signal}.{joint}" for signal, joints in zip(SIGNALS, (links, rotors) * 2, strict=False) for joint in joints]
+    names = [
+        f"{signal}.{joint}" for signal, joints in zip(SIGNALS, (links, rotors) * 2, strict=False) for joint in joints
+    ]
     return (*names, *(f"z[{i}]" for i in range(size - len(names))))
 
 
@@ -40,7 +42,9 @@ def output_matrix(model: FlexibleJointModel, size: int, outputs: Sequence[str]) 
         signal, _, joint = str(output).partition(".")
         if signal not in SIGNALS:
             raise InputError("no such signal", key="outputs", value=output, remedy=did_you_mean(signal, SIGNALS))
-        names += [f"{signal}.{each}" for each in ((model.joint_names[model.index(joint)],) if joint else model.joint_names)]
+        names += [
+            f"{signal}.{each}" for each in ((model.joint_names[model.index(joint)],) if joint else model.joint_names)
+        ]
     return tuple(names), np.array([_row(model, size, *name.split(".", 1)) for name in names]).reshape(len(names), size)
 
 
@@ -55,4 +59,4 @@ def _row(model: FlexibleJointModel, size: int, signal: str, joint: str) -> Array
         row[j] -= 1.0
         return row
     place = {"q": j, "theta": rotor, "v": half + j, "omega": half + rotor}[signal]
-    return np.eye(size)[place]
+    return np.asarray(np.eye(size)[place])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,17 +13,6 @@ from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 Pose = ArrayLike | Mapping[str, float] | None
-
-
-def checked_model(model: Any) -> FlexibleJointModel:
-    """The model, if it is one.
-
-    Raises:
-        InputError: it is something else.
-    """
-    if not isinstance(model, FlexibleJointModel):
-        raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
-    return model
 
 
 def pose(model: FlexibleJointModel, q: Pose, key: str = "q") -> Array:

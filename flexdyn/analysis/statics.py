@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.analysis.balance import roots
-from flexdyn.effects import Effect
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide, build_plant
@@ -17,16 +15,6 @@ from flexdyn.plant import LinkSide, build_plant
 Array = NDArray[np.float64]
 ROUNDING = 1e-13
 """Of the largest torque on the arm: what counts as none."""
-
-
-def without(model: FlexibleJointModel, leave_out: Callable[[Effect], bool]) -> FlexibleJointModel:
-    """The model with some effects made neutral; every effect keeps its place."""
-    effects = [
-        replace(effect, **effect.neutral) if effect.neutral and leave_out(effect) else effect  # type: ignore[type-var]
-        for effect in model.all_effects
-    ]
-    kept = [effect for effect in effects if effect.neutral or not leave_out(effect)]
-    return model.replace(effects=kept, urdf_dynamics="ignore")
 
 
 class Statics:
@@ -70,7 +58,8 @@ class Statics:
     def tolerance(self, q: Array, *torques: Array) -> float:
         """What rounding may leave of a net torque at this pose [N m or N]."""
         weight = self.links.bias(q, np.zeros(self.model.n))
-        return ROUNDING * max(float(np.abs(each).max()) for each in (weight, *torques))
+        least = 1e-2 * self.links.mass_matrix(q)  # where nothing loads the arm: torques for 1e-15 m/s^2
+        return ROUNDING * max(float(np.abs(each).max()) for each in (least, weight, *torques))
 
     def loaded_springs(self, q: Array, net: Array | float = 0.0) -> Array:
         """Rotor positions (n,) at which the springs carry the links at rest, but for a net torque on each.
@@ -85,7 +74,7 @@ class Statics:
         def lacking(theta: Array) -> Array:
             return np.where(self.elastic, self.net(q, theta, still)[0] - net, 0.0)
 
-        return self._rotors(lacking, q, self.tolerance(q, lacking(q)), "q", "no deflection of its spring carries")
+        return self._rotors(lacking, q, self.tolerance(q, lacking(q)), "no deflection of the spring carries")
 
     def driven_springs(self, q: Array, tau: Array) -> Array:
         """Rotor positions (n,) at which the springs take up the motors' torques tau at rest.
@@ -97,7 +86,7 @@ class Statics:
         def excess(theta: Array) -> Array:
             return np.where(self.elastic, -self.net(q, theta, tau)[1], 0.0)
 
-        return self._rotors(excess, q, self.tolerance(q, excess(q), tau), "tau", "no deflection of its spring takes up")
+        return self._rotors(excess, q, self.tolerance(q, excess(q), tau), "no deflection of the spring takes up")
 
     def motor_torques(self, q: Array, theta: Array, net: Array | float = 0.0) -> Array:
         """Torques asked of the motors (n,) that leave `net` on the rotors; infinite where no torque reaches that far.
@@ -127,10 +116,10 @@ class Statics:
             raise InputError(problem, key="q", value=q, remedy=remedy)
         return tau
 
-    def _rotors(self, f: Callable[[Array], Array], q: Array, tolerance: float, key: str, what: str) -> Array:
+    def _rotors(self, f: Callable[[Array], Array], q: Array, tolerance: float, what: str) -> Array:
         first = np.maximum(np.abs(f(q)) / self._stiffness, 1e-9)
         theta, found = roots(f, q, first, tolerance)
         if not found.all():
             joint = self.model.joint_names[int(np.argmin(found))]
-            raise InputError(f"no equilibrium: {what} the torque on {joint}", key=key, value=q)
+            raise InputError(f"no equilibrium: {what} the torque on {joint}", remedy="check its transmission")
         return theta

@@ -93,7 +93,7 @@ class DeflectionEffect(JointEffect, abstract=True):
             theta: rotor position [rad or m].
         """
         columns = np.broadcast_arrays(np.asarray(delta, dtype=float), np.asarray(theta, dtype=float))
-        delta_, theta_ = (np.ascontiguousarray(column) for column in columns)
+        delta_, theta_ = (np.array(column, order="C") for column in columns)
         nothing = np.zeros(delta_.shape)
         return self._evaluate(nothing, delta_, nothing, theta_)
 

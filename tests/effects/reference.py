@@ -144,6 +144,10 @@ class Arm:
         inner = self.gravity * (MASS * half + (MASS + TIP) * LENGTH) * math.cos(q[0])
         return np.array([-c * v2 * (v2 + 2 * v[0]) + inner + outer, c * v[0] ** 2 + outer])[: self.n]
 
+    def applied(self, j: int, tau: float, theta: float, omega: float) -> float:
+        """tau_applied of joint j [N m]."""
+        return motor(self.of(j, "motor"), tau, theta, omega)
+
     def spring(self, j: int, state: Sequence[float], z: Sequence[float]) -> Spring:
         """The transmission of joint j; state is q, theta, v, omega."""
         q, theta, v, omega = state

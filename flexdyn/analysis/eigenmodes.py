@@ -1,0 +1,177 @@
+"""modes: eigenfrequencies, damping ratios and shapes of an arm at a pose, and the anti-resonances of its motors."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.analysis.jacobian import state_matrix
+from flexdyn.analysis.modes_result import Modes
+from flexdyn.analysis.pose import Pose, pose
+from flexdyn.analysis.statics import Statics
+from flexdyn.analysis.variants import checked_model, without
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+Rotors = Literal["free", "held"]
+NOTHING = 1e-10
+"""Of the largest squared frequency: what counts as zero."""
+
+
+class Tangent:
+    """Small motions about a pose at rest: inertia s'' + damping s' + stiffness s = 0, s = [q (n), theta (e)].
+
+    Args:
+        statics: of the model; a motor's torque stays what it is, so that a free rotor is held by its spring alone.
+        q: pose (n,).
+        theta: rotor positions (n,).
+        tau: torques asked for (n,).
+
+    Attributes:
+        inertia: M(q) with J of rigid joints, and J of rotors (n + e, n + e).
+        stiffness: symmetric (n + e, n + e).
+        damping: (n + e, n + e).
+    """
+
+    def __init__(self, statics: Statics, q: Array, theta: Array, tau: Array) -> None:
+        model, n = statics.model, statics.model.n
+        half = n + int(model.elastic.sum())
+        A = state_matrix(statics.plant, statics.t, statics.state(q, theta), tau)
+        self.inertia = np.zeros((half, half))
+        self.inertia[:n, :n] = statics.links.mass_matrix(q)
+        self.inertia[range(n, half), range(n, half)] = model.rotor_inertia[model.elastic]
+        velocity, z = slice(half, 2 * half), slice(2 * half, None)
+        # From rest a bristle or hysteresis follows its coordinate, z' = s', and so acts as one more spring.
+        stiffness = -self.inertia @ (A[velocity, :half] + A[velocity, z] @ A[z, velocity])
+        self.stiffness = 0.5 * (stiffness + stiffness.T)
+        self.damping = -self.inertia @ A[velocity, velocity]
+
+    def squared_frequencies(self, kept: Any = slice(None)) -> tuple[Array, Array]:
+        """Squared frequencies (m,) [rad^2/s^2], rising, 0 where rounding is all there is; shapes (m, m) in columns.
+
+        Args:
+            kept: which coordinates move; the others are held.
+        """
+        from scipy.linalg import eigh
+
+        everything = np.arange(len(self.inertia))
+        place = np.ix_(everything[kept], everything[kept])
+        squared, shapes = eigh(self.stiffness[place], self.inertia[place])
+        largest = np.abs(np.diag(self.stiffness) / np.diag(self.inertia)).max()
+        squared[np.abs(squared) <= NOTHING * largest] = 0.0
+        return squared, shapes
+
+    def poles(self, kept: Any) -> NDArray[np.complex128]:
+        """Eigenvalues (2 m,) [rad/s] of the damped motion of some coordinates, by size."""
+        everything = np.arange(len(self.inertia))[kept]
+        place, m = np.ix_(everything, everything), len(everything)
+        inverse = np.linalg.inv(self.inertia[place])
+        upper = np.hstack([np.zeros((m, m)), np.eye(m)])
+        lower = np.hstack([-inverse @ self.stiffness[place], -inverse @ self.damping[place]])
+        values = np.linalg.eigvals(np.vstack([upper, lower])).astype(complex)
+        return values[np.lexsort((values.imag, np.abs(values)))]
+
+
+def modes(model: FlexibleJointModel, q: Pose = None, *, rotors: Rotors = "free") -> Modes:
+    """Free small vibrations of an arm about a pose at rest: K s = w^2 M s with s = [q, theta].
+
+    M: M(q) with payloads, J of rotors; a rigid joint's J is part of M(q). K: the whole tangent stiffness at the pose
+    with springs loaded: stiffness of the transmissions (hardened or slack as they are loaded there), dh/dq of gravity,
+    parallel springs, position torques, end stops that press, torque ripple, bristles of presliding friction and
+    hysteresis. Motors give the constant torque that holds the pose. So an arm standing upright on free rotors has
+    modes that fall, and one without gravity has rigid-body modes. Damping: everything linear in velocity at rest. Dry
+    friction and torque limits are left out.
+
+    Args:
+        model: the arm.
+        q: pose (n,) or by joint [rad or m]; None: the model's `initial`.
+        rotors: ``free``: motors give constant torques; ``held``: stiff control or brakes hold every rotor, and rigid
+            joints with it.
+
+    Returns:
+        the modes by frequency.
+
+    Raises:
+        InputError: arguments that do not fit the model, a pose whose springs cannot carry it, rotors held and every
+            joint rigid.
+    """
+    model = checked_model(model)
+    check_rotors(model, rotors)
+    return modes_at(resting_statics(model), pose(model, q), rotors)
+
+
+def check_rotors(model: FlexibleJointModel, rotors: str) -> None:
+    """Refuse an unknown choice, and rotors held where nothing would be left to move.
+
+    Raises:
+        InputError: either.
+    """
+    if rotors not in ("free", "held"):
+        raise InputError("no such choice", key="rotors", value=rotors, remedy="it is free or held")
+    if rotors == "held" and not model.elastic.any():
+        remedy = "give a joint a finite stiffness, or use rotors='free'"
+        raise InputError("every joint is rigid: nothing moves with the rotors held", key="rotors", remedy=remedy)
+
+
+def resting_statics(model: FlexibleJointModel) -> Statics:
+    """Statics of the model without dry friction and torque limits."""
+    return Statics(without(model, lambda effect: effect.stage == "dry" or effect.name == "torque_speed_limit"))
+
+
+def tangent_at(statics: Statics, q: Array) -> Tangent:
+    """Small motions about a pose held by its motors."""
+    theta = statics.loaded_springs(q)
+    return Tangent(statics, q, theta, statics.holding(q, theta))
+
+
+def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:
+    """`modes` of a model made ready, arguments checked."""
+    model, n = statics.model, statics.model.n
+    tangent = tangent_at(statics, q)
+    kept = np.flatnonzero(model.elastic) if rotors == "held" else np.arange(len(tangent.inertia))
+    squared, vectors = tangent.squared_frequencies(kept)
+    damping = np.einsum("ik,ij,jk->k", vectors, tangent.damping[np.ix_(kept, kept)], vectors)
+    vibrates = squared > 0
+    ratios = np.full(len(squared), np.nan)
+    ratios[vibrates] = 0.5 * damping[vibrates] / np.sqrt(squared[vibrates])
+    shapes = np.zeros((len(squared), len(tangent.inertia)))
+    shapes[:, kept] = (vectors / _largest(vectors)).T
+    link, rotor = shapes[:, :n].copy(), np.zeros((len(squared), n))
+    rotor[:, model.elastic] = shapes[:, n:]
+    rotor[:, ~model.elastic] = link[:, ~model.elastic]
+    return Modes(
+        name=model.name,
+        joint_names=model.joint_names,
+        q=q,
+        rotors=rotors,
+        frequencies=_hertz(squared),
+        damping_ratios=ratios,
+        kinds=tuple("vibration" if w > 0 else "rigid-body" if w == 0 else "unstable" for w in squared),
+        link_shapes=link,
+        rotor_shapes=rotor,
+        poles=tangent.poles(kept),
+        anti_resonances=anti_resonances(tangent, model),
+    )
+
+
+def anti_resonances(tangent: Tangent, model: FlexibleJointModel) -> Array:
+    """Eigenfrequencies with one rotor held and the others free (n, n + e - 1) [Hz], a row for each motor."""
+    rows = []
+    rotor_slot = model.n + np.cumsum(model.elastic) - 1
+    for j in range(model.n):
+        held = int(rotor_slot[j]) if model.elastic[j] else j
+        kept = [i for i in range(len(tangent.inertia)) if i != held]
+        rows.append(_hertz(tangent.squared_frequencies(kept)[0]) if kept else np.empty(0))
+    return np.array(rows)
+
+
+def _hertz(squared: Array) -> Array:
+    return np.sqrt(np.maximum(squared, 0.0)) / (2.0 * np.pi)
+
+
+def _largest(vectors: Array) -> Array:
+    """The entry of largest size of every column."""
+    return np.asarray(vectors[np.argmax(np.abs(vectors), axis=0), np.arange(vectors.shape[1])])

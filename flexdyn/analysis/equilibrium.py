@@ -1,0 +1,178 @@
+"""equilibrium: where an arm rests under gravity and motor torques."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.analysis.eigenmodes import Tangent
+from flexdyn.analysis.equilibrium_search import Search
+from flexdyn.analysis.holding import HoldingTorques, holding_at, link_range
+from flexdyn.analysis.jacobian import without_resting_friction
+from flexdyn.analysis.pose import Pose, pose, torques
+from flexdyn.analysis.statics import Statics
+from flexdyn.analysis.variants import checked_model
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Equilibrium:
+    """An arm at rest.
+
+    Attributes:
+        joint_names: in the order of q.
+        q: link positions (n,) [rad or m].
+        theta: rotor positions, reflected (n,); q where the joint is rigid.
+        x: the state (nx,): q, theta of elastic joints, zero velocities and internal states.
+        tau: torques asked of the motors (n,) [N m or N].
+        residual: largest net torque that nothing balances [N m or N]: rounding.
+        stability: ``stable``; ``neutral``: it can move without any restoring torque; ``unstable``: it falls at the
+            least touch; ``held``: without dry friction there is no equilibrium, with it there is.
+        friction_link: net torque that dry friction balances on every link (n,); 0 but where ``held``.
+        friction_motor: the same on every rotor (n,), on rigid joints all of it.
+        holding: interval of motor torques under which dry friction lets the arm rest at this q.
+    """
+
+    joint_names: tuple[str, ...]
+    q: Array
+    theta: Array
+    x: Array
+    tau: Array
+    residual: float
+    stability: str
+    friction_link: Array
+    friction_motor: Array
+    holding: HoldingTorques
+
+    def __post_init__(self) -> None:
+        """Lock every array."""
+        for array in (self.q, self.theta, self.x, self.tau, self.friction_link, self.friction_motor, *self.holding):
+            array.setflags(write=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays are locked again."""
+        return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
+
+    def __repr__(self) -> str:
+        """Where it is, in a line."""
+        at = ", ".join(f"{joint} {value:.6g}" for joint, value in zip(self.joint_names, self.q, strict=True))
+        return f"<Equilibrium {at}; {self.stability}>"
+
+    @property
+    def stable(self) -> bool:
+        """Whether the arm comes back, or stays, after a small disturbance."""
+        return self.stability in ("stable", "held")
+
+
+def equilibrium(
+    model: FlexibleJointModel, tau: ArrayLike | Mapping[str, float] | None = None, *, q_guess: Pose = None
+) -> Equilibrium:
+    """Positions at which an arm rests under gravity and constant motor torques, every spring and stop included.
+
+    Dry friction is left out first: the answer is where the arm would come to rest without it. Where no such position
+    is found, friction is asked to hold the arm at the nearest pose to the guess (``stability`` is ``held``). Of several
+    equilibria, the one that Newton's method reaches from the guess; if it reaches none, one that lies downhill.
+    Internal states (presliding, hysteresis) are 0.
+
+    Args:
+        model: the arm.
+        tau: torques asked of the motors (n,) or by joint [N m or N]; None: none.
+        q_guess: where to look first (n,) or by joint; None: the model's `initial`.
+
+    Returns:
+        the equilibrium.
+
+    Raises:
+        InputError: ``no equilibrium: ...``: torques that nothing balances, as far as the search went.
+    """
+    model = checked_model(model)
+    guess = pose(model, q_guess, "q_guess")
+    asked = np.zeros(model.n) if tau is None else torques(model, tau)
+    statics = Statics(model)
+
+    def net(q: Array) -> Array:
+        return statics.net(q, statics.driven_springs(q, asked), asked)[0]
+
+    size = np.abs(statics.links.bias(guess, np.zeros(model.n))) + np.abs(asked) + np.abs(net(guess))
+    mass = statics.links.mass_matrix(guess)
+    q, found = Search(net, mass, size).find(guess)
+    if found:
+        return _frictionless(statics, q, asked)
+    with_friction = _held(statics, guess, asked, mass, size)
+    if with_friction is None:
+        left = net(q)
+        j = int(np.argmax(np.abs(left) / np.sqrt(np.diag(mass))))
+        unit = model.robot.torque_unit(j)
+        problem = f"no equilibrium: at the nearest, {left[j]:.4g} {unit} on {model.joint_names[j]} is left unbalanced"
+        raise InputError(problem, remedy="take another tau, or another q_guess")
+    return with_friction
+
+
+def _frictionless(statics: Statics, q: Array, tau: Array) -> Equilibrium:
+    theta = statics.driven_springs(q, tau)
+    link, rotor = statics.net(q, theta, tau)
+    tangent = Tangent(_smooth(statics), q, theta, tau)
+    least = tangent.squared_frequencies()[0].min()
+    return Equilibrium(
+        joint_names=statics.model.joint_names,
+        q=q,
+        theta=theta,
+        x=statics.state(q, theta),
+        tau=tau,
+        residual=float(np.abs(np.concatenate([link, rotor])).max()),
+        stability="stable" if least > 0 else "neutral" if least == 0 else "unstable",
+        friction_link=np.zeros(len(q)),
+        friction_motor=np.zeros(len(q)),
+        holding=holding_at(statics, q),
+    )
+
+
+def _smooth(statics: Statics) -> Statics:
+    """The same without dry friction, whose contacts would have no acceleration at rest."""
+    model = statics.model
+    return Statics(without_resting_friction(model, np.zeros(statics.plant.state_size)), statics.t)
+
+
+def _held(statics: Statics, guess: Array, tau: Array, mass: Array, size: Array) -> Equilibrium | None:
+    """The pose nearest to the guess at which dry friction holds the arm, if there is one."""
+    model = statics.model
+    if not any(effect.stage == "dry" and not effect.is_neutral for effect in model.all_effects):
+        return None
+    try:
+        q, found = Search(lambda q: _beyond(holding_at(statics, q), tau), mass, size).newton(guess)
+        holding = holding_at(statics, q)
+    except InputError:  # a motor too weak to hold a pose on the way
+        return None
+    if not found:
+        return None
+    least, most = link_range(statics, q)
+    theta = np.clip(statics.driven_springs(q, tau), least, most)
+    link, rotor = statics.net(q, theta, tau)
+    return Equilibrium(
+        joint_names=model.joint_names,
+        q=q,
+        theta=theta,
+        x=statics.state(q, theta),
+        tau=tau,
+        residual=float(np.abs(_beyond(holding, tau)).max()),
+        stability="held",
+        friction_link=np.where(model.elastic, link, 0.0),
+        friction_motor=rotor,
+        holding=holding,
+    )
+
+
+def _beyond(holding: HoldingTorques, tau: Array) -> Array:
+    """How far the torques are outside what friction holds (n,) [N m or N]."""
+    return tau - np.clip(tau, holding.lower, holding.upper)
+
+
+def _rebuild(entries: dict[str, Any]) -> Equilibrium:
+    return Equilibrium(**entries)

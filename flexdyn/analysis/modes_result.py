@@ -1,0 +1,106 @@
+"""Modes: eigenfrequencies, damping ratios and shapes as data and as a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+_ARRAYS = ("q", "frequencies", "damping_ratios", "link_shapes", "rotor_shapes", "poles", "anti_resonances")
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Modes:
+    """Free small vibrations about a pose at rest, m of them by rising frequency.
+
+    Attributes:
+        name: of the model.
+        joint_names: in the order of q.
+        q: the pose (n,) [rad or m].
+        rotors: ``free`` or ``held``.
+        frequencies: undamped, w/(2 pi) (m,) [Hz]; 0 where nothing draws the arm back.
+        damping_ratios: s^T D s/(2 w) of mass-normalised shapes (m,) [1]: exact where damping does not couple the modes
+            (damping across transmissions in proportion to stiffness, say), first order in damping elsewhere, where
+            `poles` is exact. NaN where the frequency is 0.
+        kinds: ``vibration``; ``rigid-body`` (w = 0: it moves freely); ``unstable`` (w^2 < 0: it falls).
+        link_shapes: q part of every shape (m, n); the largest entry of a shape, links and rotors together, is 1.
+        rotor_shapes: theta part (m, n), reflected; the link's on a rigid joint, 0 where rotors are held.
+        poles: eigenvalues of the damped motion (2 m,) [rad/s], complex, by size.
+        anti_resonances: zeros of the response from a motor's torque to its own speed: the frequencies with that rotor
+            held and the others free (n, others) [Hz], a row for each motor; 0 where the zero is no oscillation.
+    """
+
+    name: str
+    joint_names: tuple[str, ...]
+    q: Array
+    rotors: str
+    frequencies: Array
+    damping_ratios: Array
+    kinds: tuple[str, ...]
+    link_shapes: Array
+    rotor_shapes: Array
+    poles: NDArray[np.complex128]
+    anti_resonances: Array
+
+    def __post_init__(self) -> None:
+        """Lock every array."""
+        for name in _ARRAYS:
+            getattr(self, name).setflags(write=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays are locked again."""
+        return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
+
+    def __len__(self) -> int:
+        """Number of modes."""
+        return len(self.frequencies)
+
+    @property
+    def rigid_body(self) -> NDArray[np.bool_]:
+        """Which modes move without any restoring torque (m,)."""
+        return np.array([kind == "rigid-body" for kind in self.kinds])
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One plain mapping a mode: mode, frequency, damping_ratio (None: it has none), kind, shapes by joint."""
+        return [
+            {
+                "mode": k + 1,
+                "frequency": float(self.frequencies[k]),
+                "damping_ratio": None if np.isnan(self.damping_ratios[k]) else float(self.damping_ratios[k]),
+                "kind": self.kinds[k],
+                "link": dict(zip(self.joint_names, self.link_shapes[k].tolist(), strict=True)),
+                "rotor": dict(zip(self.joint_names, self.rotor_shapes[k].tolist(), strict=True)),
+            }
+            for k in range(len(self))
+        ]
+
+    def __repr__(self) -> str:
+        """A table: a line a mode, then a line of anti-resonances for each motor."""
+        width = max(10, *(len(name) + 2 for name in self.joint_names))
+        at = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.q, strict=True))
+        head = f"{'mode':>4}  {'Hz':>9}  {'damping':>8}  {'kind':<10}  part"
+        names = "".join(f"{joint:>{width}}" for joint in self.joint_names)
+        lines = [f"{self.name}: {len(self)} modes at {at}; rotors {self.rotors}", head.ljust(47) + names]
+        for row in self.rows():
+            ratio = "-" if row["damping_ratio"] is None else f"{row['damping_ratio']:.2%}"
+            start = f"{row['mode']:>4}  {row['frequency']:>9.4g}  {ratio:>8}  {row['kind']:<10}  "
+            for part in ("link",) if self.rotors == "held" else ("link", "rotor"):
+                shape = "".join(f"{value:>{width}.3f}" for value in row[part].values())
+                lines.append(f"{start}{part:<5}".ljust(47) + shape)
+                start = " " * len(start)
+        lines += [f"anti-resonances of {joint}: {_hertz(zeros)}" for joint, zeros in self._zeros()]
+        return "\n".join(lines)
+
+    def _zeros(self) -> list[tuple[str, Array]]:
+        return [(joint, row[row > 0]) for joint, row in zip(self.joint_names, self.anti_resonances, strict=True)]
+
+
+def _hertz(zeros: Array) -> str:
+    return ", ".join(f"{zero:.4g}" for zero in zeros) + " Hz" if len(zeros) else "none"
+
+
+def _rebuild(entries: dict[str, Any]) -> Modes:
+    return Modes(**entries)

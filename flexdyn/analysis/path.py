@@ -1,0 +1,97 @@
+"""frequencies_over_path: how eigenfrequencies and anti-resonances change as an arm moves through its poses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.analysis.eigenmodes import Rotors, check_rotors, modes_at, resting_statics
+from flexdyn.analysis.variants import checked_model
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class PathFrequencies:
+    """Frequencies along a path, ready to plot: ``plt.plot(found.distance, found.frequencies)``.
+
+    Attributes:
+        joint_names: in the order of q.
+        rotors: ``free`` or ``held``.
+        q: poses (samples, n) [rad or m].
+        distance: length of the path in joint space up to each pose (samples,) [rad, m mixed in where joints slide].
+        frequencies: (samples, m) [Hz], rising at every pose: lines that meet part again and do not cross.
+        damping_ratios: (samples, m) [1]; NaN where the frequency is 0.
+        anti_resonances: (samples, n, others) [Hz], by motor.
+    """
+
+    joint_names: tuple[str, ...]
+    rotors: str
+    q: Array
+    distance: Array
+    frequencies: Array
+    damping_ratios: Array
+    anti_resonances: Array
+
+    def __post_init__(self) -> None:
+        """Lock every array."""
+        for name in ("q", "distance", "frequencies", "damping_ratios", "anti_resonances"):
+            getattr(self, name).setflags(write=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays are locked again."""
+        return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
+
+    def __repr__(self) -> str:
+        """What it holds, in a line."""
+        low, high = self.frequencies.min(axis=0), self.frequencies.max(axis=0)
+        spans = ", ".join(f"{a:.4g}-{b:.4g}" for a, b in zip(low, high, strict=True))
+        return f"<PathFrequencies {len(self.q)} poses, rotors {self.rotors}: {spans} Hz>"
+
+
+def frequencies_over_path(
+    model: FlexibleJointModel, path: ArrayLike | Any, *, rotors: Rotors = "free"
+) -> PathFrequencies:
+    """Eigenfrequencies at every pose of a path, each as if the arm rested there.
+
+    Args:
+        model: the arm.
+        path: poses (samples, n) [rad or m], or a `Run`, whose q is taken.
+        rotors: ``free`` or ``held``, as in `modes`.
+
+    Returns:
+        frequencies, damping ratios and anti-resonances by pose.
+
+    Raises:
+        InputError: a path that does not fit the model, and what `modes` refuses.
+    """
+    model = checked_model(model)
+    check_rotors(model, rotors)
+    try:
+        poses = np.array(getattr(path, "q", path), dtype=float)
+    except (TypeError, ValueError):
+        raise InputError("poses are numbers", key="path", value=path) from None
+    if poses.ndim != 2 or poses.shape[1] != model.n or not len(poses) or not np.isfinite(poses).all():
+        problem = f"finite positions (samples, {model.n}) are needed"
+        raise InputError(problem, key="path", value=poses.shape, remedy="one row a pose, one column a joint")
+    statics = resting_statics(model)
+    found = [modes_at(statics, q, rotors) for q in poses]
+    steps = np.linalg.norm(np.diff(poses, axis=0), axis=1)
+    return PathFrequencies(
+        joint_names=model.joint_names,
+        rotors=rotors,
+        q=poses,
+        distance=np.concatenate([[0.0], np.cumsum(steps)]),
+        frequencies=np.array([each.frequencies for each in found]),
+        damping_ratios=np.array([each.damping_ratios for each in found]),
+        anti_resonances=np.array([each.anti_resonances for each in found]),
+    )
+
+
+def _rebuild(entries: dict[str, Any]) -> PathFrequencies:
+    return PathFrequencies(**entries)

@@ -1,0 +1,94 @@
+"""One dry contact on one joint, integrated with its events located by SciPy: slide, stop, stick, break away."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+Array = NDArray[np.float64]
+State = Sequence[float]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """What the hybrid integration needs to know.
+
+    Args:
+        free: x' with a given friction torque on the contact.
+        place: of the contact's velocity in x.
+        inertia: that the friction torque accelerates [kg m^2].
+        level: interval's end in a direction of motion, at (t, x) [N m].
+    """
+
+    free: Callable[[float, State, float], Array]
+    place: int
+    inertia: float
+    level: Callable[[float, State, float], float]
+
+    def needed(self, t: float, x: State) -> float:
+        """Friction that keeps the contact from accelerating [N m]."""
+        return float(self.inertia * self.free(t, x, 0.0)[self.place])
+
+    def next_motion(self, t: float, x: State) -> int:
+        """At rest: 0 where friction can hold, else the direction in which the joint leaves."""
+        net = self.needed(t, x)
+        return 1 if net > self.level(t, x, 1.0) else -1 if net < -self.level(t, x, -1.0) else 0
+
+
+def _sliding(contact: Contact, motion: int, begin: float) -> tuple[Any, list[Any]]:
+    def f(t: float, x: Array) -> Array:
+        return contact.free(t, x, motion * contact.level(t, x, motion))
+
+    def stop(t: float, x: Array) -> float:
+        # At the instant of breaking away its acceleration is 0 to rounding, of either sign.
+        return float(motion * x[contact.place]) if t > begin + 1e-7 else 1.0
+
+    stop.terminal, stop.direction = True, -1.0  # type: ignore[attr-defined]
+    return f, [stop]
+
+
+def _stuck(contact: Contact) -> tuple[Any, list[Any]]:
+    def f(t: float, x: Array) -> Array:
+        dx = contact.free(t, x, contact.needed(t, x))
+        dx[contact.place] = 0.0
+        return dx
+
+    def up(t: float, x: Array) -> float:
+        return contact.level(t, x, 1.0) - contact.needed(t, x)
+
+    def down(t: float, x: Array) -> float:
+        return contact.level(t, x, -1.0) + contact.needed(t, x)
+
+    for event in (up, down):
+        event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
+    return f, [up, down]
+
+
+def integrate(contact: Contact, x0: State, times: Array) -> tuple[Array, list[float]]:
+    """States at `times`, and the instants at which the contact stopped or broke away."""
+    t, x, out, events = 0.0, np.array(x0, dtype=float), [], []
+    motion = int(np.sign(x[contact.place])) or contact.next_motion(0.0, x)
+    while True:
+        f, watched = _sliding(contact, motion, t) if motion else _stuck(contact)
+        found = solve_ivp(
+            f, (t, times[-1]), x, method="DOP853", rtol=1e-12, atol=1e-13, max_step=0.01, events=watched, dense_output=True
+        )
+        assert found.success, found.message
+        inside = (times >= t) & ((times < found.t[-1]) | (found.status == 0))
+        if inside.any():
+            out.append(found.sol(times[inside]).T)
+        if found.status == 0:
+            return np.vstack(out), events
+        t, x = float(found.t[-1]), found.y[:, -1].copy()
+        events.append(t)
+        if motion:
+            x[contact.place] = 0.0
+            motion = contact.next_motion(t, x)
+        else:
+            motion = 1 if contact.needed(t, x) > 0.0 else -1
+        assert len(events) < 200
