@@ -13,7 +13,7 @@ FAR = 100
 """Doublings of the first step before a component is said to have no root."""
 
 
-def roots(f: Balance, start: Array, step: Array, tolerance: float) -> tuple[Array, NDArray[np.bool_]]:
+def roots(f: Balance, start: Array, step: Array, tolerance: Array | float) -> tuple[Array, NDArray[np.bool_]]:
     """Solve f_j(x_j) = 0 for every j together.
 
     Args:
@@ -46,7 +46,7 @@ def roots(f: Balance, start: Array, step: Array, tolerance: float) -> tuple[Arra
     return np.where(np.abs(f_low) <= np.abs(f_high), low, high), found
 
 
-def _brackets(f: Balance, start: Array, step: Array, tolerance: float) -> tuple[Array, Array, Array, Array]:
+def _brackets(f: Balance, start: Array, step: Array, tolerance: Array | float) -> tuple[Array, Array, Array, Array]:
     """Ends between which every component changes its sign, by doubling steps from the start."""
     value = f(start)
     low, high, f_low, f_high = start.copy(), start.copy(), value.copy(), value.copy()

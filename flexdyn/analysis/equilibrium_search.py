@@ -62,7 +62,7 @@ class Search:
     def _downhill(self, q: Array) -> tuple[Array, bool]:
         """Follow the torques to where the potential is least, by Newton steps along directions that curve up."""
         y = self._torques(q)
-        for _ in range(300):
+        for _ in range(150):
             if np.linalg.norm(y) <= 1e-4 * self._size:
                 return q, True
             slope = -self._slope(q)

@@ -72,8 +72,9 @@ def holding_at(statics: Statics, q: Array, theta: ArrayLike | None = None) -> Ho
     lower, upper = np.full(model.n, np.inf), np.full(model.n, -np.inf)
     for rotors in ends:  # load and position may make either end of the spring's range the extreme one
         negative, positive = levels(statics, q, rotors, "motor")
-        lower = np.minimum(lower, statics.motor_torques(q, rotors, -negative))
-        upper = np.maximum(upper, statics.motor_torques(q, rotors, positive))
+        slack = 10.0 * statics.tolerance(q, negative, positive)  # a saturated motor may give the bound and no more
+        lower = np.minimum(lower, statics.motor_torques(q, rotors, -negative - slack))
+        upper = np.maximum(upper, statics.motor_torques(q, rotors, positive + slack))
     if np.isposinf(lower).any() or np.isneginf(upper).any():
         joint = model.joint_names[int(np.argmax(np.isposinf(lower) | np.isneginf(upper)))]
         raise InputError(f"the motor of {joint} is too weak to hold the pose", key="q", value=q)
@@ -130,5 +131,6 @@ def _check_links(statics: Statics, q: Array, theta: Array) -> None:
     moves = model.elastic & ((net < -negative - slack) | (net > positive + slack))
     if moves.any():
         j = int(np.argmax(moves))
-        problem = f"the link of {model.joint_names[j]} does not rest: the springs leave {net[j]:.4g} N m on it"
+        unit = model.robot.torque_unit(j)
+        problem = f"the link of {model.joint_names[j]} does not rest: the springs leave {net[j]:.4g} {unit} on it"
         raise InputError(problem, key="theta", value=theta, remedy="leave theta out, or load the springs")

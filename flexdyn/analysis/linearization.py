@@ -166,6 +166,6 @@ def _check_held(model: FlexibleJointModel, A: Array, held: list[int]) -> None:
     half = model.n + int(model.elastic.sum())
     for place in held:
         if A[half + place].any():
-            name = state_names(model, len(A))[half + place]
+            name = state_names(model, len(A))[place]
             remedy = "use stuck='free', or a tau within fd.holding_torques(model, q)"
             raise InputError(f"dry friction does not hold {name} at rest", key="stuck", value="held", remedy=remedy)

@@ -47,7 +47,7 @@ def test_rotors_held(tmp_path: Path) -> None:
     assert found.rotor_shapes.tolist() == [[0.0]]
 
 
-@pytest.mark.parametrize("q", [(0.0, math.pi / 2), (0.3, 2.5), (-math.pi / 2, 0.1)])
+@pytest.mark.parametrize("q", [(0.1, math.pi / 2), (0.3, 2.5), (-math.pi / 2, 0.1)])
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
 @pytest.mark.parametrize("stiffness", [(5.5, 5.5), (3e5, 1e3), (40.0, math.inf), (math.inf, 40.0)])
 def test_two_links_against_hand_written_matrices(
@@ -59,7 +59,8 @@ def test_two_links_against_hand_written_matrices(
     found = analysis.modes(two_link(arm), q)
     squared, shapes = eigh(K, inertia)
     expected = np.sqrt(np.maximum(squared, 0.0)) / TURN
-    np.testing.assert_allclose(found.frequencies, expected, rtol=1e-7, atol=1e-4 * math.sqrt(squared[-1]) / TURN)
+    np.testing.assert_allclose(found.frequencies[2:], expected[2:], rtol=1e-9)
+    np.testing.assert_allclose(found.frequencies[:2], expected[:2], rtol=1e-4, atol=1e-6 * expected[-1])
     kinds = ["rigid-body" if gravity == 0.0 else "unstable" if w < 0 else "vibration" for w in squared[:2]]
     assert list(found.kinds[:2]) == kinds
     assert set(found.kinds[2:]) <= {"vibration"}
@@ -73,7 +74,7 @@ def test_two_links_against_hand_written_matrices(
         kept = [i for i in range(len(K)) if i != rotor]
         zeros = np.linalg.eigvals(np.linalg.solve(inertia[np.ix_(kept, kept)], K[np.ix_(kept, kept)])).real
         zeros = np.sqrt(np.maximum(np.sort(zeros), 0.0)) / TURN
-        np.testing.assert_allclose(found.anti_resonances[j], zeros, rtol=1e-7, atol=1e-3)
+        np.testing.assert_allclose(found.anti_resonances[j], zeros, rtol=1e-7, atol=1e-6 * expected[-1])
 
 
 def test_damping_that_couples_the_modes(tmp_path: Path) -> None:
@@ -195,7 +196,7 @@ def test_modes_read_as_a_table_and_as_data() -> None:
 def test_what_modes_refuse(tmp_path: Path) -> None:
     """Wrong arguments are named in one line."""
     model = two_mass(tmp_path)
-    with pytest.raises(fd.InputError, match="^rotors: no such choice, got 'locked'; it is free or held$"):
+    with pytest.raises(fd.InputError, match=r"^rotors: no such choice, got 'locked'; it is free or held$"):
         analysis.modes(model, rotors="locked")  # type: ignore[arg-type]
     with pytest.raises(fd.InputError, match=r"^q: 1 finite numbers are needed"):
         analysis.modes(model, [1.0, 2.0])

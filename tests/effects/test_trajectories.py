@@ -86,7 +86,7 @@ CORNERED: dict[str, list[Effect]] = {
     "limit": [TorqueSpeedLimit("shoulder", stall_torque=0.8, no_load_speed=1.2)],
     "end_stops": [EndStop("elbow", lower=0.4, upper=0.9, stiffness=80.0, damping=1.5)],
     "all_of_the_motor": [
-        TorqueSpeedLimit("elbow", stall_torque=0.8, no_load_speed=2.0),
+        TorqueSpeedLimit("elbow", stall_torque=0.9, no_load_speed=8.0),
         TorqueRipple("elbow", amplitude=0.3, **WAVE),
         TorqueConstantError("elbow", gain=0.4),
         TorqueOffset("elbow", offset=-0.1),
