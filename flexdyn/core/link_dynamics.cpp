@@ -5,9 +5,10 @@
 #include <pinocchio/algorithm/energy.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
-#include <pinocchio/multibody.hpp>
 
 #include <Eigen/Cholesky>
+
+#include "joint_collection.hpp"
 
 namespace flexdyn {
 
@@ -21,7 +22,7 @@ using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 struct LinkDynamics::Impl {
-  pin::Model model;
+  Model model;
   MatrixXd gain;
   VectorXd offset;
   bool mimics = false;
@@ -30,7 +31,7 @@ struct LinkDynamics::Impl {
 struct LinkDynamics::Workspace {
   explicit Workspace(const Impl& impl, int n)
       : data(impl.model), M(n, n), h(n), factor(n), q(impl.offset), v(impl.offset) {}
-  pin::Data data;
+  Data data;
   MatrixXd M;
   VectorXd h;
   Eigen::LLT<MatrixXd> factor;
@@ -41,7 +42,7 @@ void LinkDynamics::Deleter::operator()(Workspace* workspace) const { delete work
 
 namespace {
 
-pin::JointIndex add_joint(pin::Model& model, const Tree& tree, int i) {
+pin::JointIndex add_joint(Model& model, const Tree& tree, int i) {
   const RowMatrix3 rotation = Map<const RowMatrix3>(&tree.rotation[9 * i]);
   const Vector3d translation = Map<const Vector3d>(&tree.translation[3 * i]);
   const Vector3d axis = Map<const Vector3d>(&tree.axis[3 * i]);
@@ -49,13 +50,13 @@ pin::JointIndex add_joint(pin::Model& model, const Tree& tree, int i) {
   const auto parent = static_cast<pin::JointIndex>(tree.parent[i] + 1);
   const std::string name = std::to_string(i);
   if (tree.prismatic[i]) {
-    return model.addJoint(parent, pin::JointModelPrismaticUnaligned(axis), placement, name);
+    return model.addJoint(parent, Joints::JointModelPrismaticUnaligned(axis), placement, name);
   }
   // Aligned axes have cheaper kinematics; the unaligned joint is right for every other axis.
-  if (axis == Vector3d::UnitX()) return model.addJoint(parent, pin::JointModelRX(), placement, name);
-  if (axis == Vector3d::UnitY()) return model.addJoint(parent, pin::JointModelRY(), placement, name);
-  if (axis == Vector3d::UnitZ()) return model.addJoint(parent, pin::JointModelRZ(), placement, name);
-  return model.addJoint(parent, pin::JointModelRevoluteUnaligned(axis), placement, name);
+  if (axis == Vector3d::UnitX()) return model.addJoint(parent, Joints::JointModelRX(), placement, name);
+  if (axis == Vector3d::UnitY()) return model.addJoint(parent, Joints::JointModelRY(), placement, name);
+  if (axis == Vector3d::UnitZ()) return model.addJoint(parent, Joints::JointModelRZ(), placement, name);
+  return model.addJoint(parent, Joints::JointModelRevoluteUnaligned(axis), placement, name);
 }
 
 }  // namespace
@@ -118,7 +119,7 @@ void LinkDynamics::energy(Workspace& w, const double* q, const double* v, double
 void LinkDynamics::add_wrench(Workspace& w, const double* q, const WrenchPoint& point, const double* wrench,
                               double* tau) const {
   if (point.joint < 0) return;  // the base does not move
-  const pin::Model& model = impl_->model;
+  const Model& model = impl_->model;
   w.q.noalias() = impl_->gain * Map<const VectorXd>(q, n_) + impl_->offset;
   pin::forwardKinematics(model, w.data, w.q);
   const auto tip = static_cast<pin::JointIndex>(point.joint + 1);
