@@ -69,7 +69,7 @@ def main() -> None:
     panels["delta"].set(
         xlabel="time [s]",
         ylabel="deg",
-        title="Deflection of the elbow's drive, theta - q (torque acts in the grey span)",
+        title="Deflection of the elbow's drive (torque acts in the grey span)",
     )
     for name in ("q", "delta"):
         panels[name].axvspan(0, 2.4, color="0.93", zorder=-1)
