@@ -3,6 +3,19 @@
 from importlib.metadata import version as _version
 
 from flexdyn import effects, solvers
+from flexdyn.analysis import (
+    Equilibrium,
+    HoldingTorques,
+    LinearModel,
+    Modes,
+    PathFrequencies,
+    equilibrium,
+    frequencies_over_path,
+    frequency_response,
+    holding_torques,
+    linearize,
+    modes,
+)
 from flexdyn.commands import PD, Controller, FrameWrench, Samples, State
 from flexdyn.errors import FlexdynError, InputError, MissingExtra, SimulationError
 from flexdyn.joint import Joint
@@ -20,13 +33,18 @@ __all__ = [
     "PD",
     "Controller",
     "Energy",
+    "Equilibrium",
     "FlexdynError",
     "FlexibleJointModel",
     "FrameWrench",
+    "HoldingTorques",
     "InputError",
     "Joint",
+    "LinearModel",
     "LinkSide",
     "MissingExtra",
+    "Modes",
+    "PathFrequencies",
     "Recording",
     "Robot",
     "Run",
@@ -34,8 +52,14 @@ __all__ = [
     "SimulationError",
     "State",
     "effects",
+    "equilibrium",
+    "frequencies_over_path",
+    "frequency_response",
+    "holding_torques",
+    "linearize",
     "load_model",
     "load_robot",
+    "modes",
     "read_recording",
     "robot_names",
     "save_model",

@@ -149,19 +149,27 @@ def _first_state(model: FlexibleJointModel, drive: Drive, given: dict[str, Any])
         signal: _start(model, signal, given[signal], {**model.initial.get(signal, {}), **drive.initial.get(signal, {})})
         for signal in ("q", "v", "theta", "omega")
     }
+    for rotor, link in (("theta", "q"), ("omega", "v")):  # a link put elsewhere takes its rotor along
+        if given[rotor] is None and given[link] is not None:
+            values[rotor][_named(model, given[link])] = math.nan
     q, v = (np.nan_to_num(values[signal], nan=0.0) for signal in ("q", "v"))
     theta = np.where(np.isnan(values["theta"]), q, values["theta"])
     omega = np.where(np.isnan(values["omega"]), v, values["omega"])
     if isinstance(given["theta"], str):
         theta = equilibrium_theta(model, q)
-    for signal, rotor, link in (("theta", theta, q), ("omega", omega, v)):
-        different = ~model.elastic & (rotor != link)
+    for signal, turned, moved in (("theta", theta, q), ("omega", omega, v)):
+        different = ~model.elastic & (turned != moved)
         if different.any():
             joint = model.joint_names[int(np.argmax(different))]
             twin = {"theta": "q", "omega": "v"}[signal]
             problem = f"the joint is rigid: {signal} is {twin}"
-            raise InputError(problem, key=f"{signal}0.{joint}", value=float(rotor[model.index(joint)]))
+            raise InputError(problem, key=f"{signal}0.{joint}", value=float(turned[model.index(joint)]))
     return np.concatenate([q, theta[model.elastic], v, omega[model.elastic]])
+
+
+def _named(model: FlexibleJointModel, given: Start) -> list[int]:
+    """Joints that a first state was given for."""
+    return [model.index(joint) for joint in given] if isinstance(given, Mapping) else list(range(model.n))
 
 
 def equilibrium_theta(model: FlexibleJointModel, q: Array) -> Array:

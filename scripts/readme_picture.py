@@ -37,7 +37,9 @@ def draw_arm(axes: Axes, run: fd.Run, rigid: fd.Run) -> None:
     for k in np.linspace(0, 2400, 5).astype(int):
         shade = 0.25 + 0.75 * k / 2400
         axes.plot(*elbow_and_tip(rigid.q[k]).T, color=RIGID, lw=1.2, ls="--", alpha=shade)
-        axes.plot(*elbow_and_tip(run.q[k]).T, color=ELASTIC, lw=3, alpha=shade, solid_capstyle="round", marker="o", ms=4)
+        axes.plot(
+            *elbow_and_tip(run.q[k]).T, color=ELASTIC, lw=3, alpha=shade, solid_capstyle="round", marker="o", ms=4
+        )
     axes.plot(*run.frame_positions("tool")[:, :2].T, color=ELASTIC, lw=0.8)
     axes.plot(*rigid.frame_positions("tool")[:, :2].T, color=RIGID, lw=0.8, ls="--")
     axes.set_xlim(-0.1, 1.3)
@@ -51,7 +53,9 @@ def main() -> None:
     runs = {name: fd.simulate(m, torque(), DURATION) for name, m in (("friction", model), ("bare", bare))}
     rigid = fd.simulate(bare.rigid(), torque(), DURATION)
     plt.rcParams |= {"font.size": 10, "axes.spines.top": False, "axes.spines.right": False, "axes.titlesize": 11}
-    figure, panels = plt.subplot_mosaic([["arm", "q"], ["arm", "delta"]], figsize=(10.5, 4.6), width_ratios=[1, 1.7], layout="constrained")
+    figure, panels = plt.subplot_mosaic(
+        [["arm", "q"], ["arm", "delta"]], figsize=(10.5, 4.6), width_ratios=[1, 1.7], layout="constrained"
+    )
     draw_arm(panels["arm"], runs["bare"], rigid)
     t = rigid.t
     panels["q"].plot(t, np.degrees(rigid.v[:, 1]), color=RIGID, ls="--", label="rigid")
@@ -62,7 +66,11 @@ def main() -> None:
     panels["q"].set_ylim(-60, 48)
     panels["delta"].plot(t, np.degrees(runs["bare"].deflection[:, 1]), color=ELASTIC)
     panels["delta"].plot(t, np.degrees(runs["friction"].deflection[:, 1]), color=FRICTION)
-    panels["delta"].set(xlabel="time [s]", ylabel="deg", title="Deflection of the elbow's drive, theta - q (torque acts in the grey span)")
+    panels["delta"].set(
+        xlabel="time [s]",
+        ylabel="deg",
+        title="Deflection of the elbow's drive (torque acts in the grey span)",
+    )
     for name in ("q", "delta"):
         panels[name].axvspan(0, 2.4, color="0.93", zorder=-1)
         panels[name].set_xlim(0, DURATION)

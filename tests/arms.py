@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flexdyn as fd
+from flexdyn.effects import base
 from tests.oracles.two_link import TwoLink
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
+E = TypeVar("E", bound=fd.effects.Effect)
 EXACT = fd.solvers.DormandPrince(rtol=1e-12, atol=1e-13)
 ROD = (
     '<inertial><origin xyz="0.525 0 0"/><mass value="0.42525"/><inertia ixx="1e-6" ixy="0" ixz="0"'
@@ -26,6 +28,12 @@ SLIDER = """<robot name="slider"><link name="base"/>
 <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
 <joint name="lift" type="prismatic"><parent link="base"/><child link="mass"/><axis xyz="0 0 1"/>
 <limit lower="-100" upper="100" effort="1000" velocity="100"/></joint></robot>"""
+
+
+def unlisted(kind: type[E]) -> type[E]:
+    """An effect class, out of the catalogue again: other tests count what is in there."""
+    del base._registry[kind.name]
+    return kind
 
 
 def repickled(value: T) -> T:

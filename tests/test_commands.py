@@ -11,6 +11,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.drive import make_drive, read_command_file
+from tests.arms import repickled
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +38,6 @@ def model() -> fd.FlexibleJointModel:
         ([0.0, 1.0], {}, "values: one column (samples,) a joint is needed"),
     ],
 )
-from tests.arms import repickled
 def test_samples_without_sense_are_refused(t: Any, values: Any, words: str) -> None:
     """One line that names the row."""
     with pytest.raises(fd.InputError) as caught:

@@ -21,12 +21,13 @@ from flexdyn.effects import (
     TorqueSpeedLimit,
     TransmissionDamping,
     ViscousFriction,
+    base,
     catalogue,
     effect_from_dict,
     parameter,
     unit_for,
 )
-from tests.arms import repickled
+from tests.arms import repickled, unlisted
 from tests.oracles import laws
 
 SPEED = st.floats(-50, 50)
@@ -165,6 +166,7 @@ def test_units_on_a_prismatic_joint() -> None:
     assert unit_for("N m", prismatic=False) == "N m"
 
 
+@unlisted
 class UserSquareDrag(JointEffect):
     """Drag with the square of the speed, as a user writes it."""
 
@@ -179,8 +181,9 @@ class UserSquareDrag(JointEffect):
         return self.coefficient * np.asarray(u) * np.abs(u)
 
 
-def test_a_users_effect_stands_in_the_catalogue() -> None:
+def test_a_users_effect_stands_in_the_catalogue(monkeypatch: pytest.MonkeyPatch) -> None:
     """It reads from a model file by its name in snake_case, checks its bounds and takes recordings."""
+    monkeypatch.setitem(base._registry, "user_square_drag", UserSquareDrag)
     entry = {"effect": "user_square_drag", "joint": "elbow", "side": "link", "coefficient": 2}
     effect = effect_from_dict(entry)
     assert isinstance(effect, UserSquareDrag)

@@ -8,6 +8,7 @@ import pytest
 
 from flexdyn import FlexdynError, InputError, MissingExtra, SimulationError
 from flexdyn.errors import did_you_mean, shown
+from tests.arms import repickled
 
 
 def test_the_line_names_file_key_value_and_remedy() -> None:
@@ -35,7 +36,6 @@ def test_data_reads_as_attributes() -> None:
         MissingExtra("h5py", "hdf5"),
     ],
 )
-from tests.arms import repickled
 def test_errors_survive_pickling(error: FlexdynError) -> None:
     """A worker can send them home whole."""
     again = repickled(error)

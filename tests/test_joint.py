@@ -78,7 +78,7 @@ def test_a_joint_does_not_change_and_pickles() -> None:
 
 
 def test_own_numbers_stand_over_the_default_joint() -> None:
-    """ "*" fills in what a named joint leaves out."""
+    """The joint "*" fills in what a named joint leaves out."""
     joints = resolve_joints({"*": {"rotor_inertia": 0.1, "damping": 2.0}, "elbow": {"stiffness": 50.0}}, NAMES)
     assert joints["elbow"] == Joint(rotor_inertia=0.1, damping=2.0, stiffness=50.0)
     assert joints["shoulder"] == Joint(rotor_inertia=0.1, damping=2.0)

@@ -82,7 +82,7 @@ def test_equality_is_by_content(robot: fd.Robot) -> None:
 
 
 def test_replace_merges_joints_number_by_number(robot: fd.Robot) -> None:
-    """ "*" changes every joint, a name one; everything else stays."""
+    """The name "*" changes every joint, a name one; everything else stays."""
     model = fd.FlexibleJointModel(robot, ELASTIC, [Payload(mass=0.2)], tolerance=0.1, name="mine")
     other = model.replace(joints={"*": {"damping": 1.0}, "elbow": {"stiffness": 80.0}})
     np.testing.assert_array_equal(other.stiffness, [50.0, 80.0])

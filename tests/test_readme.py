@@ -29,7 +29,7 @@ def test_readme_has_examples() -> None:
 def test_python_example(body: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each Python block runs in an empty folder."""
     monkeypatch.chdir(tmp_path)
-    exec(compile(body, "README.md", "exec"), {"__name__": "readme"})  # noqa: S102 - our own text
+    exec(compile(body, "README.md", "exec", dont_inherit=True), {"__name__": "readme"})  # noqa: S102 - our own text
 
 
 @pytest.mark.parametrize("line", [line for line in COMMANDS if " paper" not in line])

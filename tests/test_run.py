@@ -87,6 +87,14 @@ def test_what_a_rigid_gear_carries(tmp_path: Path) -> None:
     np.testing.assert_allclose(run.tau_s, 2.5 * (acceleration + 9.81) + 2.0 * run.v, rtol=1e-12)
 
 
+def test_the_last_sample_feels_the_last_force(tmp_path: Path) -> None:
+    """A force whose samples end with the run acts in its last sample too, as the last torque does."""
+    lift = fd.FrameWrench("mass", fd.Samples([0.0, 0.5, 1.0], np.tile([0.0, 0.0, 5.0, 0.0, 0.0, 0.0], (3, 1))))
+    model = fd.FlexibleJointModel(slider(tmp_path), {"lift": {"rotor_inertia": 1.5}})
+    run = fd.simulate(model, [30.0], 1.0, external=lift, rate=10)
+    np.testing.assert_allclose(run.tau_s, 30.0 - 1.5 * (35.0 - 2.5 * 9.81) / 4.0, rtol=1e-12)
+
+
 def test_a_run_is_a_recording(run: fd.Run) -> None:
     """Every signal of every joint, with solver, notes and the model as text that reads back."""
     recording = run.to_recording()

@@ -10,6 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.solvers import SOLVERS, DormandPrince, RungeKutta4, make_solver
+from tests.arms import repickled
 
 
 @pytest.mark.parametrize(
@@ -30,7 +31,6 @@ from flexdyn.solvers import SOLVERS, DormandPrince, RungeKutta4, make_solver
         (DormandPrince, {"smoothing": -1.0}),
     ],
 )
-from tests.arms import repickled
 def test_a_setting_without_sense_is_refused(kind: type[fd.solvers.Solver], settings: dict[str, Any]) -> None:
     """One line that names the setting."""
     wrong = list(settings)[-1]

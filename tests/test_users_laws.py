@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -17,13 +18,15 @@ from flexdyn.effects import (
     ViscousFriction,
     parameter,
 )
-from tests.arms import BENT, state, two_link
+from flexdyn.effects.base import Stage
+from tests.arms import BENT, state, two_link, unlisted
 from tests.oracles.two_link import TwoLink
 
 ARM = TwoLink(stiffness=(30.0, 20.0), damping=(0.1, 0.05))
 SOLVERS = [fd.solvers.DormandPrince(), fd.solvers.RungeKutta4(step=1e-3, smoothing=0.05)]
 
 
+@unlisted
 class MyFriction(JointEffect):
     """Viscous friction, in Python."""
 
@@ -36,6 +39,7 @@ class MyFriction(JointEffect):
         return self.coefficient * u
 
 
+@unlisted
 class MyDamper(JointEffect):
     """Transmission damping, in Python."""
 
@@ -48,6 +52,7 @@ class MyDamper(JointEffect):
         return self.coefficient * u
 
 
+@unlisted
 class MyLimit(JointEffect):
     """The torque-speed line, in Python."""
 
@@ -81,6 +86,7 @@ def test_a_law_in_python_moves_as_the_built_in_one(
     np.testing.assert_allclose(runs[0].tau_applied, runs[1].tau_applied, atol=1e-13)
 
 
+@unlisted
 class SeenByALaw(JointEffect):
     """Remembers what it was called with."""
 
@@ -106,6 +112,7 @@ def test_a_law_sees_its_own_side() -> None:
         assert max(t for t, *_ in SEEN) == pytest.approx(0.01)
 
 
+@unlisted
 class Broken(JointEffect):
     """A law with a mistake in it."""
 
@@ -119,11 +126,12 @@ class Broken(JointEffect):
         return 0.0
 
 
+@unlisted
 class Nonsense(JointEffect):
     """A law that returns no number."""
 
     sides = ("link",)
-    stage = "friction"
+    stage: ClassVar[Stage] = "friction"
 
     def torque(self, x: Any, u: Any, *, t: Any = 0.0, tau: Any = 0.0) -> Any:
         """Text."""
@@ -150,29 +158,35 @@ def test_exceptions_in_a_controller_come_through() -> None:
 
     with pytest.raises(KeyError, match="gain"):
         fd.simulate(two_link(ARM), fd.Controller(broken), 1.0)
+    wrong: Any
     for wrong in ([0.0], [0.0, math.nan], 1.0, [[0.0, 0.0]]):
+        returning = fd.Controller(functools.partial(lambda torque, t, x: torque, wrong))
         with pytest.raises(fd.InputError, match=r"t = 0 s: the controller's torque is no use.*2 finite torques"):
-            fd.simulate(two_link(ARM), fd.Controller(lambda t, x, wrong=wrong: wrong), 1.0)
+            fd.simulate(two_link(ARM), returning, 1.0)
 
 
+@unlisted
 class NoLaw(JointEffect):
     """A class that forgot its law."""
 
     sides = ("link",)
 
 
+@unlisted
 class DryInPython(Nonsense):
     """Set-valued laws are the core's alone."""
 
     stage = "dry"
 
 
+@unlisted
 class SpringOnALink(Nonsense):
     """A spring that stands beside the transmission."""
 
     stage = "spring"
 
 
+@unlisted
 class NoJoint(Effect):
     """An effect on nothing."""
 

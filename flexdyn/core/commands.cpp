@@ -75,16 +75,19 @@ Tracking::Tracking(std::shared_ptr<const PiecewisePolynomial> reference,
 
 void Tracking::compute(double t, const JointState& state) {
   const int n = static_cast<int>(tau_.size());
-  const double inside = std::min(t, reference_->end());  // past its end the reference stands still
-  const int segment = reference_->segment(inside);
-  reference_->value(segment, inside, position_.data());
+  const int segment = reference_->segment(t);
+  if (t < reference_->end()) {
+    reference_->value(segment, t, position_.data());
+  } else {
+    position_ = reference_->last;  // from its end on the reference stands still
+  }
   if (t > reference_->end()) {
     std::fill(velocity_.begin(), velocity_.end(), 0.0);
   } else {
-    reference_->derivative(segment, inside, velocity_.data());
+    reference_->derivative(segment, t, velocity_.data());
   }
   std::fill(tau_.begin(), tau_.end(), 0.0);
-  if (feedforward_ && t <= feedforward_->end()) feedforward_->value(feedforward_->segment(t), t, tau_.data());
+  if (feedforward_ && t < feedforward_->end()) feedforward_->value(feedforward_->segment(t), t, tau_.data());
   const double* y = gains_.feedback_theta ? state.theta : state.q;
   const double* rate = gains_.feedback_theta ? state.omega : state.v;
   for (int j = 0; j < n; ++j) {

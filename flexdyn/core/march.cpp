@@ -67,7 +67,7 @@ class March {
     report.stats = stepper_->stats();
     report.events = events_ ? events_->count() : 0;
     report.written = row_;
-    report.x = stepper_->x();
+    report.x = report.failure.reason.empty() ? stepper_->x() : x_finite_;
     return report;
   }
 
@@ -108,6 +108,7 @@ class March {
   void begin_interval(bool final) {
     const std::vector<double>& x = stepper_->x();
     t_begin_ = stepper_->t();
+    final_ = final;
     if (command_.needs_state()) plant_.rotor(x.data(), theta_.data(), omega_.data());
     command_.begin(t_begin_, {plant_.q(x.data()), plant_.v(x.data()), theta_.data(), omega_.data()}, final);
     t_inside_ = final ? t_begin_ : 0.5 * (t_begin_ + next_limit());
@@ -120,11 +121,12 @@ class March {
     // A sample on the switch itself belongs to the interval that begins there.
     while (sample_before(limit) && same_instant(output_.times[row_], t_begin_)) write(t_begin_, stepper_->x().data());
     while (stepper_->t() < limit) {
-      const double t_before = stepper_->t();
+      const double t_before = t_finite_ = stepper_->t();
+      x_finite_ = stepper_->x();
       if (!stepper_->step(limit, failure)) return;
       for (const double value : stepper_->x()) {
         if (!std::isfinite(value)) {
-          failure = {"the motion is not finite", stepper_->t()};
+          failure = {"the motion is not finite", t_finite_};
           return;
         }
       }
@@ -164,9 +166,14 @@ class March {
     double value[6];
     for (const ExternalWrench& wrench : external_) {
       const PiecewisePolynomial& samples = *wrench.samples;
-      if (t_begin_ >= samples.end()) continue;
-      // Held and linear pieces keep to the interval begun last, even at its very end.
-      samples.value(samples.segment(samples.degree > 1 ? t : t_begin_), t, value);
+      if (t_begin_ < samples.end()) {
+        // Held and linear pieces keep to the interval begun last, even at its very end.
+        samples.value(samples.segment(samples.degree > 1 ? t : t_begin_), t, value);
+      } else if (final_ && same_instant(t_begin_, samples.end())) {
+        std::copy(samples.last.begin(), samples.last.end(), value);  // as commands do at the end of the run
+      } else {
+        continue;
+      }
       plant_.links().add_wrench(*work_.links, x, wrench.point, value, tau_ext_.data());
     }
     return tau_ext_.data();
@@ -197,8 +204,10 @@ class March {
   std::vector<double> theta_, omega_, tau_ext_;
   bool delayed_;
   std::vector<double> late_;
-  double t_begin_ = 0.0, t_inside_ = 0.0;
+  double t_begin_ = 0.0, t_inside_ = 0.0, t_finite_ = 0.0;
+  std::vector<double> x_finite_;  // the last state that was finite: where a failed run stopped
   std::size_t row_ = 0;
+  bool final_ = false;
   int since_poll_ = 0;
   Clock::time_point last_poll_ = Clock::now();
 };

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def test_rigid_and_elastic_joints_in_one_arm(elastic: tuple[bool, bool]) -> None
     )
     start = [-1.5, 0.4, *[0.1] * sum(elastic), 0.2, -0.1, *[0.3] * sum(elastic)]
     names = [name for name, bends in zip(("shoulder", "elbow"), elastic, strict=True) if bends]
-    rotors = {"theta0": dict.fromkeys(names, 0.1), "omega0": dict.fromkeys(names, 0.3)}
+    rotors: dict[str, Any] = {"theta0": dict.fromkeys(names, 0.1), "omega0": dict.fromkeys(names, 0.3)}
     run = fd.simulate(two_link(arm), [0.5, -0.3], 5.0, EXACT, times=STOPS, q0=start[0:2], v0=[0.2, -0.1], **rotors)
     expected = trajectory(lambda _, x: arm.derivative(x, [0.5, -0.3]), start, STOPS)
     assert np.abs(state(run) - expected).max() < 1e-8

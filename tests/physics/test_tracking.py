@@ -44,7 +44,7 @@ def test_tracking_at_1_khz(feedback: Literal["theta", "q"], duration: float) -> 
         y, rate = (x[2:4], x[6:8]) if feedback == "theta" else (x[0:2], x[4:6])
         inside = min(t, end)
         wanted, fast = spline(inside), speed(inside) * (t <= end)
-        more = [float(np.interp(t, ahead.t, ahead.values[:, j])) * (t <= ahead.t[-1]) for j in (0, 1)]
+        more = [float(np.interp(t, ahead.t, ahead.values[:, j])) * (t < ahead.t[-1]) for j in (0, 1)]
         return [more[j] + KP[j] * (wanted[j] - y[j]) + KD[j] * (fast[j] - rate[j]) for j in (0, 1)]
 
     expected, tau = held(ARM.derivative, START, run.t, law)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,7 +75,7 @@ def test_gravity_in_the_plane_of_motion() -> None:
     stops = np.linspace(0.0, 5.0, 11)
     start = [-1.8, 0.4, -1.7, 0.45, 0.2, -0.1, 0.3, 0.0]
     command = fd.Samples([0.0, 0.5, 1.0], [[1.0, -0.5], [2.0, 0.3], [9.0, 9.0]])
-    initial = {"q0": start[0:2], "theta0": start[2:4], "v0": start[4:6], "omega0": start[6:8]}
+    initial: dict[str, Any] = {"q0": start[0:2], "theta0": start[2:4], "v0": start[4:6], "omega0": start[6:8]}
     run = fd.simulate(two_link(arm), command, 5.0, EXACT, times=stops, **initial)
 
     def f(t: float, x: Sequence[float]) -> list[float]:
