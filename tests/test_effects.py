@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 import flexdyn as fd
 from flexdyn.effects import (
     CoulombFriction,
-    Effect,
     JointEffect,
     Payload,
     StribeckFriction,
@@ -22,17 +21,15 @@ from flexdyn.effects import (
     TransmissionDamping,
     ViscousFriction,
     base,
-    catalogue,
     effect_from_dict,
     parameter,
     unit_for,
 )
-from tests.arms import repickled, unlisted
+from tests.arms import unlisted
 from tests.oracles import laws
 
 SPEED = st.floats(-50, 50)
 POSITIVE = st.floats(1e-3, 1e3)
-OWN = [kind for kind in catalogue().values() if kind.__module__.startswith("flexdyn.")]
 
 
 @given(u=SPEED, coefficient=POSITIVE)
@@ -66,42 +63,12 @@ def test_the_papers_friction_is_the_sum_of_three(u: float, b_v: float, b_d: floa
     assert total == pytest.approx(laws.paper_friction(u, b_v, b_d + more, b_d, epsilon), rel=1e-9)
 
 
-def test_friction_is_odd_and_opposes_motion() -> None:
-    """F(-u) = -f(u), f u >= 0 and f(0) = 0 for every friction of the catalogue."""
-    forward = np.logspace(-9, 2, 50)
-    u = np.concatenate([-forward[::-1], [0.0], forward])
-    for kind in OWN:
-        if kind.stage not in ("friction", "dry"):
-            continue
-        numbers = {field.name: 0.7 for field in kind.parameters()}
-        f = kind(joint="j", side="motor", **numbers).torque(0.2, u)  # type: ignore[call-arg]
-        np.testing.assert_array_equal(f, -f[::-1])
-        assert (f * u >= 0).all()
-        assert f[50] == 0.0
-
-
 def test_a_law_takes_whole_recordings() -> None:
     """Arguments broadcast; the result has their shape."""
     effect = TorqueSpeedLimit("j", stall_torque=1.0, no_load_speed=2.0)
     out = effect.torque(np.zeros((3, 1)), np.linspace(-4, 4, 5), tau=5.0)
     assert out.shape == (3, 5)
     np.testing.assert_array_equal(out[0], [1.0 * 3.0, 2.0, 1.0, 0.0, 0.0])
-
-
-@pytest.mark.parametrize("kind", OWN, ids=lambda kind: kind.name)
-def test_the_catalogue_describes_every_effect(kind: type[Effect]) -> None:
-    """A name, one sentence, a law, units that SPEC knows, a neutral value that the effect recognises."""
-    assert catalogue()[kind.name] is kind
-    assert kind.summary().endswith(".")
-    assert kind.law
-    assert {field.metadata["unit"] for field in kind.parameters()} <= {"N m", "N m s/rad", "rad/s", "1", "kg"}
-    numbers = {field.name: 0.5 for field in kind.parameters()}
-    place = {"joint": "j", "side": kind.sides[0]} if issubclass(kind, JointEffect) else {}
-    assert not kind(**place, **numbers).is_neutral
-    neutral = kind(**place, **(numbers | dict(kind.neutral)))
-    assert neutral.is_neutral
-    assert effect_from_dict(neutral.to_dict()) == neutral
-    assert repickled(neutral) == neutral
 
 
 def test_effects_are_frozen() -> None:

@@ -46,12 +46,6 @@ def test_a_neutral_effect_changes_nothing(effect: Effect, solver: fd.solvers.Sol
     assert dict(runs[0].stats) == dict(runs[1].stats)
 
 
-def test_every_effect_has_been_asked() -> None:
-    """The list above holds every effect that flexdyn ships."""
-    shipped = {k for k, kind in fd.effects.catalogue().items() if kind.__module__.startswith("flexdyn.")}
-    assert {effect.name for effect in NEUTRAL} == shipped
-
-
 def test_effects_of_the_actuator_act_in_their_order() -> None:
     """The offset comes before the limit, however the model lists them."""
     offset = TorqueOffset("elbow", offset=0.5)

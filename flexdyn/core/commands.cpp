@@ -14,6 +14,7 @@ OpenLoop::OpenLoop(std::shared_ptr<const PiecewisePolynomial> samples, int n)
 
 double OpenLoop::next_switch(double t) const {
   if (!samples_ || t >= samples_->end()) return never;
+  if (t < samples_->breaks.front()) return samples_->breaks.front();  // asked of a delayed command
   // A cubic spline is smooth across its knots; only its end is a jump (to zero torque).
   if (samples_->degree > 1) return samples_->end();
   return samples_->breaks[samples_->segment(t) + 1];

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 Array = NDArray[np.float64]
-State = Sequence[float]
+State = Sequence[float] | Array
 
 
 @dataclass(frozen=True)
@@ -71,12 +71,22 @@ def _stuck(contact: Contact) -> tuple[Any, list[Any]]:
 
 def integrate(contact: Contact, x0: State, times: Array) -> tuple[Array, list[float]]:
     """States at `times`, and the instants at which the contact stopped or broke away."""
-    t, x, out, events = 0.0, np.array(x0, dtype=float), [], []
+    t, x = 0.0, np.array(x0, dtype=float)
+    out: list[Array] = []
+    events: list[float] = []
     motion = int(np.sign(x[contact.place])) or contact.next_motion(0.0, x)
     while True:
         f, watched = _sliding(contact, motion, t) if motion else _stuck(contact)
         found = solve_ivp(
-            f, (t, times[-1]), x, method="DOP853", rtol=1e-12, atol=1e-13, max_step=0.01, events=watched, dense_output=True
+            f,
+            (t, times[-1]),
+            x,
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-13,
+            max_step=0.01,
+            events=watched,
+            dense_output=True,
         )
         assert found.success, found.message
         inside = (times >= t) & ((times < found.t[-1]) | (found.status == 0))

@@ -59,12 +59,12 @@ def on_link(e: Any, q: float, v: float) -> float:
         return float(e.stiffness * (e.rest - q))
     if e.name == "position_torque":
         angles = (math.cos(q), math.sin(q), math.cos(2 * q), math.sin(2 * q))
-        return -sum(a * b for a, b in zip((e.cos_1, e.sin_1, e.cos_2, e.sin_2), angles, strict=True))
+        return -sum(float(a * b) for a, b in zip((e.cos_1, e.sin_1, e.cos_2, e.sin_2), angles, strict=True))
     if e.name == "end_stop":
         if q > e.upper:
-            return min(0.0, -e.stiffness * (q - e.upper) - e.damping * v)
+            return float(min(0.0, -e.stiffness * (q - e.upper) - e.damping * v))
         if q < e.lower:
-            return max(0.0, e.stiffness * (e.lower - q) - e.damping * v)
+            return float(max(0.0, e.stiffness * (e.lower - q) - e.damping * v))
     return 0.0
 
 
@@ -198,7 +198,7 @@ class Arm:
         return q, theta, v, omega, list(x[2 * half :])
 
     def derivative(self, t: float, x: Sequence[float], tau: Sequence[float]) -> list[float]:
-        """x' of x = [q, theta of elastic joints, v, omega of elastic joints, one state of memory at most]."""
+        """X' of x = [q, theta of elastic joints, v, omega of elastic joints, one state of memory at most]."""
         q, theta, v, omega, z = self.split(x)
         drive, alpha, rates = np.zeros(self.n), [], []
         for j in range(self.n):
@@ -219,8 +219,8 @@ class Arm:
 
 def trajectory(
     f: Callable[[float, Sequence[float]], Sequence[float]],
-    x0: Sequence[float],
-    times: Array,
+    x0: Any,
+    times: Any,
     max_step: float = math.inf,
     method: str = "DOP853",
 ) -> Array:

@@ -53,15 +53,40 @@ DEFAULTS = {
     ("presliding_friction", "damping"): 0.0,
     ("encoder_eccentricity", "harmonic"): 1.0,
 }
-AT_LEAST_ZERO = """viscous_friction.coefficient coulomb_friction.level asymmetric_friction.level_positive
-    asymmetric_friction.level_negative stribeck_friction.excess quadratic_drag.coefficient
-    load_dependent_friction.coefficient position_dependent_friction.amplitude presliding_friction.level
-    presliding_friction.damping warm_up_friction.coefficient transmission_damping.coefficient hardening_spring.cubic
-    backlash.half_gap spring_hysteresis.stiffness torque_speed_limit.stall_torque command_delay.delay payload.mass
-    parallel_spring.stiffness end_stop.stiffness end_stop.damping channel_lag.delay""".split()
-ABOVE_ZERO = """stribeck_friction.velocity stribeck_friction.exponent presliding_friction.stiffness
-    warm_up_friction.time_constant joint_elasticity.stiffness spring_hysteresis.width torque_speed_limit.no_load_speed
-    parameter_error.factor""".split()
+AT_LEAST_ZERO = [
+    "viscous_friction.coefficient",
+    "coulomb_friction.level",
+    "asymmetric_friction.level_positive",
+    "asymmetric_friction.level_negative",
+    "stribeck_friction.excess",
+    "quadratic_drag.coefficient",
+    "load_dependent_friction.coefficient",
+    "position_dependent_friction.amplitude",
+    "presliding_friction.level",
+    "presliding_friction.damping",
+    "warm_up_friction.coefficient",
+    "transmission_damping.coefficient",
+    "hardening_spring.cubic",
+    "backlash.half_gap",
+    "spring_hysteresis.stiffness",
+    "torque_speed_limit.stall_torque",
+    "command_delay.delay",
+    "payload.mass",
+    "parallel_spring.stiffness",
+    "end_stop.stiffness",
+    "end_stop.damping",
+    "channel_lag.delay",
+]
+ABOVE_ZERO = [
+    "stribeck_friction.velocity",
+    "stribeck_friction.exponent",
+    "presliding_friction.stiffness",
+    "warm_up_friction.time_constant",
+    "joint_elasticity.stiffness",
+    "spring_hysteresis.width",
+    "torque_speed_limit.no_load_speed",
+    "parameter_error.factor",
+]
 EXAMPLES = catalogue_examples()
 
 
@@ -76,7 +101,7 @@ def neutral_form(effect: Effect) -> Any:
 
 
 def test_the_order_is_that_of_the_table() -> None:
-    """flexdyn's own effects, from the motor's friction to the sensors."""
+    """Flexdyn's own effects, from the motor's friction to the sensors."""
     assert [name for name, kind in catalogue().items() if own(kind)] == [name for name, *_ in TABLE]
 
 

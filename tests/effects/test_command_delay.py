@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -33,10 +35,14 @@ def test_a_delayed_command(delays: list[float]) -> None:
     times = switches[switches <= 0.7]
     run = fd.simulate(model_of(arm), COMMAND, 0.7, EXACT, times=times, q0=[-0.4, 0.7])
     expected = [np.array([-0.4, 0.7, -0.4, 0.7, 0.0, 0.0, 0.0, 0.0])]
-    for begin, end in zip(times[:-1], times[1:], strict=True):
+    for begin, end in pairwise(times):
         middle = 0.5 * (begin + end)
         tau = [late(middle, 0.0, 0), late(middle, total, 1)]
-        expected.append(trajectory(lambda t, x, tau=tau: arm.derivative(t, x, tau), expected[-1], [begin, end])[-1])
+
+        def f(t: float, x: Sequence[float], tau: list[float] = tau) -> list[float]:
+            return arm.derivative(t, x, tau)
+
+        expected.append(trajectory(f, expected[-1], [begin, end])[-1])
         row = int(np.searchsorted(times, begin))
         np.testing.assert_allclose(run.tau_applied[row], tau, atol=1e-12)
         np.testing.assert_allclose(run.tau[row], [late(middle, 0.0, 0), late(middle, 0.0, 1)], atol=1e-12)

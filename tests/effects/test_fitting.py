@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import pickle
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from flexdyn.effects import (
     SpringHysteresis,
     TransmissionDamping,
 )
-from tests.effects.arms import ELASTIC, RIGID, model_of, states
+from tests.effects.arms import ELASTIC, RIGID, model_of, own, states
 from tests.effects.reference import Arm, trajectory
 
 NEEDS_SPRING: list[Effect] = [
@@ -32,13 +33,23 @@ NEEDS_SPRING: list[Effect] = [
     KinematicError("elbow", amplitude=0.01, harmonic=1.0, phase=0.0),
     LoadDependentFriction("elbow", coefficient=0.1),
 ]
+SLIDER = """<robot name="slider"><link name="base"/>
+<link name="a"><inertial><mass value="2.5"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+</link><link name="b"><inertial><mass value="1.0"/>
+<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+<joint name="lift" type="prismatic"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
+<limit lower="-9" upper="9" effort="1000" velocity="9"/></joint>
+<joint name="across" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/>
+<limit lower="-9" upper="9" effort="1000" velocity="9"/></joint></robot>"""
 SOFT = JointElasticity("elbow", stiffness=200.0)
 
 
 @pytest.mark.parametrize("effect", NEEDS_SPRING, ids=lambda effect: effect.name)
 def test_what_needs_a_spring_is_refused_on_a_rigid_joint(effect: Effect) -> None:
     """Unless joint_elasticity gives it one, wherever that stands in the list; a neutral one gives none."""
-    with pytest.raises(fd.InputError, match=rf"^effects\[0\]\.joint: {effect.name} needs an elastic joint, got 'elbow'"):
+    with pytest.raises(
+        fd.InputError, match=rf"^effects\[0\]\.joint: {effect.name} needs an elastic joint, got 'elbow'"
+    ):
         model_of(RIGID, [effect])
     with pytest.raises(fd.InputError, match=r"needs an elastic joint"):
         model_of(RIGID, [effect, JointElasticity("elbow", stiffness=float("inf"))])
@@ -106,3 +117,21 @@ def test_rigid_leaves_out_what_needs_a_spring() -> None:
     """The rigid twin of an arm with every kind of transmission effect is an arm without them."""
     kept = JointCoupling("elbow", coefficient=0.1, other="shoulder")
     assert model_of(ELASTIC, [*NEEDS_SPRING, kept]).rigid().effects == (kept,)
+
+
+@pytest.mark.parametrize("stiffness", [np.inf, 3000.0], ids=["rigid", "elastic"])
+def test_every_effect_that_fits_runs_on_a_prismatic_joint(stiffness: float, tmp_path: Path) -> None:
+    """Metres and newtons where other joints have radians and newton metres."""
+    path = tmp_path / "slider.urdf"
+    path.write_text(SLIDER, encoding="utf-8")
+    robot = fd.load_robot(path)
+    joints = {"*": {"rotor_inertia": 0.5, "stiffness": stiffness}}
+    needs_spring = {effect.name for effect in NEEDS_SPRING}
+    for kind in fd.effects.catalogue().values():
+        skipped = {"joint_elasticity"} if stiffness < np.inf else needs_spring
+        if not own(kind) or kind.name in skipped or kind.name == "parameter_error":
+            continue
+        model = fd.FlexibleJointModel(robot, joints, [kind.example("lift", "across")])
+        run = fd.simulate(model, [5.0, 1.0], 0.1, v0=[0.3, -0.2])
+        assert np.isfinite(states(run)).all()
+        assert run.to_recording().unit("q.lift") == "m"

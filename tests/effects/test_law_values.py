@@ -54,9 +54,20 @@ LAWS: dict[str, Law] = {
     "end_stop": lambda e, t, x, u, tau: pressed(e, x, u),
     "joint_coupling": lambda e, t, x, u, tau: e.coefficient * u,
 }
-ODD = """viscous_friction coulomb_friction stribeck_friction quadratic_drag load_dependent_friction warm_up_friction
-    joint_elasticity transmission_damping hardening_spring torque_constant_error torque_speed_limit
-    joint_coupling""".split()
+ODD = [
+    "viscous_friction",
+    "coulomb_friction",
+    "stribeck_friction",
+    "quadratic_drag",
+    "load_dependent_friction",
+    "warm_up_friction",
+    "joint_elasticity",
+    "transmission_damping",
+    "hardening_spring",
+    "torque_constant_error",
+    "torque_speed_limit",
+    "joint_coupling",
+]
 
 
 def variants(effect: Any) -> list[Any]:

@@ -17,7 +17,7 @@ BOTH = pytest.mark.parametrize("effect", [BRISTLES, BOUC_WEN], ids=lambda effect
 
 @BOTH
 def test_states_along_a_path_equal_an_integration_in_time(effect: Any) -> None:
-    """z' = u - abs(u) z/reach along x(t) = a sin t + b sin 3t, by SciPy."""
+    """Z' = u - abs(u) z/reach along x(t) = a sin t + b sin 3t, by SciPy."""
     assert effect.reach == 0.004
     t = np.linspace(0.0, 9.0, 4001)
     x = 0.011 * np.sin(t) + 0.004 * np.sin(3 * t)

@@ -34,7 +34,8 @@ def test_a_number_of_a_joint(number: str, factor: float) -> None:
     wrong = model_of(ELASTIC, [ParameterError("elbow", parameter=number, factor=factor)])
     field = {"rotor_inertia": "rotor"}.get(number, number)
     first, second = getattr(ELASTIC, field)
-    true = model_of(dataclasses.replace(ELASTIC, **{field: (first, second * factor)}))
+    changed: dict[str, Any] = {field: (first, second * factor)}
+    true = model_of(dataclasses.replace(ELASTIC, **changed))
     same_motion(wrong, true)
     assert wrong.joints == model_of(ELASTIC).joints
     assert wrong.resolved().joints == true.joints

@@ -40,7 +40,7 @@ INERTIA = float(LOOSE.mass_matrix([0.0])[0, 0])
 def test_memoryless_friction_never_supplies_power(
     effect: Any, x: float, u: float, t: float, tau: float, data: st.DataObject
 ) -> None:
-    """f u >= 0 whatever position, time, load and parameters; f = 0 at u = 0 or a set that holds it."""
+    """F u >= 0 whatever position, time, load and parameters; f = 0 at u = 0 or a set that holds it."""
     numbers = {field.name: data.draw(PART) for field in effect.parameters()}
     f = float(dataclasses.replace(effect, **numbers).torque(x, u, t=t, tau=tau))
     assert f * u >= 0.0
@@ -55,7 +55,7 @@ def test_every_memoryless_friction_has_been_asked() -> None:
 
 
 def rate(arm: Arm, effects: list[Effect], x: list[float]) -> Array:
-    """x' of one joint without torque, from the core."""
+    """X' of one joint without torque, from the core."""
     plant = build_plant(model_of(arm, effects))
     out = np.empty(len(x))
     plant.derivative(0.0, np.array(x), np.zeros(1), 1.0, out)
@@ -64,7 +64,7 @@ def rate(arm: Arm, effects: list[Effect], x: list[float]) -> Array:
 
 @given(u=st.floats(-20, 20), part=st.floats(-1, 1), level=PART, stiffness=PART, damping=st.floats(0, 1e3))
 def test_presliding_friction_dissipates(u: float, part: float, level: float, stiffness: float, damping: float) -> None:
-    """f u >= d/dt (1/2 stiffness z^2) at every state that it can reach, abs(z) <= level/stiffness."""
+    """F u >= d/dt (1/2 stiffness z^2) at every state that it can reach, abs(z) <= level/stiffness."""
     effect = PreslidingFriction("shoulder", side="link", level=level, stiffness=stiffness, damping=damping)
     rigid = Arm((math.inf,), (0.0,), (0.1,))
     z = part * level / stiffness
@@ -78,7 +78,7 @@ def test_presliding_friction_dissipates(u: float, part: float, level: float, sti
 
 @given(slip=st.floats(-20, 20), part=st.floats(-1, 1), stiffness=PART, width=PART)
 def test_hysteresis_dissipates(slip: float, part: float, stiffness: float, width: float) -> None:
-    """tau delta' >= d/dt (1/2 stiffness h^2) at every state that it can reach, abs(h) <= width."""
+    """Tau delta' >= d/dt (1/2 stiffness h^2) at every state that it can reach, abs(h) <= width."""
     effect = SpringHysteresis("shoulder", stiffness=stiffness, width=width)
     soft = Arm((1e-9,), (0.0,), (0.1,))
     h = part * width

@@ -101,11 +101,17 @@ def test_a_recording_shows_them_and_the_run_does_not() -> None:
 @pytest.mark.parametrize(
     ("entry", "words"),
     [
-        ({"channel": "elbow"}, r"effects\[0\]\.sensor_offset\.channel: a channel is needed, got 'elbow'; write <signal>"),
+        (
+            {"channel": "elbow"},
+            r"effects\[0\]\.sensor_offset\.channel: a channel is needed, got 'elbow'; write <signal>",
+        ),
         ({"channel": 3}, r"effects\[0\]\.sensor_offset\.channel: a channel is needed, got 3"),
         ({"channel": "p.elbow"}, r"effects\[0\]\.channel: no such signal, got 'p\.elbow'; "),
         ({"channel": "temperature.elbow"}, r"effects\[0\]\.channel: no such signal"),
-        ({"channel": "q.elbo"}, r"effects\[0\]\.channel: the robot has no such joint, got 'q\.elbo'; did you mean 'elbow'"),
+        (
+            {"channel": "q.elbo"},
+            r"effects\[0\]\.channel: the robot has no such joint, got 'q\.elbo'; did you mean 'elbow'",
+        ),
         (
             {"effect": "encoder_eccentricity", "channel": "v.elbow", "amplitude": 0.1, "phase": 0.0},
             r"effects\[0\]\.encoder_eccentricity\.channel: the effect does not act on this signal.*q or theta",

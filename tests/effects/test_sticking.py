@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from flexdyn.effects import (
     TorqueRipple,
     TransmissionDamping,
     ViscousFriction,
+    effect_from_dict,
 )
 from tests.effects.arms import model_of, states
 from tests.effects.dry_reference import Contact, integrate
@@ -52,7 +52,10 @@ ON_LINK: list[tuple[str, list[Effect]]] = [
             CoulombFriction("shoulder", side="link", level=0.3),
         ],
     ),
-    ("position_dependent", [PositionDependentFriction("shoulder", side="link", amplitude=0.6, harmonic=4.0, phase=0.3)]),
+    (
+        "position_dependent",
+        [PositionDependentFriction("shoulder", side="link", amplitude=0.6, harmonic=4.0, phase=0.3)],
+    ),
 ]
 MOTOR_ONLY: list[tuple[str, list[Effect]]] = [
     ("load_dependent", [LoadDependentFriction("shoulder", coefficient=0.1)]),
@@ -69,7 +72,7 @@ MOTOR_ONLY: list[tuple[str, list[Effect]]] = [
 
 def to_motor(effects: list[Effect]) -> list[Effect]:
     """The same friction on the rotor."""
-    return [dataclasses.replace(effect, side="motor") for effect in effects]  # type: ignore[call-arg]
+    return [effect_from_dict(effect.to_dict() | {"side": "motor"}) for effect in effects]
 
 
 def contact_of(arm: Arm, side: str, tau: float) -> Contact:
@@ -80,12 +83,12 @@ def contact_of(arm: Arm, side: str, tau: float) -> Contact:
     place = 3 if elastic and side == "motor" else 2 if elastic else 1
     inertia = arm.rotor[0] if place == 3 else float(arm.mass_matrix([0.0])[0, 0])
 
-    def free(t: float, x: Sequence[float], friction: float) -> Array:
+    def free(t: float, x: Any, friction: float) -> Array:
         dx = np.array(bare.derivative(t, x, [tau]))
         dx[place] -= friction / inertia
         return dx
 
-    def interval(t: float, x: Sequence[float], direction: float) -> float:
+    def interval(t: float, x: Any, direction: float) -> float:
         half = len(x) // 2
         tau_s = bare.spring(0, (x[0], x[1], x[2], x[3]), []).link if elastic else 0.0
         position = x[1] if place == 3 else x[0]
@@ -95,7 +98,7 @@ def contact_of(arm: Arm, side: str, tau: float) -> Contact:
 
 
 def compare(arm: Arm, side: str, effects: list[Effect], tau: float) -> tuple[fd.Run, list[float]]:
-    """Run both from rest with the link near its lowest point, and hold every state and the number of events together."""
+    """Run both from rest with the link near its lowest point, and hold every state together."""
     arm = dataclasses.replace(arm, effects=tuple(effects))
     run = fd.simulate(model_of(arm), [tau], TIMES[-1], SOLVER, times=TIMES, q0=[START])
     x0 = [START, START, 0.0, 0.0] if arm.elastic else [START, 0.0]
@@ -158,7 +161,7 @@ def test_an_asymmetric_joint_holds_more_one_way(side: Any) -> None:
     weightless = dataclasses.replace(ELASTIC, gravity=0.0)
     model = model_of(weightless, [friction])
     for tau, moves in ((0.7 * (1 - 1e-6), 0), (0.7 * (1 + 1e-6), 1), (-0.3 * (1 - 1e-6), 0), (-0.3 * (1 + 1e-6), -1)):
-        start = {"theta0": [tau / 40.0]} if side == "link" else {}
+        start: dict[str, Any] = {"theta0": [tau / 40.0]} if side == "link" else {}
         run = fd.simulate(model, [tau], 5.0, SOLVER, rate=20, **start)
         u, x = (run.v, run.q) if side == "link" else (run.omega, run.theta)
         if moves == 0:

@@ -40,12 +40,12 @@ from tests.effects.arms import ELASTIC, RIGID, model_of, states
 from tests.effects.reference import Arm, trajectory
 
 TORQUE = [0.9, -0.5]
-START = {"q0": [-0.4, 0.7], "v0": [0.6, -0.5]}
+START: dict[str, Any] = {"q0": [-0.4, 0.7], "v0": [0.6, -0.5]}
 TIMES = np.linspace(0.0, 1.5, 31)
 SMOOTHED = fd.solvers.DormandPrince(rtol=1e-12, atol=1e-13, smoothing=0.05)
 LOCATED = fd.solvers.DormandPrince(rtol=1e-12, atol=1e-13)
-WAVE: dict[str, float] = {"harmonic": 3.0, "phase": 0.4}
-STIFF: dict[str, float] = {"level": 0.4, "stiffness": 40.0, "damping": 0.2}
+WAVE: dict[str, Any] = {"harmonic": 3.0, "phase": 0.4}
+STIFF: dict[str, Any] = {"level": 0.4, "stiffness": 40.0, "damping": 0.2}
 
 SMOOTH: dict[str, list[Effect]] = {
     "viscous": [ViscousFriction("elbow", side="motor", coefficient=0.4)],
@@ -68,11 +68,24 @@ SMOOTH: dict[str, list[Effect]] = {
     "coupling": [JointCoupling("elbow", coefficient=0.3, other="shoulder")],
     "coupling_negative": [JointCoupling("shoulder", coefficient=-0.2, other="elbow")],
 }
-ON_RIGID = """viscous warm_up warm_up_link torque_offset gains_add ripple gain_then_offset parallel_spring
-    position_torque coupling""".split()
+ON_RIGID = [
+    "viscous",
+    "warm_up",
+    "warm_up_link",
+    "torque_offset",
+    "gains_add",
+    "ripple",
+    "gain_then_offset",
+    "parallel_spring",
+    "position_torque",
+    "coupling",
+]
 
 CORNERED: dict[str, list[Effect]] = {
-    "drag": [QuadraticDrag("elbow", side="motor", coefficient=0.3), QuadraticDrag("elbow", side="link", coefficient=0.2)],
+    "drag": [
+        QuadraticDrag("elbow", side="motor", coefficient=0.3),
+        QuadraticDrag("elbow", side="link", coefficient=0.2),
+    ],
     "presliding": [PreslidingFriction("elbow", side="motor", **STIFF)],
     "presliding_link": [PreslidingFriction("shoulder", side="link", **STIFF)],
     "hysteresis": [SpringHysteresis("elbow", stiffness=60.0, width=0.003)],
