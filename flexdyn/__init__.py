@@ -17,6 +17,7 @@ from flexdyn.analysis import (
     modes,
 )
 from flexdyn.commands import PD, Controller, FrameWrench, Samples, State
+from flexdyn.energy import Energy, EnergyWarning
 from flexdyn.errors import FlexdynError, InputError, MissingExtra, SimulationError
 from flexdyn.joint import Joint
 from flexdyn.model import FlexibleJointModel
@@ -24,8 +25,8 @@ from flexdyn.modelfile import load_model, save_model, shipped_models
 from flexdyn.plant import LinkSide
 from flexdyn.records import Recording, read_recording, write_recording
 from flexdyn.robot import Robot, load_robot, robot_names
-from flexdyn.run import Energy, Run
-from flexdyn.simulate import simulate
+from flexdyn.run import Run
+from flexdyn.simulate import simulate, simulate_many
 
 __version__ = _version("flexdyn")
 
@@ -33,6 +34,7 @@ __all__ = [
     "PD",
     "Controller",
     "Energy",
+    "EnergyWarning",
     "Equilibrium",
     "FlexdynError",
     "FlexibleJointModel",
@@ -65,6 +67,7 @@ __all__ = [
     "save_model",
     "shipped_models",
     "simulate",
+    "simulate_many",
     "solvers",
     "write_recording",
 ]

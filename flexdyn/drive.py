@@ -30,11 +30,13 @@ class Drive:
         command: for the core.
         duration: of the command [s]; None where it has no end of its own.
         initial: first state that a recording measured: signal -> joint -> value.
+        samples: what an open-loop command plays, one column a joint; None for controllers and for no torque.
     """
 
     command: _core.Command
     duration: float | None
     initial: Mapping[str, Mapping[str, float]]
+    samples: Samples | None = None
 
 
 def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) -> Drive:
@@ -54,19 +56,24 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
         return Drive(_core.open_loop(None), None, {})
     if isinstance(command, Recording):
         samples = recorded(command, "tau", model.joint_names)
-        return Drive(
-            _core.open_loop(_signal(samples, model.joint_names)), command.duration, first_state(command, model)
-        )
+        return _open_loop(samples, model, command.duration, first_state(command, model))
     if isinstance(command, Samples):
-        return Drive(_core.open_loop(_signal(command, model.joint_names)), command.duration, {})
+        return _open_loop(command, model, command.duration, {})
     if isinstance(command, PD):
         return _tracking(model, command)
     if isinstance(command, Controller):
         return Drive(_core.controller(_caller(command), command.rate), None, {})
     torques = per_joint("command", command, model.joint_names)
     end = 1.0 if duration is None else duration
-    constant = Samples([0.0, max(end, 1e-9)], np.array([torques, torques]))
-    return Drive(_core.open_loop(_signal(constant, model.joint_names)), None, {})
+    return _open_loop(Samples([0.0, max(end, 1e-9)], np.array([torques, torques])), model, None, {})
+
+
+def _open_loop(
+    samples: Samples, model: FlexibleJointModel, duration: float | None, initial: Mapping[str, Mapping[str, float]]
+) -> Drive:
+    """Torques over time; they start with the run, whatever their first time is."""
+    whole = Samples(samples.t - samples.t[0], samples.columns(model.joint_names), samples.interpolation)
+    return Drive(_core.open_loop(_signal(whole, model.joint_names)), duration, initial, whole)
 
 
 def resolve_command(command: Any) -> Any:

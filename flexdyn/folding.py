@@ -93,7 +93,7 @@ def _fold_joint(robot: Robot, numbers: dict[str, dict[str, float]], error: Param
         attribute = OF_URDF[error.parameter]
         values = np.array(getattr(robot, attribute))
         values[robot.joint_index(error.of)] *= error.factor
-        changed: dict[str, Any] = {attribute: values}
+        changed: dict[str, Any] = {attribute: values, "source": None}
         return dataclasses.replace(robot, **changed)
     given = numbers[error.of][error.parameter]
     if math.isinf(given):

@@ -34,7 +34,7 @@ def build_plant(model: FlexibleJointModel) -> _core.Plant:
     """
     true = model.resolved()
     links = build_links(true)
-    laws = [_law(true, effect) for effect in _in_order(true.all_effects)]
+    laws = [_law(true, effect) for effect in acting_effects(true)]
     _check_inertia(true, links)
     return _core.plant(links, true.stiffness, true.damping, true.rotor_inertia, laws)
 
@@ -115,9 +115,12 @@ def _arrays(tree: Tree) -> dict[str, Array]:
     return {name: np.ascontiguousarray(getattr(tree, name), dtype=float) for name in names}
 
 
-def _in_order(effects: tuple[Effect, ...]) -> list[Effect]:
-    """The effects that have a law in the plant, actuator effects in the order in which they act."""
-    acting = [effect for effect in effects if not effect.is_neutral and effect.stage not in OTHER_STAGES]
+def acting_effects(model: FlexibleJointModel) -> list[Effect]:
+    """The effects of a resolved model that have a law in the plant, in the plant's order of laws.
+
+    Actuator effects stand in the order in which they act; a neutral effect does not stand there at all.
+    """
+    acting = [effect for effect in model.all_effects if not effect.is_neutral and effect.stage not in OTHER_STAGES]
     acting = _gains_added(acting)
     order = {name: place for place, name in enumerate(ACTUATOR_ORDER)}
     return sorted(acting, key=lambda effect: order.get(effect.name, len(order)))

@@ -7,45 +7,40 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.commands import FrameWrench, Samples
 from flexdyn.effects import SensorEffect, measure
 from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide
 from flexdyn.records import Recording, write_recording
 from flexdyn.robot import Robot
 from flexdyn.solvers import Solver
+
+if TYPE_CHECKING:
+    from flexdyn.energy import Energy
 
 Array = NDArray[np.float64]
 SIGNALS = ("q", "theta", "v", "omega", "tau", "tau_applied", "tau_s")
 
 
-@dataclass(frozen=True)
-class Energy:
-    """Where the mechanical energy is, sample by sample [J].
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """What a run was made of, enough to make it again.
 
     Attributes:
-        kinetic: of the links and rotors (samples,).
-        spring: in the transmissions, 1/2 K (theta - q)^2 summed (samples,).
-        gravity: of the links, from the height of the base (samples,).
+        x0: first state [q, theta, v, omega, z].
+        samples: torques over time; those a controller asked for stand here as it asked for them; None: none.
+        external: wrenches.
+        duration: [s].
     """
 
-    kinetic: Array
-    spring: Array
-    gravity: Array
-
-    def __post_init__(self) -> None:
-        """Lock every array."""
-        for array in (self.kinetic, self.spring, self.gravity):
-            array.setflags(write=False)
-
-    @property
-    def mechanical(self) -> Array:
-        """Their sum (samples,): constant where nothing drives or brakes."""
-        return self.kinetic + self.spring + self.gravity
+    x0: Array
+    samples: Samples | None
+    external: tuple[FrameWrench, ...]
+    duration: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,7 +59,9 @@ class Run:
         model: that was simulated.
         solver: with its settings; a choice of ``auto`` is resolved.
         notes: what was chosen or assumed on the user's behalf, one sentence each.
-        stats: steps, rejected steps, evaluations of the equations of motion.
+        stats: steps, rejected steps, evaluations of the equations of motion, events.
+        z: internal states of presliding and hysteresis (samples, number of them).
+        inputs: what it was made of.
     """
 
     t: Array
@@ -79,16 +76,18 @@ class Run:
     solver: Solver
     notes: tuple[str, ...] = ()
     stats: Mapping[str, int] = field(default_factory=dict)
+    z: Array
+    inputs: Inputs
 
     def __post_init__(self) -> None:
         """Lock every array."""
-        for name in ("t", *SIGNALS):
+        for name in ("t", *SIGNALS, "z"):
             getattr(self, name).setflags(write=False)
         object.__setattr__(self, "stats", MappingProxyType(dict(self.stats)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by its fields: a read-only mapping does not."""
-        names = ("t", *SIGNALS, "model", "solver", "notes")
+        names = ("t", *SIGNALS, "z", "model", "solver", "notes", "inputs")
         return (_rebuild, ({name: getattr(self, name) for name in names} | {"stats": dict(self.stats)},))
 
     def __repr__(self) -> str:
@@ -108,13 +107,16 @@ class Run:
 
     @cached_property
     def energy(self) -> Energy:
-        """Kinetic, spring and gravity energy over time."""
-        model = self.model.resolved()
-        kinetic, gravity = LinkSide(model).energy(self.q, self.v)
-        elastic = model.elastic
-        rotors = 0.5 * self.omega[:, elastic] ** 2 @ model.rotor_inertia[elastic]
-        spring = 0.5 * self.deflection[:, elastic] ** 2 @ model.stiffness[elastic]
-        return Energy(kinetic + rotors, spring, gravity)
+        """The energy ledger: kinetic, spring, gravity, supplied, dissipated by effect; it closes.
+
+        It is made when first asked for, by going through the motion once more.
+
+        Warns:
+            EnergyWarning: it does not close to the solver's tolerance.
+        """
+        from flexdyn.energy import ledger
+
+        return ledger(self)
 
     def frame_positions(self, frame: str | None = None) -> Array:
         """Where a frame goes (samples, 3) [m], in the axes of the base.

@@ -17,6 +17,11 @@ from flexdyn.effects.catalogue import find_effect
 from flexdyn.errors import InputError
 from flexdyn.plots import SUFFIXES, draw_law, example_entry
 
+_NOWHERE = {
+    "inertia": "of the whole arm: neither joint nor side",
+    "model": "neither joint nor side: of says which joint, link or effect",
+}
+
 
 def effects(
     name: Annotated[
@@ -97,7 +102,7 @@ def _overview() -> Any:
 
 def _page(kind: type[Effect]) -> str:
     text = inspect.cleandoc(kind.__doc__ or "").partition("\n\nArgs:")[0]
-    sides = f"side: {' or '.join(kind.sides)}" if kind.sides else "of the whole arm: neither joint nor side"
+    sides = f"side: {' or '.join(kind.sides)}" if kind.sides else _NOWHERE.get(kind.stage, "neither joint nor side")
     text = text.replace("``", "")
     neutral = f"neutral at {_neutral(kind)}: it changes nothing there"
     return f"{kind.name}\n\n{text}\n\nlaw: {kind.law}\n{sides}\n{neutral}\nin a model file: {_yaml(kind)}\n"

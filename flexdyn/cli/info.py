@@ -5,19 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import fields
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from flexdyn.cli.options import JsonOption, by_joint
+from flexdyn.cli import modes as cli_modes
+from flexdyn.cli.options import JsonOption, by_joint, naming, output_file
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.target import Target, find
 from flexdyn.effects import Effect, JointEffect, Payload, unit_for
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
+from flexdyn.plots import SUFFIXES, draw_frequencies
 
 Array = NDArray[np.float64]
 
@@ -33,16 +36,37 @@ def info(
             "--q", metavar="VALUES", help="Position for M and the frequencies: 0.1,0.2 or elbow=1.57, in rad or m."
         ),
     ] = None,
+    modes: Annotated[
+        bool,
+        typer.Option(
+            "--modes", metavar="", help="Eigenfrequencies, damping ratios, shapes and anti-resonances at --q as well."
+        ),
+    ] = False,
+    path: Annotated[
+        Path | None,
+        typer.Option("--path", metavar="RUN", help="With --modes and -o: a recording whose q is the path to draw."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Draw the frequencies over --path: .png, .pdf or .svg."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Show what a robot or model is made of: joints, drives, inertias, frequencies, effects.
 
     A name that is both (panda) means the shipped model. M_ii is what the joint turns at --q with the other joints
     held, J included where it is rigid. f locked is the frequency with the rotor held, sqrt(K/M_ii)/2pi; f free the
-    one with the rotor let go, J against M_ii.
+    one with the rotor let go, J against M_ii. --modes takes all joints together, springs as they are loaded at --q.
     """
+    picture = _picture(modes, path, output)
     found = find(target)
-    document = describe(found, by_joint("--q", q or (), found.model.joint_names))
+    pose = by_joint("--q", q or (), found.model.joint_names)
+    document = describe(found, pose)
+    if modes:
+        with naming({"q": "--q"}, file=target, files={}):
+            document["modes"] = cli_modes.describe(found.model, pose)
+    if picture is not None and path is not None:
+        draw_frequencies(cli_modes.along(found.model, path), picture)
     if as_json:
         show_json(document)
         return
@@ -50,6 +74,25 @@ def info(
     for extra in (_followers(document), _effects(document)):
         if extra is not None:
             show(extra)
+    if modes:
+        show(*cli_modes.tables(document["modes"], {joint["name"]: joint["elastic"] for joint in document["joints"]}))
+    if picture is not None:
+        show(f"frequencies over the path drawn in {picture}")
+
+
+def _picture(modes: bool, path: Path | None, output: Path | None) -> Path | None:
+    """The picture to draw, if one is asked for.
+
+    Raises:
+        InputError: of --modes, --path and --output some are there and one that they need is not.
+    """
+    if path is None and output is None:
+        return None
+    for option, given in (("--modes", modes), ("--path", path), ("--output", output)):
+        if not given:
+            remedy = "a picture of frequencies needs --modes --path RUN -o FILE"
+            raise InputError("it is missing", key=option, remedy=remedy)
+    return output_file("--output", output, SUFFIXES, inputs=(path,))
 
 
 def describe(found: Target, q: Mapping[str, float]) -> dict[str, Any]:

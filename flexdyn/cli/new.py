@@ -13,7 +13,7 @@ import typer
 from flexdyn.cli.options import output_file
 from flexdyn.cli.output import number, show
 from flexdyn.cli.target import MODEL_SUFFIXES
-from flexdyn.effects import catalogue, unit_for
+from flexdyn.effects import JointCoupling, catalogue, unit_for
 from flexdyn.errors import InputError
 from flexdyn.files import write_text
 from flexdyn.model import FlexibleJointModel
@@ -153,16 +153,19 @@ def _tail(model: FlexibleJointModel) -> list[str]:
 
 def _effects(model: FlexibleJointModel) -> list[str]:
     """One line to uncomment for every effect of the catalogue."""
-    first = model.joint_names[0]
+    first, *others = model.joint_names
     prismatic = model.robot.kinds[0] == "prismatic"
     lines = [
-        "# Any number of effects; several of one kind add up. Those of a transmission need an elastic joint.",
+        "# Any number of effects; several of one kind add up. Those of a transmission and load_dependent_friction need an",
+        "# elastic joint, joint_elasticity a rigid one whose rotor has inertia.",
         "effects:",
     ]
     for kind in catalogue().values():
-        entry = example_entry(kind, quoted(first))
+        if kind is JointCoupling and not others:
+            continue
+        entry = example_entry(kind, first, *others[:1])
         units = {field.name: unit_for(field.metadata["unit"], prismatic=prismatic) for field in kind.parameters()}
         legend = ", ".join(f"{key} {unit}" for key, unit in units.items() if unit != "1")
-        values = ", ".join(f"{key}: {value}" for key, value in entry.items())
-        lines.append(f"  # - {{{values}}}  # {legend}")
+        values = ", ".join(f"{key}: {quoted(value) if isinstance(value, str) else value}" for key, value in entry.items())
+        lines.append(f"  # - {{{values}}}" + (f"  # {legend}" if legend else ""))
     return lines

@@ -43,13 +43,13 @@ def simulate(
     ] = None,
     duration: Annotated[str | None, typer.Option(metavar="S", help="In s. Default: the command's.")] = None,
     solver: Annotated[str, typer.Option(metavar="NAME", help=f"auto, {', '.join(SOLVERS)}.")] = "auto",
-    step: Annotated[str | None, typer.Option(metavar="S", help="Of a solver with a fixed step, in s.")] = None,
+    step: Annotated[str | None, typer.Option(metavar="S", help="Of RungeKutta4 or TimeStepping, in s.")] = None,
     rtol: Annotated[str | None, typer.Option(metavar="R", help="Relative tolerance of an adaptive solver.")] = None,
     atol: Annotated[
         str | None, typer.Option(metavar="A", help="Absolute tolerance of an adaptive solver, in rad and rad/s.")
     ] = None,
     smoothing: Annotated[
-        str | None, typer.Option(metavar="U", help="Width of the smoothed sign in dry friction, in rad/s.")
+        str | None, typer.Option(metavar="U", help="Smooth dry friction over this, in rad/s, instead of exact sticking.")
     ] = None,
     rate: Annotated[str, typer.Option(metavar="HZ", help="Of the samples in the run, in Hz.")] = "1000",
     q0: Annotated[
@@ -194,7 +194,7 @@ def _report(run: Run, path: Path) -> list[Any]:
     head = (
         f"{path}: {number(float(run.t[-1]), 6)} s of {run.model.name}, {len(run.t)} samples; "
         f"{type(run.solver).__name__}, {stats['steps']} steps, {stats['rejected']} rejected, "
-        f"{stats['evaluations']} evaluations"
+        f"{stats['evaluations']} evaluations, {stats['events']} events"
     )
     keys = ("q_first", "q_last", "v_max", "deflection_max", "tau_max", "tau_s_max")
     columns = ("q first", "q last", "|v|", "|theta - q|", "|tau|", "|tau_s|")

@@ -112,6 +112,7 @@ void evaluate_law(const std::string& name, const std::vector<double>& parameters
   for (std::size_t i = 0; i < count; ++i) {
     LawInput in{t.data()[i], x.data()[i], u.data()[i]};
     in.tau_s = tau.data()[i];
+    in.other = in.u;
     out.data()[i] = law_value(law, in, tau.data()[i]);
   }
 }
@@ -191,6 +192,13 @@ void derivative(const Plant& plant, double t, Array x, Array tau, double smoothi
   plant.derivative(work, t, x.data(), tau.data(), nullptr, dx.data());
 }
 
+void stored_energy(const Plant& plant, Array x, OutArray out) {
+  const std::size_t size = plant.state_size();
+  require(x.size() == out.size() * size, "x is (rows, nx) and out (rows,)");
+  auto work = plant.workspace();
+  for (std::size_t i = 0; i < out.size(); ++i) out.data()[i] = plant.stored_energy(work, x.data() + i * size);
+}
+
 // Dry friction is smoothed if a width is given; without, what rests and is held has no acceleration.
 void jacobian(const Plant& plant, double t, Array x, Array tau, double smoothing, OutArray out) {
   const std::size_t size = plant.state_size();
@@ -232,6 +240,9 @@ void bind_plant(nb::module_& m) {
   nb::class_<Plant>(m, "Plant")
       .def_prop_ro("n", &Plant::n)
       .def_prop_ro("state_size", &Plant::state_size)
+      .def_prop_ro("internal_states", &Plant::internal_states)
+      .def_prop_ro("ledger_size", &Plant::ledger_size)
+      .def("stored_energy", &stored_energy, nb::arg("x"), nb::arg("out"))
       .def_prop_ro("has_dry_friction", &Plant::has_dry_friction)
       .def("derivative", &derivative, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"),
            nb::arg("out"))

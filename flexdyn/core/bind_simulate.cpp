@@ -1,4 +1,8 @@
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <thread>
 
 #include "bindings.hpp"
 #include "march.hpp"
@@ -77,25 +81,58 @@ ExternalWrench external_wrench(int joint, Array rotation, Array translation, boo
   return wrench;
 }
 
-nb::dict simulate(const Plant& plant, const CommandFactory& command, const std::vector<ExternalWrench>& external,
-                  Array x0, double duration, const SolverSettings& solver, Array times, std::vector<OutArray> out,
-                  nb::object progress) {
-  require(static_cast<int>(x0.size()) == plant.state_size(), "x0 is the state's size");
-  require(out.size() == 7, "seven output arrays");
-  for (const OutArray& array : out) require(array.size() == times.size() * plant.n(), "outputs are (times, n)");
-  const Output output{times.data(),  times.size(),  out[0].data(), out[1].data(), out[2].data(),
-                      out[3].data(), out[4].data(), out[5].data(), out[6].data()};
-  const Poll poll = [&progress](double t) {
-    nb::gil_scoped_acquire gil;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
-    if (!progress.is_none()) progress(t);
-  };
+// One run to be made: everything that a thread without the GIL needs.
+struct Job {
+  std::shared_ptr<Plant> plant;
+  CommandFactory command;
+  std::vector<ExternalWrench> external;
+  std::vector<double> x0;
+  double duration;
+  SolverSettings solver;
+  Array times;
+  std::vector<OutArray> out;
+  Output output;
+};
+
+Job make_job(std::shared_ptr<Plant> plant, const CommandFactory& command, std::vector<ExternalWrench> external,
+             Array x0, double duration, const SolverSettings& solver, Array times, std::vector<OutArray> out,
+             std::optional<OutArray> ledger) {
+  const std::size_t n = plant->n(), rows = times.size(), internal = plant->internal_states();
+  require(static_cast<int>(x0.size()) == plant->state_size(), "x0 is the state's size");
+  require(out.size() == 8, "eight output arrays");
+  for (std::size_t k = 0; k < 7; ++k) require(out[k].size() == rows * n, "outputs are (times, n)");
+  require(out[7].size() == rows * internal, "z is (times, internal states)");
+  require(!ledger || ledger->size() == rows * plant->ledger_size(), "the ledger is (times, ledger size)");
+  Output output{times.data(),  rows,          out[0].data(), out[1].data(), out[2].data(), out[3].data(),
+                out[4].data(), out[5].data(), out[6].data(), out[7].data(), ledger ? ledger->data() : nullptr};
+  if (ledger) out.push_back(*ledger);
+  return {plant, command, std::move(external), to_vector(x0), duration, solver, times, std::move(out), output};
+}
+
+struct Outcome {
   Report report;
-  {
-    nb::gil_scoped_release release;
-    auto run = command.make(plant.n());
-    report = march(plant, *run, external, to_vector(x0), duration, solver, output, poll);
+  std::vector<double> tick_times, tick_torques;
+  std::exception_ptr error;
+};
+
+Outcome run_job(const Job& job, const Poll& poll) {
+  Outcome outcome;
+  try {
+    const auto command = job.command.make(job.plant->n());
+    outcome.report =
+        march(*job.plant, *command, job.external, job.x0, job.duration, job.solver, job.output, poll);
+    if (const auto* sampled = dynamic_cast<const Sampled*>(command.get())) {
+      outcome.tick_times = sampled->tick_times();
+      outcome.tick_torques = sampled->tick_torques();
+    }
+  } catch (...) {
+    outcome.error = std::current_exception();
   }
+  return outcome;
+}
+
+nb::dict report_of(const Outcome& outcome) {
+  const Report& report = outcome.report;
   nb::dict result;
   result["reason"] = report.failure.reason;
   result["t"] = report.failure.t;
@@ -105,7 +142,82 @@ nb::dict simulate(const Plant& plant, const CommandFactory& command, const std::
   result["rejected"] = report.stats.rejected;
   result["events"] = report.events;
   result["evaluations"] = report.stats.evaluations;
+  result["tick_times"] = copy_to_numpy(outcome.tick_times.data(), static_cast<int>(outcome.tick_times.size()));
+  result["tick_torques"] = copy_to_numpy(outcome.tick_torques.data(), static_cast<int>(outcome.tick_torques.size()));
   return result;
+}
+
+nb::dict simulate(const Job& job, nb::object progress) {
+  const Poll poll = [&progress](double t) {
+    nb::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (!progress.is_none()) progress(t);
+  };
+  Outcome outcome;
+  {
+    nb::gil_scoped_release release;
+    outcome = run_job(job, poll);
+  }
+  if (outcome.error) std::rethrow_exception(outcome.error);
+  return report_of(outcome);
+}
+
+struct Stopped : std::runtime_error {
+  Stopped() : std::runtime_error("stopped") {}
+};
+
+// A failed run is reported in its place, as the exception it raised; the others go on.
+nb::list simulate_many(const std::vector<const Job*>& jobs, int threads, nb::object progress) {
+  std::vector<Outcome> outcomes(jobs.size());
+  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<bool> stop{false};
+  const Poll poll = [&stop](double) {
+    if (stop) throw Stopped();
+  };
+  const auto work = [&] {
+    for (std::size_t i = next++; i < jobs.size() && !stop; i = next++) {
+      outcomes[i] = run_job(*jobs[i], poll);
+      ++done;
+    }
+  };
+  const int count = std::max(1, std::min(threads, static_cast<int>(jobs.size())));
+  std::exception_ptr interrupted;
+  {
+    nb::gil_scoped_release release;
+    std::vector<std::thread> pool;
+    for (int k = 0; k < count; ++k) pool.emplace_back(work);
+    auto last = std::chrono::steady_clock::now();
+    while (done < jobs.size() && !stop) {
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+      const auto now = std::chrono::steady_clock::now();
+      if (now - last < std::chrono::milliseconds(100)) continue;
+      last = now;
+      nb::gil_scoped_acquire gil;
+      try {
+        if (PyErr_CheckSignals() != 0) throw nb::python_error();
+        if (!progress.is_none()) progress(done.load());
+      } catch (...) {
+        interrupted = std::current_exception();
+        stop = true;
+      }
+    }
+    for (std::thread& thread : pool) thread.join();
+  }
+  if (interrupted) std::rethrow_exception(interrupted);
+  nb::list results;
+  for (const Outcome& outcome : outcomes) {
+    nb::dict result = report_of(outcome);
+    result["error"] = nb::none();
+    try {
+      if (outcome.error) std::rethrow_exception(outcome.error);
+    } catch (nb::python_error& error) {
+      result["error"] = nb::borrow(error.value());
+    } catch (const std::exception& error) {
+      result["error"] = nb::str(error.what());
+    }
+    results.append(result);
+  }
+  return results;
 }
 
 SolverSettings settings(const std::string& name, double step, double rtol, double atol, double max_step,
@@ -129,8 +241,11 @@ void bind_simulate(nb::module_& m) {
   nb::class_<SolverSettings>(m, "SolverSettings");
   m.def("solver_settings", &settings, nb::arg("name"), nb::kw_only(), nb::arg("step") = 0.0, nb::arg("rtol") = 0.0,
         nb::arg("atol") = 0.0, nb::arg("max_step") = 0.0, nb::arg("smoothing") = 0.0);
-  m.def("simulate", &simulate, nb::arg("plant"), nb::arg("command"), nb::arg("external"), nb::arg("x0"),
-        nb::arg("duration"), nb::arg("solver"), nb::arg("times"), nb::arg("out"), nb::arg("progress").none());
+  nb::class_<Job>(m, "Job");
+  m.def("job", &make_job, nb::arg("plant"), nb::arg("command"), nb::arg("external"), nb::arg("x0"),
+        nb::arg("duration"), nb::arg("solver"), nb::arg("times"), nb::arg("out"), nb::arg("ledger").none());
+  m.def("simulate", &simulate, nb::arg("job"), nb::arg("progress").none());
+  m.def("simulate_many", &simulate_many, nb::arg("jobs"), nb::arg("threads"), nb::arg("progress").none());
 }
 
 }  // namespace flexdyn

@@ -6,21 +6,19 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "drive.hpp"
 #include "plant.hpp"
 #include "steppers.hpp"
 
 namespace flexdyn {
-
-struct ExternalWrench {
-  WrenchPoint point;
-  std::shared_ptr<const PiecewisePolynomial> samples;  // (force, moment), zero after its end
-};
 
 // Where samples go: row-major arrays (times, n) owned by the caller.
 struct Output {
   const double* times;
   std::size_t count;
   double *q, *theta, *v, *omega, *tau, *tau_applied, *tau_s;
+  double* z;                  // (times, internal states)
+  double* ledger = nullptr;   // (times, Plant::ledger_size()), null: not kept
 };
 
 struct Report {

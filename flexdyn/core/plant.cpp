@@ -26,7 +26,10 @@ Plant::Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stif
     rotor_slot_[j] = elastic();
     elastic_.push_back(j);
   }
-  for (const Law& law : laws) sort_in(law);
+  for (Law law : laws) {
+    law.index = laws_++;
+    sort_in(law);
+  }
   // The kinematic error comes before the dead zone.
   std::stable_partition(deflection_.begin(), deflection_.end(),
                         [](const Law& law) { return law.kind == LawKind::kinematic_error; });

@@ -37,6 +37,7 @@ struct Law {
   int other = -1;   // joint of a coupling
   int state = -1;   // place of its internal state among the z
   int region = -1;  // place of its region among the switches
+  int index = 0;    // place among all laws of the plant
 };
 
 // All dry laws on one velocity: they add to one interval [-L_negative, L_positive], one contact that sticks as a
@@ -130,6 +131,11 @@ class Plant {
 
   bool in_gap(const Workspace& w, int joint) const;
 
+  // Energy: powers of this instant after `derivative`, and what springs of all kinds hold at a point.
+  std::size_t ledger_size() const { return 2 * static_cast<std::size_t>(n_) + 1 + static_cast<std::size_t>(laws_); }
+  void powers(const Workspace& w, double t, const double* x, const double* tau_ext, double* out) const;
+  double stored_energy(Workspace& w, const double* x) const;
+
   // For the event layer: all torques but those of stuck contacts, and what one contact could hold.
   void evaluate_laws(Workspace& w, double t, const double* x, const double* tau) const;
   void link_drive(Workspace& w, const double* tau_ext) const;  // tau_link += what drives the links
@@ -158,6 +164,7 @@ class Plant {
   std::shared_ptr<const LinkDynamics> links_;
   int n_;
   int internal_ = 0;
+  int laws_ = 0;
   std::vector<int> elastic_;     // joints with a finite stiffness
   std::vector<int> rotor_slot_;  // joint -> place among the elastic ones, -1 = rigid
   std::vector<double> K_, D_, J_, delay_;

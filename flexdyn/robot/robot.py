@@ -193,7 +193,7 @@ class Robot:
             inertia: factor of the inertia about the centre of mass [1].
 
         Returns:
-            A new robot; only the link's inertia differs.
+            A new robot; only the link's inertia differs, and its source is None: no file describes it.
 
         Raises:
             InputError: no such link, one without mass, or one that stands still.
@@ -216,7 +216,7 @@ class Robot:
         j = frame.joint
         model.inertias[j + 1] = pin.Inertia(float(tree.mass[j]), np.array(tree.com[j]), np.array(tree.inertia[j]))
         links = (*self._links[:place], replace(self._links[place], inertial=true), *self._links[place + 1 :])
-        return replace(self, tree=tree, _model=model, _links=links)
+        return replace(self, source=None, tree=tree, _model=model, _links=links)
 
     def visual_model(self) -> pin.GeometryModel:
         """The shapes of the robot on the joints of pin_model; meshes are read now. Empty for a pin.Model source."""

@@ -98,6 +98,8 @@ def test_numbers_of_the_urdf(tmp_path: Path) -> None:
     gravity = [0.0, -9.81, 0.0]
     wrong = fd.FlexibleJointModel(robots["given"], effects=errors, gravity=gravity)
     same_motion(wrong, fd.FlexibleJointModel(robots["true"], gravity=gravity))
+    with pytest.raises(fd.InputError, match=r"^robot\.urdf: "):  # its URDF has the wrong numbers
+        fd.save_model(wrong.resolved(), tmp_path / "true.yaml")
     fd.save_model(wrong, tmp_path / "wrong.yaml")
     same_motion(fd.load_model(tmp_path / "wrong.yaml"), wrong)
 

@@ -52,6 +52,7 @@ def test_as_if_the_file_had_been_written_so(
     written = zoo.with_name("written.urdf")
     written.write_text(edited(zoo.read_text(encoding="utf-8"), link, **factors), encoding="utf-8")
     scaled = given.with_link_scaled(link, **factors)
+    assert scaled.source is None
     same_dynamics(scaled, load_robot(written, lock=lock), rebuild)
     again = scaled.with_link_scaled(link, **{key: 1.0 / value for key, value in factors.items()})
     same_dynamics(again, given, rebuild)

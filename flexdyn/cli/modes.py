@@ -1,0 +1,106 @@
+"""What flexdyn info --modes adds: eigenfrequencies, damping, shapes, anti-resonances; frequencies over a path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexdyn.analysis import Modes, PathFrequencies, frequencies_over_path, modes
+from flexdyn.cli.output import number, table
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import read_recording
+
+SHOWN = 0.1
+"""Share of a shape's largest entry from which an entry is shown."""
+POSES = 400
+"""As many poses of a path are looked at."""
+
+
+def describe(model: FlexibleJointModel, q: Mapping[str, float]) -> dict[str, Any]:
+    """The modes of a model about a pose, as the JSON document holds them.
+
+    Args:
+        model: the arm.
+        q: positions by joint over the model's initial ones [rad or m].
+
+    Returns:
+        ``free``: with the rotors let go, and with them the anti-resonances; ``held``: with the rotors held, null where
+        every joint is rigid.
+    """
+    free = modes(model, q)
+    held = modes(model, q, rotors="held") if model.elastic.any() else None
+    return {
+        "q": dict(zip(model.joint_names, free.q.tolist(), strict=True)),
+        "free": _rows(free),
+        "held": None if held is None else _rows(held),
+        "anti_resonances": {
+            joint: [zero for zero in zeros.tolist() if zero > 0]
+            for joint, zeros in zip(model.joint_names, free.anti_resonances, strict=True)
+        },
+    }
+
+
+def _rows(found: Modes) -> list[dict[str, Any]]:
+    """Every mode with the entry of its shape that moves most."""
+    rows = []
+    for row in found.rows():
+        entries = _entries(row)
+        rows.append(row | {"dominant": {"joint": entries[0][0], "part": entries[0][1]}})
+    return rows
+
+
+def _entries(row: Mapping[str, Any]) -> list[tuple[str, str, float]]:
+    """Joint, part and size of every entry of a shape, the largest first; a link before its rotor."""
+    entries = [(joint, part, value) for part in ("link", "rotor") for joint, value in row[part].items()]
+    return sorted(entries, key=lambda entry: -abs(entry[2]))
+
+
+def tables(document: Mapping[str, Any], elastic: Mapping[str, bool]) -> list[Any]:
+    """The same for people.
+
+    Args:
+        document: of `describe`.
+        elastic: by joint; a rigid one has no rotor of its own to show.
+    """
+    at = ", ".join(f"{joint} {number(value)}" for joint, value in document["q"].items())
+    made: list[Any] = [_table(f"Modes at {at}, rotors let go", document["free"], elastic)]
+    if document["held"] is not None:
+        made.append(_table("Modes with the rotors held", document["held"], elastic))
+    rows = [
+        (joint, ", ".join(f"{number(zero)} Hz" for zero in zeros) or "none")
+        for joint, zeros in document["anti_resonances"].items()
+    ]
+    made.append(table("Anti-resonances, from a motor's torque to its own speed", ("motor", "frequencies"), rows))
+    return made
+
+
+def _table(title: str, modes_: list[dict[str, Any]], elastic: Mapping[str, bool]) -> Any:
+    columns = ("mode", "frequency", "damping", "kind", "moves most", f"shape, entries from {SHOWN:g}")
+    rows = []
+    for row in modes_:
+        entries = [entry for entry in _entries(row) if entry[1] == "link" or elastic[entry[0]]]
+        shape = [
+            f"{joint} {part} {number(value, 2)}" if elastic[joint] else f"{joint} {number(value, 2)}"
+            for joint, part, value in entries
+            if abs(value) >= SHOWN
+        ]
+        ratio = "-" if row["damping_ratio"] is None else f"{100 * row['damping_ratio']:.3g} %"
+        most = row["dominant"]["joint"]
+        part = f"{most} {row['dominant']['part']}" if elastic[most] else most
+        rows.append((row["mode"], f"{number(row['frequency'])} Hz", ratio, row["kind"], part, ", ".join(shape)))
+    return table(title, columns, rows, right=("mode", "frequency", "damping"))
+
+
+def along(model: FlexibleJointModel, path: Path) -> PathFrequencies:
+    """Frequencies along the q of a recording, rotors let go.
+
+    Raises:
+        InputError: a joint whose q the recording lacks.
+    """
+    recording = read_recording(path)
+    with_q = recording.signal("q", model.joint_names)
+    kept = np.unique(np.linspace(0, len(with_q) - 1, POSES).round().astype(int))
+    return frequencies_over_path(model, with_q[kept])

@@ -1,0 +1,26 @@
+#include "ledger.hpp"
+
+#include <cmath>
+
+namespace flexdyn {
+
+Ledger::Ledger(const Plant& plant, Plant::Workspace& work, Drive& drive)
+    : plant_(plant), work_(work), drive_(drive), x_(plant.state_size()), dx_(plant.state_size()),
+      power_(plant.ledger_size()), sums_(plant.ledger_size(), 0.0) {}
+
+void Ledger::advance(Stepper& stepper, double t) {
+  constexpr double node = 0.7745966692414834, weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+  const double h = t - t_;
+  if (h <= 0.0) return;
+  for (int i = 0; i < 3; ++i) {
+    const double at = t_ + 0.5 * h * (1.0 + (i - 1) * node);
+    stepper.interpolate(at, x_.data());
+    const double* external = drive_.external(at, x_.data());
+    plant_.derivative(work_, at, x_.data(), drive_.torque(at), external, dx_.data());
+    plant_.powers(work_, at, x_.data(), external, power_.data());
+    for (std::size_t k = 0; k < sums_.size(); ++k) sums_[k] += h * weight[i] * power_[k];
+  }
+  t_ = t;
+}
+
+}  // namespace flexdyn

@@ -1,0 +1,82 @@
+// Energy of the plant: what springs hold, and what each law takes out of the motion.
+#include <algorithm>
+#include <cmath>
+
+#include "plant.hpp"
+
+namespace flexdyn {
+
+// [supplied by each motor (n), by wrenches (1), lost in each joint's damping (n), lost in each law (laws)] [W].
+void Plant::powers(const Workspace& w, double t, const double* x, const double* tau_ext, double* out) const {
+  const double* v_ = v(x);
+  std::fill(out, out + ledger_size(), 0.0);
+  double* damping = out + n_ + 1;
+  double* law_power = damping + n_;
+  for (int j = 0; j < n_; ++j) {
+    out[j] = w.tau_applied[j] * w.omega[j];
+    if (tau_ext) out[n_] += tau_ext[j] * v_[j];
+  }
+  for (const int j : elastic_) damping[j] = D_[j] * (w.omega[j] - v_[j]) * (w.omega[j] - v_[j]);
+  for (const Law& law : damper_) {
+    const double rate = w.omega[law.joint] - v_[law.joint];
+    law_power[law.index] = law.p[0] * rate * rate;
+  }
+  for (const Law& law : spring_) {
+    LawInput in{t, w.deflection[law.joint], w.deflection_rate[law.joint]};
+    if (law.callback) law_power[law.index] = (*law.callback)(in, 0.0) * in.u;
+    if (law.state < 0) continue;
+    in.z = z(x)[law.state];
+    // In a gap the loop stands still while its torque still acts on what moves: the ledger counts that too.
+    const double rate = w.rotor_gain[law.joint] * w.omega[law.joint] - v_[law.joint];
+    law_power[law.index] = spring_torque(law.kind, law.p, in) * (rate - internal_rate(law.kind, law.p, in));
+  }
+  for (const Law& law : friction_) {
+    const LawInput in = input(w, law, t, x);
+    const double torque = law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in);
+    // What a bristle stores is not lost: 1/2 stiffness z^2.
+    const double stored = law.state < 0 ? 0.0 : law.p[1] * in.z * internal_rate(law.kind, law.p, in);
+    law_power[law.index] = torque * in.u - stored;
+  }
+  for (const Law& law : link_) {
+    if (law.kind != LawKind::end_stop) continue;
+    const LawInput in = input(w, law, t, x);
+    law_power[law.index] = -link_torque(law.kind, law.p, in, w.region[law.region]) * in.u;
+  }
+  for (std::size_t c = 0; c < dry_.size(); ++c) {
+    const double u = x[velocity_index(dry_[c])];
+    if (u == 0.0) continue;  // what sticks does no work
+    const double direction = u < 0.0 ? -1.0 : 1.0;
+    const double share = w.located ? direction : smooth_sign(u, w.smoothing);
+    for (const Law& law : dry_[c].laws) {
+      law_power[law.index] = dry_level(law.kind, law.p, input(w, law, t, x), direction) * share * u;
+    }
+  }
+}
+
+// Energy held by springs of all kinds [J]: transmissions, bristles, parallel springs, counterbalances.
+double Plant::stored_energy(Workspace& w, const double* x) const {
+  rotor(x, w.theta.data(), w.omega.data());
+  w.located = false;  // regions follow the point
+  transmission(w, 0.0, x);
+  double sum = 0.0;
+  for (const int j : elastic_) sum += 0.5 * K_[j] * w.deflection[j] * w.deflection[j];
+  for (const Law& law : spring_) {
+    const double d = w.deflection[law.joint];
+    if (law.kind == LawKind::hardening_spring) sum += 0.25 * law.p[0] * d * d * d * d;
+    if (law.kind == LawKind::spring_hysteresis) sum += 0.5 * law.p[0] * z(x)[law.state] * z(x)[law.state];
+  }
+  for (const Law& law : friction_) {
+    if (law.kind == LawKind::presliding_friction) sum += 0.5 * law.p[1] * z(x)[law.state] * z(x)[law.state];
+  }
+  for (const Law& law : link_) {
+    const double q_ = x[law.joint];
+    if (law.kind == LawKind::parallel_spring) sum += 0.5 * law.p[0] * (q_ - law.p[1]) * (q_ - law.p[1]);
+    if (law.kind == LawKind::position_torque) {
+      sum += law.p[0] * std::sin(q_) - law.p[1] * std::cos(q_) +
+             0.5 * (law.p[2] * std::sin(2.0 * q_) - law.p[3] * std::cos(2.0 * q_));
+    }
+  }
+  return sum;
+}
+
+}  // namespace flexdyn

@@ -1,0 +1,135 @@
+"""The energy ledger of a run: where the energy is, what came in, what each effect took out."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn import _core
+from flexdyn.drive import lower_wrenches
+from flexdyn.effects import Effect
+from flexdyn.job import core_settings
+from flexdyn.plant import LinkSide, acting_effects, build_plant
+from flexdyn.run import SIGNALS, Run
+from flexdyn.solvers import RungeKutta4, TimeStepping
+
+Array = NDArray[np.float64]
+
+
+class EnergyWarning(UserWarning):
+    """A run's energy ledger does not close to its solver's tolerance."""
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Where the energy of a motion is and went, sample by sample [J], each (samples,) unless said.
+
+    ``mechanical(t) - mechanical(0) = supplied + external - sum of dissipated + residual``.
+
+    Attributes:
+        kinetic: of the links and rotors.
+        spring: held by springs of all kinds: transmissions, bristles, hysteresis, parallel springs, counterbalances.
+        gravity: of the links, from the height of the base.
+        supplied: by each motor since the start, tau_applied omega integrated (samples, n).
+        external: by wrenches since the start.
+        dissipated: since the start, by ``effect.joint.side``; ``damping.JOINT`` is the joint's own. An end stop's entry
+            holds what its spring still stores.
+        tolerance: that the residual should stay below [J].
+    """
+
+    kinetic: Array
+    spring: Array
+    gravity: Array
+    supplied: Array
+    external: Array
+    dissipated: Mapping[str, Array]
+    tolerance: float
+
+    def __post_init__(self) -> None:
+        """Lock every array."""
+        for array in (self.kinetic, self.spring, self.gravity, self.supplied, self.external, *self.dissipated.values()):
+            array.setflags(write=False)
+        object.__setattr__(self, "dissipated", MappingProxyType(dict(self.dissipated)))
+
+    @property
+    def mechanical(self) -> Array:
+        """Kinetic, spring and gravity energy together: constant where nothing drives or brakes."""
+        return self.kinetic + self.spring + self.gravity
+
+    @property
+    def residual(self) -> Array:
+        """What the ledger leaves unexplained: the integration's error."""
+        came = self.supplied.sum(axis=1) + self.external
+        went = np.sum(list(self.dissipated.values()), axis=0) if self.dissipated else 0.0
+        return np.asarray(self.mechanical - self.mechanical[0] - came + went)
+
+    @property
+    def closes(self) -> bool:
+        """Whether the residual stays within the tolerance."""
+        return bool(np.abs(self.residual).max() <= self.tolerance)
+
+
+def ledger(run: Run) -> Energy:
+    """The energy ledger of a run, by going through its motion once more with every power integrated on the way.
+
+    Warns:
+        EnergyWarning: it does not close.
+    """
+    plant = build_plant(run.model)
+    rows = len(run.t)
+    sums = np.zeros((rows, plant.ledger_size))
+    out = [np.empty((rows, run.model.n)) for _ in SIGNALS] + [np.empty((rows, plant.internal_states))]
+    samples = run.inputs.samples
+    signal = None if samples is None else _core.signal(*samples.pieces(samples.values))
+    wrenches = lower_wrenches(run.model, run.inputs.external, run.inputs.duration)
+    inputs = run.inputs
+    settings = core_settings(run.solver)
+    command = _core.open_loop(signal)
+    job = _core.job(plant, command, wrenches, inputs.x0, inputs.duration, settings, run.t, out, sums)
+    _core.simulate(job, None)
+    energy = _energy(run, plant, sums)
+    if not energy.closes:
+        worst = float(np.abs(energy.residual).max())
+        text = f"the energy ledger of {run.model.name} leaves {worst:.3g} J of {energy.tolerance:.3g} J unexplained"
+        warnings.warn(f"{text}: {type(run.solver).__name__} does not resolve the motion", EnergyWarning, stacklevel=3)
+    return energy
+
+
+def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
+    model, n = run.model.resolved(), run.model.n
+    kinetic, gravity = LinkSide(model).energy(run.q, run.v)
+    elastic = model.elastic
+    kinetic = kinetic + 0.5 * run.omega[:, elastic] ** 2 @ model.rotor_inertia[elastic]
+    states = np.hstack([run.q, run.theta[:, elastic], run.v, run.omega[:, elastic], run.z])
+    spring = np.empty(len(run.t))
+    plant.stored_energy(np.ascontiguousarray(states), spring)
+    dissipated: dict[str, Array] = {}
+    for j in np.flatnonzero(elastic & (model.damping > 0)):
+        dissipated[f"damping.{model.joint_names[j]}"] = sums[:, n + 1 + j].copy()
+    for k, effect in enumerate(acting_effects(model)):
+        lost = sums[:, 2 * n + 1 + k]
+        if effect.stage in ("friction", "dry", "spring") or effect.name == "end_stop":
+            label = _label(effect)
+            dissipated[label] = dissipated.get(label, 0.0) + lost
+    turnover = max(np.ptp(kinetic), np.ptp(spring), np.abs(sums).max(initial=0.0), 1e-12)
+    return Energy(
+        kinetic, spring, gravity, sums[:, :n].copy(), sums[:, n].copy(), dissipated, _tolerance(run) * turnover
+    )
+
+
+def _label(effect: Effect) -> str:
+    return ".".join(str(getattr(effect, key)) for key in ("name", "joint", "side"))
+
+
+def _tolerance(run: Run) -> float:
+    """Relative to what is turned over: local errors of rtol add up over the steps; a fixed step has its order."""
+    if isinstance(run.solver, TimeStepping):
+        return 1e-2  # order 1: it damps a little more than the arm does
+    if isinstance(run.solver, RungeKutta4):
+        return 1e-6
+    return float(getattr(run.solver, "rtol", 1e-6)) * max(100.0, run.stats.get("steps", 0))

@@ -1,0 +1,104 @@
+"""Curves of friction: smooth, set-valued, with memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects import Effect, JointCoupling, JointEffect, MemoryEffect
+from flexdyn.plots.page import BLUE, GREY, PALE, RED, SHADES, WIDE, cross, legend, legend_above
+
+Array = NDArray[np.float64]
+VELOCITY = "velocity $u$ of the link or rotor [rad/s]"
+FRICTION = "friction torque [N m]"
+
+
+def span(effect: Effect, factor: float) -> float:
+    """How far a velocity axis goes: some times the speed that the law itself names, or 1 rad/s."""
+    speeds = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "rad/s"]
+    return factor * max(speeds) if speeds else 1.0
+
+
+def varies(law: Callable[[Array], Any], reach: float) -> bool:
+    """Whether a law depends on the argument that is handed to it."""
+    return bool(np.ptp(np.asarray(law(np.linspace(-reach, reach, 41)), dtype=float)) > 0.0)
+
+
+def smooth(axes: Any, effect: JointEffect) -> tuple[str, str]:
+    """Torque over velocity; where it fades with time, at several times."""
+    reach = span(effect, 6.0)
+    u = np.linspace(-reach, reach, 801)
+    durations = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "s"]
+    cross(axes)
+    if not durations:
+        axes.plot(u, effect.torque(0.0, u), color=BLUE, linewidth=WIDE)
+    for share, shade in zip((0.0, 0.5, 1.0, 2.0, 4.0), SHADES[::-1], strict=True):
+        for duration in durations[:1]:
+            t = share * duration
+            axes.plot(u, effect.torque(0.0, u, t=t), color=shade, linewidth=WIDE, label=f"t = {t:g} s")
+    if durations:
+        legend(axes, "since the start")
+    if isinstance(effect, JointCoupling):
+        return r"rotor velocity $\omega$ of the other joint [rad/s]", "torque against this rotor [N m]"
+    return VELOCITY, FRICTION
+
+
+def dry(axes: Any, effect: JointEffect) -> tuple[str, str]:
+    """Set-valued: every torque between two ends at rest, one end in motion; over what the level depends on."""
+    if varies(lambda x: effect.torque(x, 1.0), np.pi):
+        x = np.linspace(0.0, 2.0 * np.pi, 801)
+        _band(axes, x, effect.torque(x, 1.0), effect.torque(x, -1.0))
+        return "position $x$ of the link or rotor [rad]", FRICTION
+    if varies(lambda tau: effect.torque(0.0, 1.0, tau=tau), 1.0):
+        tau = np.linspace(-10.0, 10.0, 801)
+        _band(axes, tau, effect.torque(0.0, 1.0, tau=tau), effect.torque(0.0, -1.0, tau=tau))
+        return r"transmission torque $\tau_s$ [N m]", FRICTION
+    reach = span(effect, 6.0)
+    right = np.linspace(0.0, reach, 801)[1:]
+    right = np.concatenate([[reach * 1e-9], right])
+    upper, lower = effect.torque(0.0, right), effect.torque(0.0, -right)
+    cross(axes)
+    axes.plot(right, upper, color=BLUE, linewidth=WIDE)
+    axes.plot(-right, lower, color=BLUE, linewidth=WIDE)
+    axes.plot([0.0, 0.0], [lower[0], upper[0]], color=RED, linewidth=2.6, solid_capstyle="butt", zorder=3)
+    axes.annotate(
+        "at rest: any torque\nbetween the two ends",
+        (0.0, 0.45 * lower[0]),
+        (0.16 * reach, 0.6 * lower[0]),
+        color=RED,
+        va="center",
+        arrowprops={"arrowstyle": "-", "color": RED, "linewidth": 0.8, "shrinkB": 2.0},
+    )
+    return VELOCITY, FRICTION
+
+
+def _band(axes: Any, x: Array, upper: Array, lower: Array) -> None:
+    axes.fill_between(x, lower, upper, color=PALE, linewidth=0.0, label="at rest: any of these")
+    axes.plot(x, upper, color=BLUE, linewidth=WIDE, label="$u > 0$")
+    axes.plot(x, lower, color=RED, linewidth=WIDE, label="$u < 0$")
+    axes.axhline(0.0, color="#111827", linewidth=0.7)
+    legend_above(axes, 3)
+
+
+def loop(axes: Any, effect: MemoryEffect) -> tuple[str, str]:
+    """Torque over a path that goes out, back and out again, and turns round once on the way."""
+    path = effect.example_path()
+    torque = effect.along(path)
+    rise = len(path) // 5  # the path has five legs; the first one starts from rest
+    cross(axes)
+    axes.plot(path[: rise + 1], torque[: rise + 1], color=GREY, linewidth=WIDE, linestyle=(0, (2, 1.2)))
+    axes.plot(path[rise:], torque[rise:], color=BLUE, linewidth=WIDE)
+    for share in (0.1, 0.3, 0.5, 0.7):
+        k = int(share * len(path))
+        ends = [(path[i], torque[i]) for i in (k + len(path) // 60, k)]
+        arrow = {"arrowstyle": "-|>", "color": GREY if share < 0.2 else BLUE, "mutation_scale": 16.0}
+        axes.annotate("", ends[0], ends[1], arrowprops=arrow)
+    axes.margins(x=0.04, y=0.12)
+    axes.annotate("from rest", (path[rise // 6], torque[rise // 6]), (10, -4), textcoords="offset points", color=GREY)
+    axes.locator_params(axis="x", nbins=7)
+    if effect.sides == ("transmission",):
+        return r"deflection $\delta$ [rad]", "torque in the transmission [N m]"
+    return "position $x$ of the link or rotor [rad]", FRICTION

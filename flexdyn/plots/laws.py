@@ -1,0 +1,81 @@
+"""draw_law: the law of an effect as a picture, with the parameters of its example."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from flexdyn.effects import CommandDelay, DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect
+from flexdyn.errors import InputError
+from flexdyn.plots import friction_curves, sensor_curves, torque_curves
+from flexdyn.plots.page import GREY, checked_path, dress, new_figure, save
+
+Labels = tuple[str, str]
+Drawing = Callable[[Any, Any], Labels]
+
+_BY_KIND: tuple[tuple[type[Effect], Drawing], ...] = (
+    (MemoryEffect, friction_curves.loop),
+    (DeflectionEffect, torque_curves.deflection),
+    (CommandDelay, sensor_curves.delayed_command),
+    (SensorEffect, sensor_curves.measured),
+)
+_BY_STAGE: dict[str, Drawing] = {
+    "friction": friction_curves.smooth,
+    "dry": friction_curves.dry,
+    "spring": torque_curves.spring,
+    "link": torque_curves.link,
+    "actuator": torque_curves.actuator,
+}
+
+
+def draw_law(kind: type[Effect], path: str | Path) -> None:
+    """Draw the law of an effect, with the parameters of its example.
+
+    Dry laws are drawn set-valued, laws with memory as loops, those of the motor over the torque asked for, its speed or
+    angle, those of sensors as measured over true.
+
+    Args:
+        kind: the effect's class, flexdyn's own or a user's.
+        path: of the picture; its suffix is one of `SUFFIXES`.
+
+    Raises:
+        InputError: the effect has no law to draw, the suffix is not known, or the file cannot be written.
+        MissingExtra: matplotlib is not installed.
+    """
+    file = checked_path(path)
+    draw = _drawing(kind)
+    effect = kind.example()
+    figure = new_figure()
+    axes = figure.add_axes((0.13, 0.13, 0.83, 0.68))
+    axes.margins(x=0.0, y=0.12)
+    across, up = draw(axes, effect)
+    dress(axes, across, up)
+    _head(figure, effect)
+    save(figure, file)
+
+
+def _drawing(kind: type[Effect]) -> Drawing:
+    for base, drawing in _BY_KIND:
+        if issubclass(kind, base):
+            return drawing
+    if kind.no_torque or kind.stage not in _BY_STAGE or not issubclass(kind, JointEffect):
+        remedy = kind.no_torque or None
+        raise InputError("the effect has no law to draw", key="effect", value=kind.name, remedy=remedy)
+    return _BY_STAGE[kind.stage]
+
+
+def _head(figure: Any, effect: Effect) -> None:
+    """Name, law and parameters."""
+    values = ", ".join(f"{f.name} {getattr(effect, f.name):g} {_shown_unit(f)}".strip() for f in effect.parameters())
+    figure.text(0.13, 0.93, effect.name.replace("_", " ").capitalize(), fontsize=14, fontweight="bold")
+    size = min(8.5, 640 / max(1, len(effect.law)))
+    figure.text(0.13, 0.885, effect.law, fontsize=size, family="monospace", color="#374151")
+    figure.text(0.13, 0.845, values, fontsize=8.5, color=GREY)
+
+
+def _shown_unit(field: dataclasses.Field[Any]) -> str:
+    unit = str(field.metadata["unit"])
+    # The examples of sensors measure a position.
+    return {"1": "", "unit of the channel": "rad"}.get(unit, unit)

@@ -1,0 +1,87 @@
+"""What every picture shares: formats, colours, axes, saving."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from flexdyn.errors import InputError, MissingExtra
+from flexdyn.files import replacing
+
+SUFFIXES = (".png", ".pdf", ".svg")
+"""Formats of pictures."""
+BLUE, RED, GREY, PALE = "#1f4e9c", "#c23b22", "#6b7280", "#dbe4f3"
+SHADES = ("#7f1d1d", "#d97757", GREY, "#6ea0dc", BLUE)
+"""Of five curves, from the least to the greatest."""
+DASHED = (0, (3, 3))
+WIDE = 2.2
+"""Width of a law's line [pt]."""
+
+
+def checked_path(path: str | Path) -> Path:
+    """The path of a picture.
+
+    Raises:
+        InputError: its suffix is none of `SUFFIXES`.
+    """
+    file = Path(path)
+    if file.suffix.lower() not in SUFFIXES:
+        remedy = f"known: {', '.join(SUFFIXES)}"
+        raise InputError("unknown suffix of a picture", file=file, value=file.suffix, remedy=remedy)
+    return file
+
+
+def new_figure() -> Any:
+    """An empty figure of the size of all of them.
+
+    Raises:
+        MissingExtra: matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise MissingExtra("matplotlib", "plot") from None
+    return Figure(figsize=(6.4, 4.4))
+
+
+def dress(axes: Any, across: str, up: str) -> None:
+    """Labels with units, a grid, and no more ink than that."""
+    axes.set_xlabel(across)
+    axes.set_ylabel(up)
+    axes.grid(color="#e5e7eb", linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.locator_params(axis="x", nbins=7)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def cross(axes: Any) -> None:
+    """Lines through the origin."""
+    axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
+    axes.axvline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
+
+
+def legend(axes: Any, title: str, *, upside_down: bool = False) -> None:
+    """A legend to the right of the axes, which make room for it.
+
+    Args:
+        axes: whose labelled curves it names.
+        title: above it.
+        upside_down: the last curve first, as it is the uppermost.
+    """
+    handles, labels = axes.get_legend_handles_labels()
+    order = slice(None, None, -1 if upside_down else 1)
+    axes.legend(handles[order], labels[order], title=title, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes.set_position((0.13, 0.13, 0.62, 0.68))
+
+
+def legend_above(axes: Any, columns: int) -> None:
+    """A legend of one line above the axes, which make room for it."""
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 0.99), ncols=columns, fontsize=8.5, borderpad=0.1)
+    axes.set_position((0.13, 0.13, 0.83, 0.63))
+
+
+def save(figure: Any, file: Path) -> None:
+    """Write the picture whole, or not at all."""
+    with replacing(file) as fresh:
+        figure.savefig(fresh, format=file.suffix.lower()[1:], dpi=200)

@@ -1,0 +1,56 @@
+"""Curves of what comes late and what is measured wrongly."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from flexdyn.effects import ChannelLag, CommandDelay, SensorEffect
+from flexdyn.plots.page import BLUE, DASHED, GREY, WIDE, cross, legend_above
+
+VISIBLE = 0.02
+"""Errors smaller than this share of what is measured are drawn by themselves."""
+
+
+def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
+    """The response to a step of the torque asked for."""
+    end = 4.0 * effect.delay
+    times = np.array([-0.5 * end, 0.0, end])
+    axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
+    asked, given = [0.0, 1.0, 1.0], times + [0.0, effect.delay, 0.0]
+    axes.step(times, asked, where="post", color=GREY, linewidth=1.4, linestyle=DASHED, label=r"asked: $\tau$")
+    axes.step(given, asked, where="post", color=BLUE, linewidth=WIDE, label=r"given: $\tau_\mathrm{applied}$")
+    axes.legend(frameon=False, loc="center right")
+    return "time $t$ [s]", "motor torque [N m]"
+
+
+def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
+    """Measured over true; only the error where that is too small to see; over time where it is late."""
+    if isinstance(effect, ChannelLag):
+        return _late(axes, effect)
+    lengths = [abs(getattr(effect, field.name)) for field in effect.parameters() if field.metadata["unit"] != "1"]
+    turns = any(field.name == "harmonic" for field in effect.parameters())
+    reach = math.pi if turns or not any(lengths) else 5.0 * max(lengths)
+    true = np.linspace(-reach, reach, 801)
+    reported = effect.measured(true, np.arange(801.0))
+    cross(axes)
+    if np.abs(reported - true).max() < VISIBLE * reach:
+        axes.plot(true, reported - true, color=BLUE, linewidth=WIDE)
+        return "true position [rad]", "measured - true [rad]"
+    axes.plot(true, true, color=GREY, linewidth=1.0, linestyle=DASHED, label="true")
+    axes.plot(true, reported, color=BLUE, linewidth=WIDE, label="measured")
+    axes.legend(frameon=False, loc="upper left")
+    return "true position [rad]", "measured position [rad]"
+
+
+def _late(axes: Any, effect: ChannelLag) -> tuple[str, str]:
+    """A position that swings, and how the sensor reports it."""
+    t = np.linspace(0.0, 20.0 * effect.delay, 1201)
+    true = np.sin(2.0 * math.pi * t / (10.0 * effect.delay))
+    axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
+    axes.plot(t, true, color=GREY, linewidth=1.4, linestyle=DASHED, label="true")
+    axes.plot(t, effect.measured(true, t), color=BLUE, linewidth=WIDE, label="measured")
+    legend_above(axes, 2)
+    return "time $t$ [s]", "position [rad]"

@@ -1,0 +1,92 @@
+"""Curves of transmissions, links and motors."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects import DeflectionEffect, JointEffect
+from flexdyn.plots.friction_curves import span, varies
+from flexdyn.plots.page import BLUE, DASHED, GREY, RED, SHADES, WIDE, cross, legend
+
+Array = NDArray[np.float64]
+ASKED = (-1.2, -0.6, 0.0, 0.6, 1.2)
+"""Torques asked for in the pictures of actuator effects [N m]."""
+DEFLECTION = 0.01
+"""How far springs are wound in the pictures [rad]."""
+
+
+def spring(axes: Any, effect: JointEffect) -> tuple[str, str]:
+    """Torque over the deflection or its rate, whichever the law is of."""
+    cross(axes)
+    if varies(lambda x: effect.torque(x, 0.0), DEFLECTION):
+        delta = np.linspace(-DEFLECTION, DEFLECTION, 801)
+        axes.plot(delta, effect.torque(delta, 0.0), color=BLUE, linewidth=WIDE)
+        return r"deflection $\delta = \theta - q$ [rad]", "torque in the transmission [N m]"
+    rate = np.linspace(-1.0, 1.0, 801) * span(effect, 6.0)
+    axes.plot(rate, effect.torque(0.0, rate), color=BLUE, linewidth=WIDE)
+    return r"$\omega - v$ [rad/s]", "torque in the transmission [N m]"
+
+
+def deflection(axes: Any, effect: DeflectionEffect) -> tuple[str, str]:
+    """The deflection that springs see: over the true one, or what the rotor's angle adds to it."""
+    cross(axes)
+    if varies(lambda theta: effect.deflection(0.0, theta), math.pi):
+        theta = np.linspace(0.0, 2.0 * math.pi, 1201)
+        axes.plot(theta, effect.deflection(0.0, theta), color=BLUE, linewidth=WIDE)
+        return r"rotor position $\theta$ [rad]", r"added to the deflection $\delta$ [rad]"
+    lengths = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "rad"]
+    reach = 3.0 * max(lengths, default=DEFLECTION)
+    delta = np.linspace(-reach, reach, 1201)
+    axes.plot(delta, delta, color=GREY, linewidth=1.0, linestyle=DASHED, label="without")
+    axes.plot(delta, effect.deflection(delta), color=BLUE, linewidth=WIDE, label="with it")
+    axes.legend(frameon=False, loc="upper left")
+    return r"$\delta = \theta - q$ [rad]", "deflection that the spring sees [rad]"
+
+
+def link(axes: Any, effect: JointEffect) -> tuple[str, str]:
+    """Torque on the link over its position, at several speeds where it depends on speed."""
+    stops = [abs(end) for end in (getattr(effect, key, math.inf) for key in ("lower", "upper")) if math.isfinite(end)]
+    reach = 1.3 * max(stops) if stops else math.pi
+    q = np.linspace(-reach, reach, 1201)
+    cross(axes)
+    if not varies(lambda v: effect.torque(q[-1], v), 1.0):
+        axes.plot(q, effect.torque(q, 0.0), color=BLUE, linewidth=WIDE)
+    else:
+        for v, shade in zip((3.0, 0.0, -3.0), (RED, GREY, BLUE), strict=True):
+            axes.plot(q, effect.torque(q, v), color=shade, linewidth=WIDE, label=f"v = {v:g} rad/s")
+        axes.legend(frameon=False)
+    return "link position $q$ [rad]", "torque on the link [N m]"
+
+
+def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
+    """tau_applied over the rotor's speed or angle for several torques asked for, else over the torque asked for."""
+    over_speed = any(varies(lambda u, tau=tau: effect.torque(0.0, u, tau=tau), span(effect, 1.3)) for tau in ASKED)
+    over_angle = any(varies(lambda x, tau=tau: effect.torque(x, 0.0, tau=tau), math.pi) for tau in ASKED)
+    up = r"$\tau_\mathrm{applied}$ [N m]"
+    if over_speed:
+        omega = np.linspace(-1.0, 1.0, 801) * span(effect, 1.3)
+        _family(axes, effect, omega, (0.0, omega))
+        return r"rotor velocity $\omega$ [rad/s]", up
+    if over_angle:
+        theta = np.linspace(0.0, 2.0 * math.pi, 801)
+        _family(axes, effect, theta, (theta, 0.0))
+        return r"rotor position $\theta$ [rad]", up
+    cross(axes)
+    tau = np.linspace(ASKED[0], ASKED[-1], 801)
+    axes.plot(tau, tau, color=GREY, linewidth=1.0, linestyle=DASHED, label="without")
+    axes.plot(tau, effect.torque(0.0, 0.0, tau=tau), color=BLUE, linewidth=WIDE, label="with it")
+    axes.legend(frameon=False, loc="upper left")
+    return r"torque asked for $\tau$ [N m]", up
+
+
+def _family(axes: Any, effect: Effect, across: Array, state: tuple[Any, Any]) -> None:
+    """One curve for each torque asked for, which is dashed beside it."""
+    cross(axes)
+    for tau, shade in zip(ASKED, SHADES, strict=True):
+        axes.axhline(tau, color=shade, linewidth=0.8, linestyle=DASHED)
+        axes.plot(across, effect.torque(*state, tau=tau), color=shade, linewidth=WIDE, label=f"{tau:g} N m")
+    legend(axes, "asked (dashed)", upside_down=True)

@@ -1,0 +1,1 @@
+"""What the solvers promise: exact sticking, located events, order, stability."""
