@@ -102,12 +102,12 @@ def ledger(run: Run) -> Energy:
 
 def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
     model, n = run.model.resolved(), run.model.n
-    kinetic, gravity = LinkSide(model).energy(run.q, run.v)
     elastic = model.elastic
-    kinetic = kinetic + 0.5 * run.omega[:, elastic] ** 2 @ model.rotor_inertia[elastic]
-    states = np.hstack([run.q, run.theta[:, elastic], run.v, run.omega[:, elastic], run.z])
-    spring = np.empty(len(run.t))
-    plant.stored_energy(np.ascontiguousarray(states), spring)
+    _, gravity = LinkSide(model).energy(run.q, run.v)
+    speeds = np.hstack([run.v, run.omega[:, elastic]])
+    states = np.ascontiguousarray(np.hstack([run.q, run.theta[:, elastic], speeds, run.z]))
+    kinetic, spring = _kinetic(plant, states, speeds), np.empty(len(run.t))
+    plant.stored_energy(states, spring)
     dissipated: dict[str, Array] = {}
     for j in np.flatnonzero(elastic & (model.damping > 0)):
         dissipated[f"damping.{model.joint_names[j]}"] = sums[:, n + 1 + j].copy()
@@ -120,6 +120,18 @@ def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
     return Energy(
         kinetic, spring, gravity, sums[:, :n].copy(), sums[:, n].copy(), dissipated, _tolerance(run) * turnover
     )
+
+
+def _kinetic(plant: _core.Plant, states: Array, speeds: Array, chunk: int = 1000) -> Array:
+    """1/2 w' H(q) w over the velocities w of links and rotors; in chunks, which bounds the memory of H."""
+    width = speeds.shape[1]
+    kinetic = np.empty(len(states))
+    for first in range(0, len(states), chunk):
+        rows = slice(first, first + chunk)
+        H = np.empty((len(states[rows]), width, width))
+        plant.inertia(np.ascontiguousarray(states[rows]), H)
+        kinetic[rows] = 0.5 * np.einsum("ri,rij,rj->r", speeds[rows], H, speeds[rows])
+    return kinetic
 
 
 def _label(effect: Effect) -> str:

@@ -52,7 +52,8 @@ class FlexibleJointModel:
             (``{"*": 0.05, "joints.elbow.stiffness": 0.2}``).
         gravity: [m/s^2] in the axes of the base.
         urdf_dynamics: ``use`` turns the URDF's <dynamics damping friction> into link-side effects; ``ignore``.
-        rotor_coupling: ``reduced``: rotors act on their own joint only.
+        rotor_coupling: ``reduced``: rotors act on their own joint only; ``full``: they ride on their parent links, turn
+            with them, and their spin acts on the links (S(q) alpha and its gyroscopic torques).
         name: of the model; default: the robot's.
 
     Raises:
@@ -80,7 +81,7 @@ class FlexibleJointModel:
             resolve_joints({} if joints is None else joints, robot.joint_names)
         )
         self.urdf_dynamics = _one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
-        self.rotor_coupling = _one_of("robot.rotor_coupling", rotor_coupling, ("reduced",))
+        self.rotor_coupling = _one_of("robot.rotor_coupling", rotor_coupling, ("reduced", "full"))
         self.gravity = _gravity(gravity)
         self.initial = _initial({} if initial is None else initial, robot.joint_names)
         self.tolerance = _tolerance(tolerance)

@@ -36,7 +36,20 @@ def build_plant(model: FlexibleJointModel) -> _core.Plant:
     links = build_links(true)
     laws = [_law(true, effect) for effect in acting_effects(true)]
     _check_inertia(true, links)
-    return _core.plant(links, true.stiffness, true.damping, true.rotor_inertia, laws)
+    plant = _core.plant(links, true.stiffness, true.damping, true.rotor_inertia, rotor_spin(true), laws)
+    if plant.coupled:
+        _check_coupling(true, plant)
+    return plant
+
+
+def rotor_spin(model: FlexibleJointModel) -> Array:
+    """J/N of every joint (n,) [kg m^2]: times omega it is the angular momentum of a rotor about its own axis.
+
+    Zero where the model's rotor coupling is ``reduced``, which leaves out what this momentum does to the links.
+    """
+    if model.rotor_coupling == "reduced":
+        return np.zeros(model.n)
+    return np.array([joint.gear_ratio * joint.rotor_inertia for joint in model.joints.values()])
 
 
 def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
@@ -180,3 +193,15 @@ def _check_inertia(model: FlexibleJointModel, links: _core.LinkDynamics) -> None
         name = model.joint_names[int(np.argmin(scale))]
         remedy = "give its links mass and inertia, or a rigid joint a rotor_inertia"
         raise InputError("the joint moves no inertia: M(q) is singular", key=f"joints.{name}", remedy=remedy)
+
+
+def _check_coupling(model: FlexibleJointModel, plant: _core.Plant) -> None:
+    """Links lighter than the rotors they carry make no positive kinetic energy: the URDF lacks the rotors' own share."""
+    x = np.zeros(plant.state_size)
+    x[: model.n] = [model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names]
+    size = model.n + int(model.elastic.sum())
+    H = np.empty((size, size))
+    plant.inertia(x, H)
+    if np.linalg.eigvalsh(H)[0] <= 0.0:
+        remedy = "the URDF's links must include the rotors they carry; or take reduced"
+        raise InputError("the links weigh less than their rotors' spin", key="robot.rotor_coupling", remedy=remedy)

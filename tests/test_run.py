@@ -48,7 +48,7 @@ def test_a_run_describes_itself(run: fd.Run) -> None:
     assert run.joint_names == ("shoulder", "elbow")
     np.testing.assert_array_equal(run.deflection, run.theta - run.q)
     assert repr(run) == f"<Run scara_two_link: 0.5 s, 501 samples, DormandPrince, {run.stats['steps']} steps>"
-    assert set(run.stats) == {"steps", "rejected", "evaluations"}
+    assert set(run.stats) == {"steps", "rejected", "evaluations", "events"}
     assert run.stats["evaluations"] > 6 * run.stats["steps"]
 
 

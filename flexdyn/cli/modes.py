@@ -10,6 +10,7 @@ import numpy as np
 
 from flexdyn.analysis import Modes, PathFrequencies, frequencies_over_path, modes
 from flexdyn.cli.output import number, table
+from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import read_recording
 
@@ -81,17 +82,22 @@ def _table(title: str, modes_: list[dict[str, Any]], elastic: Mapping[str, bool]
     columns = ("mode", "frequency", "damping", "kind", "moves most", f"shape, entries from {SHOWN:g}")
     rows = []
     for row in modes_:
-        entries = [entry for entry in _entries(row) if entry[1] == "link" or elastic[entry[0]]]
-        shape = [
-            f"{joint} {part} {number(value, 2)}" if elastic[joint] else f"{joint} {number(value, 2)}"
-            for joint, part, value in entries
-            if abs(value) >= SHOWN
-        ]
         ratio = "-" if row["damping_ratio"] is None else f"{100 * row['damping_ratio']:.3g} %"
         most = row["dominant"]["joint"]
         part = f"{most} {row['dominant']['part']}" if elastic[most] else most
-        rows.append((row["mode"], f"{number(row['frequency'])} Hz", ratio, row["kind"], part, ", ".join(shape)))
+        rows.append((row["mode"], f"{number(row['frequency'])} Hz", ratio, row["kind"], part, _shape(row, elastic)))
     return table(title, columns, rows, right=("mode", "frequency", "damping"))
+
+
+def _shape(row: Mapping[str, Any], elastic: Mapping[str, bool]) -> str:
+    """The larger entries of a shape; a joint whose rotor and link go together is named once."""
+    shown = []
+    for joint, part, value in _entries(row):
+        twin = row["rotor" if part == "link" else "link"][joint]
+        together = not elastic[joint] or number(value, 2) == number(twin, 2)
+        if abs(value) >= SHOWN and not (together and part == "rotor"):
+            shown.append(f"{joint} {number(value, 2)}" if together else f"{joint} {part} {number(value, 2)}")
+    return ", ".join(shown)
 
 
 def along(model: FlexibleJointModel, path: Path) -> PathFrequencies:
@@ -101,6 +107,9 @@ def along(model: FlexibleJointModel, path: Path) -> PathFrequencies:
         InputError: a joint whose q the recording lacks.
     """
     recording = read_recording(path)
-    with_q = recording.signal("q", model.joint_names)
-    kept = np.unique(np.linspace(0, len(with_q) - 1, POSES).round().astype(int))
-    return frequencies_over_path(model, with_q[kept])
+    try:
+        poses = recording.signal("q", model.joint_names)
+    except InputError as error:
+        raise error.at(file=path) from None
+    kept = np.unique(np.linspace(0, len(poses) - 1, POSES).round().astype(int))
+    return frequencies_over_path(model, poses[kept])

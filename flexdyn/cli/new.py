@@ -156,8 +156,8 @@ def _effects(model: FlexibleJointModel) -> list[str]:
     first, *others = model.joint_names
     prismatic = model.robot.kinds[0] == "prismatic"
     lines = [
-        "# Any number of effects; several of one kind add up. Those of a transmission and load_dependent_friction need an",
-        "# elastic joint, joint_elasticity a rigid one whose rotor has inertia.",
+        "# Any number of effects; several of one kind add up. Those of a transmission and load_dependent_friction need",
+        "# an elastic joint, joint_elasticity a rigid one whose rotor has inertia.",
         "effects:",
     ]
     for kind in catalogue().values():
@@ -166,6 +166,8 @@ def _effects(model: FlexibleJointModel) -> list[str]:
         entry = example_entry(kind, first, *others[:1])
         units = {field.name: unit_for(field.metadata["unit"], prismatic=prismatic) for field in kind.parameters()}
         legend = ", ".join(f"{key} {unit}" for key, unit in units.items() if unit != "1")
-        values = ", ".join(f"{key}: {quoted(value) if isinstance(value, str) else value}" for key, value in entry.items())
+        values = ", ".join(
+            f"{key}: {quoted(value) if isinstance(value, str) else value}" for key, value in entry.items()
+        )
         lines.append(f"  # - {{{values}}}" + (f"  # {legend}" if legend else ""))
     return lines

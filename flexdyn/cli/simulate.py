@@ -49,7 +49,8 @@ def simulate(
         str | None, typer.Option(metavar="A", help="Absolute tolerance of an adaptive solver, in rad and rad/s.")
     ] = None,
     smoothing: Annotated[
-        str | None, typer.Option(metavar="U", help="Smooth dry friction over this, in rad/s, instead of exact sticking.")
+        str | None,
+        typer.Option(metavar="U", help="Smooth dry friction over this, in rad/s, instead of exact sticking."),
     ] = None,
     rate: Annotated[str, typer.Option(metavar="HZ", help="Of the samples in the run, in Hz.")] = "1000",
     q0: Annotated[

@@ -199,6 +199,20 @@ void stored_energy(const Plant& plant, Array x, OutArray out) {
   for (std::size_t i = 0; i < out.size(); ++i) out.data()[i] = plant.stored_energy(work, x.data() + i * size);
 }
 
+void inertia(const Plant& plant, Array x, OutArray H) {
+  const std::size_t N = plant.velocities(), size = plant.state_size(), rows = x.size() / size;
+  require(x.size() == rows * size && H.size() == rows * N * N, "x is (rows, nx) and H (rows, N, N)");
+  auto work = plant.workspace();
+  for (std::size_t i = 0; i < rows; ++i) plant.inertia(work, x.data() + i * size, H.data() + i * N * N);
+}
+
+void bias_all(const Plant& plant, Array x, OutArray b) {
+  const std::size_t N = plant.velocities(), size = plant.state_size(), rows = x.size() / size;
+  require(x.size() == rows * size && b.size() == rows * N, "x is (rows, nx) and b (rows, N)");
+  auto work = plant.workspace();
+  for (std::size_t i = 0; i < rows; ++i) plant.bias(work, x.data() + i * size, b.data() + i * N);
+}
+
 // Dry friction is smoothed if a width is given; without, what rests and is held has no acceleration.
 void jacobian(const Plant& plant, double t, Array x, Array tau, double smoothing, OutArray out) {
   const std::size_t size = plant.state_size();
@@ -214,11 +228,13 @@ void jacobian(const Plant& plant, double t, Array x, Array tau, double smoothing
 }
 
 std::shared_ptr<Plant> make_plant(std::shared_ptr<LinkDynamics> links, Array stiffness, Array damping, Array inertia,
-                                  const std::vector<Law>& laws) {
+                                  Array spin, const std::vector<Law>& laws) {
   const std::size_t n = links->size();
-  require(stiffness.size() == n && damping.size() == n && inertia.size() == n, "K, D and J have one entry a joint");
+  require(stiffness.size() == n && damping.size() == n && inertia.size() == n && spin.size() == n,
+          "K, D, J and spin have one entry a joint");
   for (const Law& law : laws) require(law.joint >= 0 && law.joint < static_cast<int>(n), "a law's joint is not there");
-  return std::make_shared<Plant>(links, to_vector(stiffness), to_vector(damping), to_vector(inertia), laws);
+  return std::make_shared<Plant>(links, to_vector(stiffness), to_vector(damping), to_vector(inertia), to_vector(spin),
+                                 laws);
 }
 
 }  // namespace
@@ -242,13 +258,16 @@ void bind_plant(nb::module_& m) {
       .def_prop_ro("state_size", &Plant::state_size)
       .def_prop_ro("internal_states", &Plant::internal_states)
       .def_prop_ro("ledger_size", &Plant::ledger_size)
+      .def_prop_ro("coupled", &Plant::coupled)
+      .def("inertia", &inertia, nb::arg("x"), nb::arg("out"))
+      .def("bias", &bias_all, nb::arg("x"), nb::arg("out"))
       .def("stored_energy", &stored_energy, nb::arg("x"), nb::arg("out"))
       .def_prop_ro("has_dry_friction", &Plant::has_dry_friction)
       .def("derivative", &derivative, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"),
            nb::arg("out"))
       .def("jacobian", &jacobian, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"), nb::arg("out"));
   m.def("plant", &make_plant, nb::arg("links"), nb::arg("stiffness"), nb::arg("damping"), nb::arg("rotor_inertia"),
-        nb::arg("laws"));
+        nb::arg("spin"), nb::arg("laws"));
 }
 
 }  // namespace flexdyn

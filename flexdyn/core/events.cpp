@@ -123,49 +123,40 @@ void Events::settle_contacts(double t, const double* x) {
     if (u == 0.0) resting.push_back(c);
   }
   if (resting.empty()) return;
-  plant_.evaluate_laws(work_, t, x, torque_(t));  // resting contacts count as stuck and give no torque here
-  std::vector<std::size_t> links;
-  for (const std::size_t c : resting) {
-    const int j = contacts[c].joint;
-    if (contacts[c].side == Side::link) {
-      links.push_back(c);
-      continue;
-    }
-    const double net = work_.tau_applied[j] - work_.tau_rotor[j] - work_.f_motor[j];
-    if (net > plant_.level(work_, c, t, x, 1.0)) work_.motion[c] = forward;
-    if (net < -plant_.level(work_, c, t, x, -1.0)) work_.motion[c] = backward;
-  }
-  if (!links.empty()) settle_links(links, t, x);
+  settle_resting(resting, t, x);
 }
 
-// Boxed linear complementarity by Bard's pivoting with the least-index rule, finite for M(q) positive definite:
-// flip the first contact whose state contradicts itself until none does.
-void Events::settle_links(const std::vector<std::size_t>& resting, double t, const double* x) {
+// Boxed linear complementarity by Bard's pivoting with the least-index rule, finite for a positive definite inertia:
+// flip the first contact whose state contradicts itself until none does. Without rotor coupling a rotor's contact
+// sees its own inertia alone.
+void Events::settle_resting(const std::vector<std::size_t>& resting, double t, const double* x) {
   const auto& contacts = plant_.contacts();
-  const int n = plant_.n();
-  plant_.link_drive(work_, external_(t, x));
-  const std::vector<double> drive = work_.tau_link;
-  std::vector<double> tau(n), reaction(n), a(n);
-  std::vector<char> held(n);
+  const std::size_t N = plant_.velocities();
+  plant_.evaluate_laws(work_, t, x, torque_(t));  // resting contacts count as stuck and give no torque here
+  plant_.assemble_drive(work_, external_(t, x));
+  const std::vector<double> drive = work_.drive;
+  std::vector<double> reaction(N), acceleration(N);
+  std::vector<char> held(N);
   for (int pivot = 0; pivot < 1000; ++pivot) {
-    tau = drive;
+    work_.drive = drive;
     std::fill(held.begin(), held.end(), 0);
     for (const std::size_t c : resting) {
-      const int j = contacts[c].joint, motion = work_.motion[c];
-      if (motion == stuck) held[j] = 1;
-      else tau[j] -= motion * plant_.level(work_, c, t, x, motion);
+      const std::size_t at = plant_.velocity_index(contacts[c]) - N;
+      const int motion = work_.motion[c];
+      if (motion == stuck) held[at] = 1;
+      else work_.drive[at] -= motion * plant_.level(work_, c, t, x, motion);
     }
-    plant_.links().held_acceleration(*work_.links, x, plant_.v(x), tau.data(), held.data(), a.data(), reaction.data());
+    plant_.held_solve(work_, x, held, acceleration, reaction);
     bool consistent = true;
     for (const std::size_t c : resting) {
-      const int j = contacts[c].joint;
+      const std::size_t at = plant_.velocity_index(contacts[c]) - N;
       int& motion = work_.motion[c];
       const int before = motion;
       if (motion != stuck) {
-        if (motion * a[j] < 0.0) motion = stuck;
-      } else if (reaction[j] > plant_.level(work_, c, t, x, 1.0)) {
+        if (motion * acceleration[at] < 0.0) motion = stuck;
+      } else if (reaction[at] > plant_.level(work_, c, t, x, 1.0)) {
         motion = forward;
-      } else if (reaction[j] < -plant_.level(work_, c, t, x, -1.0)) {
+      } else if (reaction[at] < -plant_.level(work_, c, t, x, -1.0)) {
         motion = backward;
       }
       if (motion == before) continue;

@@ -23,6 +23,8 @@ using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 struct LinkDynamics::Impl {
+  std::vector<char> prismatic;
+  std::vector<int> own_row;  // independent joint -> its own row in the tree, not that of one that mimics it
   Model model;
   MatrixXd gain;
   VectorXd offset;
@@ -61,6 +63,12 @@ pin::JointIndex add_joint(Model& model, const Tree& tree, int i) {
   return model.addJoint(parent, Joints::JointModelRevoluteUnaligned(axis), placement, name);
 }
 
+// Direction in which a joint turns or slides, in the axes of the base.
+Vector3d world_axis(const Data& data, pin::JointIndex joint) {
+  const Eigen::Matrix<double, 6, 1> S = data.joints[joint].S().matrix().col(0);
+  return data.oMi[joint].rotation() * (S.tail<3>().isZero() ? S.head<3>() : S.tail<3>());
+}
+
 }  // namespace
 
 LinkDynamics::LinkDynamics(const Tree& tree) : impl_(std::make_unique<Impl>()) {
@@ -76,6 +84,12 @@ LinkDynamics::LinkDynamics(const Tree& tree) : impl_(std::make_unique<Impl>()) {
   n_ = m == 0 ? 0 : static_cast<int>(tree.gain.size()) / m;
   impl.gain = Map<const RowMatrix>(tree.gain.data(), m, n_);
   impl.offset = Map<const VectorXd>(tree.offset.data(), m);
+  impl.prismatic = tree.prismatic;
+  for (int j = 0; j < n_; ++j) {
+    int row = 0;
+    while (row < m - 1 && !(impl.offset[row] == 0.0 && impl.gain.row(row).transpose() == VectorXd::Unit(n_, j))) ++row;
+    impl.own_row.push_back(row);
+  }
   impl.mimics = !(m == n_ && impl.gain.isIdentity(0.0) && impl.offset.isZero(0.0));
 }
 
@@ -146,6 +160,36 @@ void LinkDynamics::inverse_derivatives(Workspace& w, const double* q, const doub
   pin::computeRNEADerivatives(impl_->model, w.data, w.q, w.v, w.a);
   Map<RowMatrix>(by_q, n_, n_) = gain.transpose() * w.data.dtau_dq * gain;
   Map<RowMatrix>(by_v, n_, n_) = gain.transpose() * w.data.dtau_dv * gain;
+}
+
+void LinkDynamics::rotor_coupling(Workspace& w, const double* q, const double* v, const double* spin,
+                                  const double* omega, double* S, double* link_bias, double* rotor_bias) const {
+  const MatrixXd& gain = impl_->gain;
+  w.q.noalias() = gain * Map<const VectorXd>(q, n_) + impl_->offset;
+  w.v.noalias() = gain * Map<const VectorXd>(v, n_);
+  w.a.setZero();
+  pin::forwardKinematics(impl_->model, w.data, w.q, w.v, w.a);
+  Map<RowMatrix> coupling(S, n_, n_);
+  Map<VectorXd> on_links(link_bias, n_), on_rotors(rotor_bias, n_);
+  coupling.setZero();
+  on_links.setZero();
+  on_rotors.setZero();
+  for (int i = 0; i < n_; ++i) {
+    if (spin[i] == 0.0) continue;
+    const auto own = static_cast<pin::JointIndex>(impl_->own_row[i] + 1), parent = impl_->model.parents[own];
+    if (parent == 0) continue;  // it rides on the base
+    const Vector3d axis = world_axis(w.data, own);
+    const Matrix3d& R = w.data.oMi[parent].rotation();
+    const Vector3d turning = R * w.data.v[parent].angular(), gyration = turning.cross(axis);
+    on_rotors[i] = spin[i] * axis.dot(R * w.data.a[parent].angular());
+    for (pin::JointIndex k = parent; k > 0; k = impl_->model.parents[k]) {
+      if (impl_->prismatic[k - 1]) continue;
+      const Vector3d link_axis = world_axis(w.data, k);
+      const auto row = gain.row(static_cast<Eigen::Index>(k) - 1).transpose();
+      coupling.col(i) += spin[i] * link_axis.dot(axis) * row;
+      on_links += spin[i] * omega[i] * link_axis.dot(gyration) * row;
+    }
+  }
 }
 
 void LinkDynamics::energy(Workspace& w, const double* q, const double* v, double& kinetic, double& potential) const {

@@ -59,6 +59,11 @@ class LinkDynamics {
   // Derivatives of M(q) a + h(q, v) by q and v at given q, v, a, (n, n) row-major.
   void inverse_derivatives(Workspace& w, const double* q, const double* v, const double* a, double* by_q,
                            double* by_v) const;
+  // Rotors that ride on their joint's parent link and spin about the joint's axis with angular momentum spin * omega
+  // (spin = J / gear ratio, omega reflected) act on the links as gyrostats and feel the link's turning:
+  //   links:  S(q) alpha + link_bias,     rotors:  S(q)^T a + rotor_bias,     S (n, n) row-major.
+  void rotor_coupling(Workspace& w, const double* q, const double* v, const double* spin, const double* omega, double* S,
+                      double* link_bias, double* rotor_bias) const;
   // h(q, v): Coriolis, centrifugal and gravity torques.
   void bias(Workspace& w, const double* q, const double* v, double* h) const;
   // Kinetic (armature included) and gravitational energy [J].

@@ -18,9 +18,10 @@ bool has_internal_state(LawKind kind) {
 }  // namespace
 
 Plant::Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stiffness, std::vector<double> damping,
-             std::vector<double> rotor_inertia, const std::vector<Law>& laws)
+             std::vector<double> rotor_inertia, std::vector<double> spin, const std::vector<Law>& laws)
     : links_(std::move(links)), n_(links_->size()), rotor_slot_(n_, -1), K_(std::move(stiffness)),
-      D_(std::move(damping)), J_(std::move(rotor_inertia)), delay_(n_, 0.0) {
+      D_(std::move(damping)), J_(std::move(rotor_inertia)), spin_(std::move(spin)), delay_(n_, 0.0),
+      coupled_(std::any_of(spin_.begin(), spin_.end(), [](double spin) { return spin != 0.0; })) {
   for (int j = 0; j < n_; ++j) {
     if (std::isinf(K_[j])) continue;
     rotor_slot_[j] = elastic();
@@ -73,7 +74,7 @@ void Plant::sort_in(Law law) {
 Plant::Workspace Plant::workspace() const {
   Workspace w;
   w.links = links_->workspace();
-  for (auto* array : {&w.theta, &w.omega, &w.a, &w.alpha, &w.deflection, &w.deflection_rate, &w.rotor_gain, &w.spring,
+  for (auto* array : {&w.theta, &w.omega, &w.deflection, &w.deflection_rate, &w.rotor_gain, &w.spring,
                       &w.tau_applied, &w.tau_s, &w.tau_rotor, &w.tau_link, &w.f_link, &w.f_motor}) {
     array->assign(n_, 0.0);
   }
@@ -81,7 +82,8 @@ Plant::Workspace Plant::workspace() const {
   w.motion.assign(dry_.size(), stuck);
   w.region.assign(switches_.size(), 0);
   w.actuator_value.assign(switches_.size(), 0.0);
-  w.held.assign(n_, 0);
+  w.held.assign(velocities(), 0);
+  for (auto* array : {&w.drive, &w.acceleration, &w.reaction}) array->assign(velocities(), 0.0);
   return w;
 }
 
@@ -235,41 +237,45 @@ bool Plant::in_gap(const Workspace& w, int joint) const {
   });
 }
 
-void Plant::link_drive(Workspace& w, const double* tau_ext) const {
+void Plant::assemble_drive(Workspace& w, const double* tau_ext) const {
   for (int j = 0; j < n_; ++j) {
-    const double drive = rotor_slot_[j] < 0 ? w.tau_applied[j] - w.f_motor[j] : w.tau_s[j];
-    w.tau_link[j] += drive - w.f_link[j] + (tau_ext ? tau_ext[j] : 0.0);
+    const int slot = rotor_slot_[j];
+    const double drive = slot < 0 ? w.tau_applied[j] - w.f_motor[j] : w.tau_s[j];
+    w.drive[j] = w.tau_link[j] + drive - w.f_link[j] + (tau_ext ? tau_ext[j] : 0.0);
+    if (slot >= 0) w.drive[n_ + slot] = w.tau_applied[j] - w.tau_rotor[j] - w.f_motor[j];
+  }
+}
+
+void Plant::held_solve(Workspace& w, const double* x, const std::vector<char>& held, std::vector<double>& acceleration,
+                       std::vector<double>& reaction) const {
+  if (coupled_) return coupled_solve(w, x, held, acceleration, reaction);
+  const bool any = std::any_of(held.begin(), held.begin() + n_, [](char h) { return h != 0; });
+  if (any) {
+    links_->held_acceleration(*w.links, x, v(x), w.drive.data(), held.data(), acceleration.data(), reaction.data());
+  } else {
+    links_->acceleration(*w.links, x, v(x), w.drive.data(), acceleration.data());
+  }
+  for (int e = 0; e < elastic(); ++e) {
+    const int i = n_ + e;
+    acceleration[i] = held[i] ? 0.0 : w.drive[i] / J_[elastic_[e]];
+    if (held[i]) reaction[i] = w.drive[i];
   }
 }
 
 void Plant::solve(Workspace& w, const double* x, const double* tau_ext) const {
-  link_drive(w, tau_ext);
-  bool any_held = false;
-  if (w.located) {
+  assemble_drive(w, tau_ext);
+  if (w.located && !dry_.empty()) {
     std::fill(w.held.begin(), w.held.end(), 0);
     for (std::size_t c = 0; c < dry_.size(); ++c) {
-      if (w.motion[c] != stuck || dry_[c].side != Side::link) continue;
-      w.held[dry_[c].joint] = any_held = true;
+      if (w.motion[c] == stuck) w.held[velocity_index(dry_[c]) - velocities()] = 1;
     }
   }
-  if (any_held) {
-    links_->held_acceleration(*w.links, x, v(x), w.tau_link.data(), w.held.data(), w.a.data(), w.tau_link.data());
-  } else {
-    links_->acceleration(*w.links, x, v(x), w.tau_link.data(), w.a.data());
-  }
-  for (const int j : elastic_) w.alpha[j] = (w.tau_applied[j] - w.tau_rotor[j] - w.f_motor[j]) / J_[j];
+  held_solve(w, x, w.held, w.acceleration, w.reaction);
   if (!w.located) return;
   for (std::size_t c = 0; c < dry_.size(); ++c) {
     if (w.motion[c] != stuck) continue;
-    const int j = dry_[c].joint;
-    if (dry_[c].side == Side::link) {
-      w.friction[c] = w.tau_link[j];  // what holds it
-      w.f_link[j] += w.friction[c];
-    } else {
-      w.friction[c] = w.tau_applied[j] - w.tau_rotor[j] - w.f_motor[j];
-      w.f_motor[j] += w.friction[c];
-      w.alpha[j] = 0.0;
-    }
+    w.friction[c] = w.reaction[velocity_index(dry_[c]) - velocities()];  // what holds it
+    (dry_[c].side == Side::link ? w.f_link : w.f_motor)[dry_[c].joint] += w.friction[c];
   }
 }
 
@@ -279,8 +285,7 @@ void Plant::derivative(Workspace& w, double t, const double* x, const double* ta
   solve(w, x, tau_ext);
   const int half = n_ + elastic();
   std::copy(x + half, x + 2 * half, dx);  // q' = v, theta' = omega
-  std::copy(w.a.begin(), w.a.end(), dx + half);
-  for (int e = 0; e < elastic(); ++e) dx[half + n_ + e] = w.alpha[elastic_[e]];
+  std::copy(w.acceleration.begin(), w.acceleration.end(), dx + half);
   internal_rates(w, t, x, dx + 2 * half);
 }
 
@@ -301,7 +306,7 @@ void Plant::torques(Workspace& w, double t, const double* x, const double* tau, 
   if (elastic() == n_) return;
   solve(w, x, tau_ext);
   for (int j = 0; j < n_; ++j) {
-    if (rotor_slot_[j] < 0) w.tau_s[j] = w.tau_applied[j] - w.f_motor[j] - J_[j] * w.a[j];
+    if (rotor_slot_[j] < 0) w.tau_s[j] = w.tau_applied[j] - w.f_motor[j] - J_[j] * w.acceleration[j];
   }
   for (std::size_t c = 0; c < dry_.size(); ++c) w.tau_s[dry_[c].joint] -= motor_share(w, c, t, x);
 }

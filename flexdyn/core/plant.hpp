@@ -68,13 +68,13 @@ using ExternalTorque = std::function<const double*(double t, const double* x)>;
 class Plant {
  public:
   Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stiffness, std::vector<double> damping,
-        std::vector<double> rotor_inertia, const std::vector<Law>& laws);
+        std::vector<double> rotor_inertia, std::vector<double> spin, const std::vector<Law>& laws);
 
   // Everything of one instant. With `located` the motions and regions are held fixed and sticking is exact; without,
   // dry friction is smoothed and regions follow the point.
   struct Workspace {
     LinkDynamics::WorkspacePtr links;
-    std::vector<double> theta, omega, a, alpha;
+    std::vector<double> theta, omega;
     std::vector<double> deflection, deflection_rate, rotor_gain;  // after kinematic error and dead zone
     std::vector<double> spring, tau_applied, tau_s, tau_rotor;    // tau_rotor: what the transmission asks of the rotor
     std::vector<double> tau_link, f_link, f_motor;
@@ -82,7 +82,9 @@ class Plant {
     std::vector<double> actuator_value;  // of each limited actuator: torque before the limit
     std::vector<int> motion;             // of each contact
     std::vector<int> region;             // of each switch
-    std::vector<char> held;              // links that stick (for the constrained solve)
+    std::vector<char> held;              // velocities that stick: links (n), then rotors (e)
+    std::vector<double> drive, acceleration, reaction;  // (n + e): links, then rotors
+    std::vector<double> S, link_bias, rotor_bias;       // of the full rotor coupling
     bool located = false;
     bool without_internal = false;       // leave out laws with an internal state (TimeStepping adds them itself)
     double smoothing = 0.0;              // width of the smoothed Sgn [rad/s]
@@ -107,6 +109,9 @@ class Plant {
   double damping(int joint) const { return D_[joint]; }
   int rotor_slot(int joint) const { return rotor_slot_[joint]; }
   const std::vector<int>& elastic_joints() const { return elastic_; }
+
+  bool coupled() const { return coupled_; }
+  int velocities() const { return n_ + elastic(); }  // links, then rotors
 
   // Views into x, and where a contact's velocity stands in it.
   const double* q(const double* x) const { return x; }
@@ -138,7 +143,14 @@ class Plant {
 
   // For the event layer: all torques but those of stuck contacts, and what one contact could hold.
   void evaluate_laws(Workspace& w, double t, const double* x, const double* tau) const;
-  void link_drive(Workspace& w, const double* tau_ext) const;  // tau_link += what drives the links
+  // What drives links and rotors into w.drive, after evaluate_laws.
+  void assemble_drive(Workspace& w, const double* tau_ext) const;
+  // Accelerations of all velocities under w.drive, those in `held` at 0 by `reaction` (other entries are not set).
+  void held_solve(Workspace& w, const double* x, const std::vector<char>& held, std::vector<double>& acceleration,
+                  std::vector<double>& reaction) const;
+  // Inertia of all velocities, (N, N) row-major, and their velocity-dependent and gravity torques (N).
+  void inertia(Workspace& w, const double* x, double* H) const;
+  void bias(Workspace& w, const double* x, double* b) const;
   double level(const Workspace& w, std::size_t contact, double t, const double* x, double direction) const;
   int current_region(const Workspace& w, int which, double t, const double* x) const;
   double region_margin(const Workspace& w, int which, double t, const double* x) const;
@@ -155,6 +167,11 @@ class Plant {
   void actuators(Workspace& w, double t, const double* tau) const;
   void frictions(Workspace& w, double t, const double* x) const;
   void dry_frictions(Workspace& w, double t, const double* x) const;
+  void coupled_solve(Workspace& w, const double* x, const std::vector<char>& held, std::vector<double>& acceleration,
+                     std::vector<double>& reaction) const;
+  void difference_jacobian(Workspace& w, double t, const double* x, const double* tau, const ExternalTorque& external,
+                           double* out) const;
+  void couple_rotors(Workspace& w, const double* x) const;
   void solve(Workspace& w, const double* x, const double* tau_ext) const;
   // Of a rigid joint's dry friction, the part of its motor-side laws: before the gear.
   double motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const;
@@ -167,7 +184,8 @@ class Plant {
   int laws_ = 0;
   std::vector<int> elastic_;     // joints with a finite stiffness
   std::vector<int> rotor_slot_;  // joint -> place among the elastic ones, -1 = rigid
-  std::vector<double> K_, D_, J_, delay_;
+  std::vector<double> K_, D_, J_, spin_, delay_;
+  bool coupled_ = false;  // spin_ is not all zero
   std::vector<Law> actuator_, deflection_, spring_, damper_, friction_, link_;
   std::vector<DryContact> dry_;
   std::vector<Law> switches_;    // laws with a corner, each with its region's place

@@ -22,9 +22,9 @@ constexpr double difference = 6e-6;
 void Plant::local_torques(Workspace& w, double t, const double* x, const double* tau, double* link, double* rotor,
                           double* z_rate) const {
   evaluate_laws(w, t, x, tau);
-  link_drive(w, nullptr);
-  std::copy(w.tau_link.begin(), w.tau_link.end(), link);
-  for (int j = 0; j < n_; ++j) rotor[j] = rotor_slot_[j] < 0 ? 0.0 : w.tau_applied[j] - w.tau_rotor[j] - w.f_motor[j];
+  assemble_drive(w, nullptr);
+  std::copy(w.drive.begin(), w.drive.begin() + n_, link);
+  for (int j = 0; j < n_; ++j) rotor[j] = rotor_slot_[j] < 0 ? 0.0 : w.drive[n_ + rotor_slot_[j]];
   internal_rates(w, t, x, z_rate);
 }
 
@@ -86,12 +86,13 @@ void Plant::local_slopes(Workspace& w, double t, const double* x, const double* 
 
 void Plant::jacobian(Workspace& w, double t, const double* x, const double* tau, const ExternalTorque& external,
                      double* out) const {
+  if (coupled_) return difference_jacobian(w, t, x, tau, external, out);
   const int n = n_, e = elastic(), half = n + e, size = state_size();
   LocalSlopes slopes;
   local_slopes(w, t, x, tau, slopes);
   evaluate_laws(w, t, x, tau);
   solve(w, x, external ? external(t, x) : nullptr);
-  const std::vector<double> a = w.a;
+  const std::vector<double> a(w.acceleration.begin(), w.acceleration.begin() + n);
   RowMatrix by_q(n, n), by_v(n, n), M(n, n);
   links_->inverse_derivatives(*w.links, x, v(x), a.data(), by_q.data(), by_v.data());
   links_->mass_matrix(*w.links, x, M.data());
@@ -143,6 +144,26 @@ void Plant::couple(double* right, double* J) const {
     if (rigid == (rotor_slot_[law.other] < 0)) row[rate_column(j)] += slope;
     row[rate_column(law.other)] -= slope;
   }
+}
+
+// With full rotor coupling the whole motion is differenced: Pinocchio has no derivatives of S(q).
+void Plant::difference_jacobian(Workspace& w, double t, const double* x, const double* tau,
+                                const ExternalTorque& external, double* out) const {
+  const int size = state_size();
+  std::vector<double> point(x, x + size), up(size), down(size);
+  const auto rate = [&](std::vector<double>& dx) {
+    derivative(w, t, point.data(), tau, external ? external(t, point.data()) : nullptr, dx.data());
+  };
+  for (int k = 0; k < size; ++k) {
+    const double h = difference * (k < 2 * velocities() ? 1.0 : std::max(1e-3, std::abs(x[k])));
+    point[k] = x[k] + h;
+    rate(up);
+    point[k] = x[k] - h;
+    rate(down);
+    point[k] = x[k];
+    for (int i = 0; i < size; ++i) out[static_cast<std::ptrdiff_t>(i) * size + k] = (up[i] - down[i]) / (2.0 * h);
+  }
+  rate(up);  // leave the workspace at the point itself
 }
 
 void Plant::external_slopes(double t, const double* x, const ExternalTorque& external, double* right) const {

@@ -35,8 +35,8 @@ class TimeStepping : public Stepper {
   void start(double t, const std::vector<double>& x) override {
     t_ = limit_ = t;
     x_ = before_ = x;
-    M_.resize(n_, n_);
-    bias_.resize(n_);
+    H_.resize(N_, N_);
+    bias_.resize(N_);
   }
 
   void restart() override { limit_ = t_; }
@@ -93,8 +93,8 @@ class TimeStepping : public Stepper {
     plant_.local_slopes(work_, t_, x_.data(), tau, slopes_);
     work_.without_internal = false;
     stats_.evaluations += 1;
-    plant_.links().mass_matrix(*work_.links, x_.data(), M_.data());
-    plant_.links().bias(*work_.links, x_.data(), plant_.v(x_.data()), bias_.data());
+    plant_.inertia(work_, x_.data(), H_.data());
+    plant_.bias(work_, x_.data(), bias_.data());
     assemble();
     levels();
     VectorXd w = Map<const VectorXd>(plant_.v(x_.data()), N_);
@@ -117,16 +117,13 @@ class TimeStepping : public Stepper {
     const double h = h_;
     const double* w = plant_.v(x_.data());
     const double* ext = external_(t_, x_.data());
-    A_.setZero(N_, N_);
-    b_.setZero(N_);
-    A_.topLeftCorner(n_, n_) = M_;
-    for (int i = 0; i < e_; ++i) A_(n_ + i, n_ + i) = plant_.rotor_inertia(plant_.elastic_joints()[i]);
+    A_ = H_;
     b_ = A_ * Map<const VectorXd>(w, N_);
     for (int j = 0; j < n_; ++j) {
       const int slot = plant_.rotor_slot(j), r = n_ + slot;
       const int column[2] = {j, slot < 0 ? j : r};
       b_[j] += h * (slopes_.link[j] - bias_[j] + (ext ? ext[j] : 0.0));
-      if (slot >= 0) b_[r] += h * slopes_.rotor[j];
+      if (slot >= 0) b_[r] += h * (slopes_.rotor[j] - bias_[r]);
       for (int k = 0; k < 2; ++k) {
         if (k == 1 && slot < 0) continue;
         const int c = column[k];
@@ -267,7 +264,7 @@ class TimeStepping : public Stepper {
   bool bristles_ = false;
   std::vector<int> motion_;
   LocalSlopes slopes_;
-  RowMatrix M_;
+  RowMatrix H_;
   MatrixXd A_;
   VectorXd b_, bias_;
   std::vector<double> before_, after_, level_;

@@ -1,4 +1,4 @@
-"""Pictures: the laws of effects, frequencies over a path. Matplotlib is the extra ``plot``, imported when one is drawn."""
+"""Pictures: laws of effects, frequencies over a path. Matplotlib is the extra ``plot``, imported when one is drawn."""
 
 from flexdyn.plots.examples import example_entry
 from flexdyn.plots.frequencies import draw_frequencies

@@ -8,52 +8,67 @@ from typing import Any
 import numpy as np
 
 from flexdyn.analysis import PathFrequencies
+from flexdyn.errors import InputError
 from flexdyn.plots.page import BLUE, GREY, WIDE, checked_path, dress, new_figure, save
 
 FAR = 12.0
 """A span of frequencies wider than this factor is drawn on a logarithmic axis."""
+DEEP = 200.0
+"""No frequency below the greatest by more than this factor is shown: those are swings under gravity."""
+APART = 0.04
+"""Least distance of two names at the right end, as a share of the axis."""
 
 
 def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
-    """Draw eigenfrequencies over the length of a path; rigid-body and falling modes, at 0 Hz, are left out.
+    """Draw eigenfrequencies over the length of a path.
+
+    Rigid-body and falling modes, at 0 Hz, and those below 1/200 of the greatest are left out.
 
     Args:
         found: by `frequencies_over_path`.
         path: of the picture; its suffix is one of `SUFFIXES`.
 
     Raises:
-        InputError: the suffix is not known, or the file cannot be written.
+        InputError: nothing vibrates, the suffix is not known, or the file cannot be written.
         MissingExtra: matplotlib is not installed.
     """
     file = checked_path(path)
+    shown = np.where(found.frequencies > found.frequencies.max() / DEEP, found.frequencies, np.nan)
+    modes = {k + 1: column for k, column in enumerate(shown.T) if np.isfinite(column).any()}
+    if not modes:
+        raise InputError("nothing vibrates along the path", file=file, remedy="give joints a stiffness")
     figure = new_figure()
-    axes = figure.add_axes((0.13, 0.13, 0.76, 0.72))
-    vibrating = np.where(found.frequencies > 0.0, found.frequencies, np.nan)
-    kept = [column for column in vibrating.T if np.isfinite(column).any()]
-    for k, column in enumerate(kept):
-        share = k / max(1, len(kept) - 1)
-        _curve(axes, found.distance, column, f"{k + 1}", share)
-    values = np.concatenate(kept) if kept else np.ones(1)
-    if np.nanmax(values) > FAR * np.nanmin(values):
+    axes = figure.add_axes((0.13, 0.13, 0.78, 0.72))
+    shades = {mode: _shade(place / max(1, len(modes) - 1)) for place, mode in enumerate(modes)}
+    alone = {"marker": "o", "markersize": 5.0} if len(found.q) == 1 else {}
+    for mode, column in modes.items():
+        axes.plot(found.distance, column, color=shades[mode], linewidth=WIDE, **alone)
+    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    if high > FAR * low:
         axes.set_yscale("log")
+        axes.set_ylim(low / 1.2, high * 1.3)
     else:
-        axes.set_ylim(0.0, 1.08 * np.nanmax(values))
+        axes.set_ylim(0.0, 1.08 * high)
     axes.margins(x=0.0)
     dress(axes, "length of the path in joint space [rad]", "eigenfrequency [Hz]")
+    _name(axes, {mode: float(column[-1]) for mode, column in modes.items() if np.isfinite(column[-1])}, shades)
     figure.text(0.13, 0.93, "Eigenfrequencies over the path", fontsize=14, fontweight="bold")
-    ends = f"{len(found.q)} poses of {', '.join(found.joint_names)}; rotors {found.rotors}"
-    figure.text(0.13, 0.885, ends, fontsize=min(8.5, 640 / len(ends)), color=GREY)
+    many = f"{len(found.q)} poses" if len(found.q) > 1 else "one pose"
+    under = f"{many} of {', '.join(found.joint_names)}; rotors {found.rotors}"
+    figure.text(0.13, 0.885, under, fontsize=min(8.5, 640 / len(under)), color=GREY)
     save(figure, file)
 
 
-def _curve(axes: Any, distance: Any, column: Any, name: str, share: float) -> None:
-    """One mode, named at its right end."""
-    shade = tuple((1.0 - 0.65 * share) * c + 0.65 * share for c in _rgb(BLUE))
-    alone = {"marker": "o", "markersize": 5.0} if len(distance) == 1 else {}
-    axes.plot(distance, column, color=shade, linewidth=WIDE, **alone)
-    last = int(np.flatnonzero(np.isfinite(column))[-1])
-    axes.annotate(name, (distance[last], column[last]), (6, 0), textcoords="offset points", va="center", color=shade)
+def _name(axes: Any, ends: dict[int, float], shades: dict[int, Any]) -> None:
+    """The number of every mode at its right end, pushed up where two would meet."""
+    to_axes = axes.transData + axes.transAxes.inverted()
+    last = -1.0
+    for mode, frequency in ends.items():
+        last = max(float(to_axes.transform((0.0, frequency))[1]), last + APART)
+        axes.text(1.012, last, f"{mode}", transform=axes.transAxes, va="center", color=shades[mode])
 
 
-def _rgb(colour: str) -> tuple[float, ...]:
-    return tuple(int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+def _shade(share: float) -> tuple[float, ...]:
+    """From the darkest to the palest of the blues."""
+    darkest = (int(BLUE[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+    return tuple((1.0 - 0.65 * share) * c + 0.65 * share for c in darkest)

@@ -17,11 +17,11 @@ VISIBLE = 0.02
 def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
     """The response to a step of the torque asked for."""
     end = 4.0 * effect.delay
-    times = np.array([-0.5 * end, 0.0, end])
+    asked, given = [-0.5 * end, 0.0, end], [-0.5 * end, effect.delay, end]
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
-    asked, given = [0.0, 1.0, 1.0], times + [0.0, effect.delay, 0.0]
-    axes.step(times, asked, where="post", color=GREY, linewidth=1.4, linestyle=DASHED, label=r"asked: $\tau$")
-    axes.step(given, asked, where="post", color=BLUE, linewidth=WIDE, label=r"given: $\tau_\mathrm{applied}$")
+    step = [0.0, 1.0, 1.0]
+    axes.step(asked, step, where="post", color=GREY, linewidth=1.4, linestyle=DASHED, label=r"asked: $\tau$")
+    axes.step(given, step, where="post", color=BLUE, linewidth=WIDE, label=r"given: $\tau_\mathrm{applied}$")
     axes.legend(frameon=False, loc="center right")
     return "time $t$ [s]", "motor torque [N m]"
 

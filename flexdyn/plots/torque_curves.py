@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -64,8 +65,8 @@ def link(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
     """tau_applied over the rotor's speed or angle for several torques asked for, else over the torque asked for."""
-    over_speed = any(varies(lambda u, tau=tau: effect.torque(0.0, u, tau=tau), span(effect, 1.3)) for tau in ASKED)
-    over_angle = any(varies(lambda x, tau=tau: effect.torque(x, 0.0, tau=tau), math.pi) for tau in ASKED)
+    over_speed = any(varies(partial(effect.torque, 0.0, tau=tau), span(effect, 1.3)) for tau in ASKED)
+    over_angle = any(varies(partial(effect.torque, u=0.0, tau=tau), math.pi) for tau in ASKED)
     up = r"$\tau_\mathrm{applied}$ [N m]"
     if over_speed:
         omega = np.linspace(-1.0, 1.0, 801) * span(effect, 1.3)
@@ -83,7 +84,7 @@ def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
     return r"torque asked for $\tau$ [N m]", up
 
 
-def _family(axes: Any, effect: Effect, across: Array, state: tuple[Any, Any]) -> None:
+def _family(axes: Any, effect: JointEffect, across: Array, state: tuple[Any, Any]) -> None:
     """One curve for each torque asked for, which is dashed beside it."""
     cross(axes)
     for tau, shade in zip(ASKED, SHADES, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 import subprocess
 import sys
@@ -11,11 +12,20 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.plots import EXAMPLES, SUFFIXES, draw_law, example_entry, example_values
+from flexdyn.plots import SUFFIXES, draw_law, example_entry
 from tests.cli.conftest import Runner
 
 NAMES = tuple(fd.effects.catalogue())
-DRAWN = tuple(name for name in NAMES if name != "payload")
+WITHOUT_LAW = {"payload": "it changes M(q) and h(q, v)", "parameter_error": "it changes a number of the model"}
+DRAWN = tuple(name for name in NAMES if name not in WITHOUT_LAW)
+OVER_TORQUE = ("torque_offset", "torque_constant_error")
+OVER_TIME = ("command_delay", "channel_lag")
+OVER_POSITION = (
+    *("position_dependent_friction", "presliding_friction", "joint_elasticity", "hardening_spring", "backlash"),
+    *("spring_hysteresis", "kinematic_error", "torque_ripple", "parallel_spring", "position_torque", "end_stop"),
+    *("encoder_eccentricity", "sensor_offset", "sensor_gain"),
+)
+BLUE, RED = "#1f4e9c", "#c23b22"
 MAGIC = {".png": b"\x89PNG\r\n", ".pdf": b"%PDF-", ".svg": b"<?xml"}
 
 
@@ -60,22 +70,81 @@ def test_formats_of_pictures(flexdyn: Runner, suffix: str) -> None:
 
 @pytest.mark.parametrize("name", DRAWN)
 def test_every_law_can_be_drawn(tmp_path: Path, name: str) -> None:
-    """Each picture carries the effect's name and the units of its axes."""
+    """Each picture carries the effect's name and law, what it is drawn over, and the units of its axes."""
+    kind = fd.effects.catalogue()[name]
+    draw_law(kind, tmp_path / "law.svg")
+    texts = _texts(tmp_path / "law.svg")
+    assert name.replace("_", " ").capitalize() in texts
+    assert kind.law in texts
+    over_torque = name in OVER_TORQUE or name == "load_dependent_friction"
+    across = "[N m]" if over_torque else "[s]" if name in OVER_TIME else "[rad]" if name in OVER_POSITION else "[rad/s]"
+    is_length = kind.stage in ("sensor", "deflection")
+    labels = [text for text in texts if text.endswith(("[N m]", "[s]", "[rad]", "[rad/s]"))]
+    assert [label[label.rindex("[") :] for label in labels] == [across, "[rad]" if is_length else "[N m]"]
+
+
+@pytest.mark.parametrize("name", WITHOUT_LAW)
+def test_an_effect_without_a_law_says_so(flexdyn: Runner, name: str) -> None:
+    """One line that tells what the effect does instead, and no file."""
+    outcome = flexdyn("effects", name, "-o", "law.png")
+    assert outcome.code == 2
+    assert f"the effect has no law to draw, got '{name}'; {WITHOUT_LAW[name]}" in outcome.err
+    assert not list(Path().iterdir())
+
+
+@pytest.mark.parametrize("name", ["presliding_friction", "spring_hysteresis"])
+def test_memory_is_drawn_as_a_loop(tmp_path: Path, name: str) -> None:
+    """Out and back, the torque at one position differs by twice the level, and going out it is the greater one."""
     draw_law(fd.effects.catalogue()[name], tmp_path / "law.svg")
-    comments = " ".join(re.findall(r"<!-- (.*?) -->", (tmp_path / "law.svg").read_text(encoding="utf-8")))
-    assert name.replace("_", " ").capitalize() in comments
-    assert "[rad/s]" in comments
-    assert "[N m]" in comments
+    curve = max((line for colour, line in _lines(tmp_path / "law.svg") if colour == BLUE), key=len)
+    middle = 0.5 * (curve[:, 0].min() + curve[:, 0].max())
+    turn = int(np.argmin(curve[:, 0]))
+    back, out = curve[:turn], curve[turn : turn + int(np.argmax(curve[turn:, 0]))]
+    at_middle = [float(np.interp(middle, *line[np.argsort(line[:, 0])].T)) for line in (back, out)]
+    height = float(np.ptp(curve[:, 1]))
+    assert at_middle[0] - at_middle[1] > 0.9 * height  # an SVG counts downwards
 
 
-@pytest.mark.parametrize("name", ["coulomb_friction", "stribeck_friction"])
+def test_backlash_is_drawn_with_its_dead_zone(tmp_path: Path) -> None:
+    """Flat over a third of the picture, which shows three half gaps on either side; of slope 1 elsewhere."""
+    draw_law(fd.effects.Backlash, tmp_path / "law.svg")
+    curve = max((line for colour, line in _lines(tmp_path / "law.svg") if colour == BLUE), key=len)
+    flat = curve[np.abs(curve[:, 1] - np.median(curve[:, 1])) < 1e-3, 0]
+    assert np.ptp(flat) / np.ptp(curve[:, 0]) == pytest.approx(1 / 3, abs=0.01)
+    assert (np.diff(curve[:, 1]) <= 1e-6).all()
+
+
+@pytest.mark.parametrize("name", ["load_dependent_friction", "position_dependent_friction"])
+def test_levels_that_vary_are_drawn_as_a_band(tmp_path: Path, name: str) -> None:
+    """The two directions mirror each other, and the set at rest lies between them."""
+    draw_law(fd.effects.catalogue()[name], tmp_path / "law.svg")
+    lines = _lines(tmp_path / "law.svg")
+    forwards, backwards = (max((line for colour, line in lines if colour == own), key=len) for own in (BLUE, RED))
+    middle = 0.5 * (forwards[:, 1] + np.interp(forwards[:, 0], *backwards.T))
+    assert np.ptp(middle) < 0.2
+    assert forwards[:, 1].max() <= backwards[:, 1].min() + 0.2
+    assert "at rest: any of these" in _texts(tmp_path / "law.svg")
+
+
+def test_a_delay_is_drawn_as_a_step_that_comes_late(tmp_path: Path) -> None:
+    """Two equal steps; the second one rises later by a quarter of what is shown after the first."""
+    draw_law(fd.effects.CommandDelay, tmp_path / "law.svg")
+    lines = _lines(tmp_path / "law.svg")
+    (asked,) = [line for colour, line in lines if colour == "#6b7280" and np.ptp(line[:, 1]) > 50]
+    (given,) = [line for colour, line in lines if colour == BLUE and np.ptp(line[:, 1]) > 50]
+    rises = [float(line[np.argmax(np.abs(np.diff(line[:, 1]))), 0]) for line in (asked, given)]
+    assert (rises[1] - rises[0]) / (asked[-1, 0] - rises[0]) == pytest.approx(0.25, abs=1e-3)
+    assert sorted(set(asked[:, 1])) == pytest.approx(sorted(set(given[:, 1])))
+
+
+@pytest.mark.parametrize("name", ["coulomb_friction", "asymmetric_friction", "stribeck_friction"])
 def test_dry_laws_are_drawn_set_valued(tmp_path: Path, name: str) -> None:
     """At u = 0 stands a vertical line, as long as the two ends of the set are apart."""
     kind = fd.effects.catalogue()[name]
     draw_law(kind, tmp_path / "law.svg")
     lines = _lines(tmp_path / "law.svg")
-    (rest,) = [line for colour, line in lines if colour == "#c23b22" and np.ptp(line[:, 0]) == 0.0]
-    branches = [line for colour, line in lines if colour == "#1f4e9c"]
+    (rest,) = [line for colour, line in lines if colour == RED and np.ptp(line[:, 0]) == 0.0]
+    branches = [line for colour, line in lines if colour == BLUE]
     left, right = sorted(branches, key=lambda line: float(line[:, 0].mean()))
     ends = sorted([left[np.argmax(left[:, 0]), 1], right[np.argmin(right[:, 0]), 1]])
     np.testing.assert_allclose(sorted(rest[:, 1]), ends, atol=1e-3)
@@ -85,7 +154,7 @@ def test_dry_laws_are_drawn_set_valued(tmp_path: Path, name: str) -> None:
 def test_the_limit_is_drawn_as_it_acts(tmp_path: Path) -> None:
     """Asked for more than the stall torque, the motor gives less and less up to the no-load speed, then nothing."""
     draw_law(fd.effects.TorqueSpeedLimit, tmp_path / "law.svg")
-    blue = [line for colour, line in _lines(tmp_path / "law.svg") if colour == "#1f4e9c"]
+    blue = [line for colour, line in _lines(tmp_path / "law.svg") if colour == BLUE]
     (curve,) = [line for line in blue if np.ptp(line[:, 1]) > 0.0]  # the other one is the torque asked for
     flat = [line for line in blue if np.ptp(line[:, 1]) == 0.0]
     asked = max(flat, key=lambda line: float(np.ptp(line[:, 0])))  # the short one stands in the legend
@@ -124,11 +193,18 @@ def test_a_picture_without_matplotlib_names_the_extra(flexdyn: Runner, monkeypat
 
 @pytest.mark.parametrize("name", NAMES)
 def test_examples_do_something(name: str) -> None:
-    """No example is neutral, and every known example is of an effect that exists."""
-    kind = fd.effects.catalogue()[name]
-    assert not fd.effects.effect_from_dict(example_entry(kind, "elbow")).is_neutral
-    assert set(EXAMPLES) <= set(NAMES)
-    assert set(EXAMPLES.get(name, {})) <= set(example_values(kind))
+    """No example is neutral; it acts on the joint that is asked for, on the motor where it has the choice."""
+    entry = example_entry(fd.effects.catalogue()[name], "elbow", "wrist")
+    effect = fd.effects.effect_from_dict(entry)
+    assert not effect.is_neutral
+    assert entry.get("joint", entry.get("of", entry.get("channel", "elbow"))) in ("elbow", "q.elbow")
+    assert entry.get("other", "wrist") == "wrist"
+    assert "link" not in effect.sides or entry["side"] == effect.sides[-1]
+
+
+def _texts(path: Path) -> list[str]:
+    """Every text in an SVG of matplotlib, in order."""
+    return [html.unescape(text) for text in re.findall(r"<!-- (.*?) -->", path.read_text(encoding="utf-8"))]
 
 
 def _lines(path: Path) -> list[tuple[str, np.ndarray]]:

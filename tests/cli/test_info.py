@@ -102,3 +102,91 @@ def test_positions_by_name_leave_the_others_at_the_models_own(flexdyn: Runner) -
     """--q elbow=0.5 moves the elbow alone."""
     positions = [joint["q"] for joint in flexdyn("info", "scara", "--json", "--q", "joint3=-0.05").json["joints"]]
     assert positions == [0.0, math.pi / 2, -0.05, 0.0]
+
+
+def test_modes_of_a_mass_on_a_spring(flexdyn: Runner) -> None:
+    """2.5 kg and J = 0.5 kg on 1000 N/m and 4 N s/m: free, held and the motor's anti-resonance in closed form."""
+    Path("lift.urdf").write_text(SLIDER, encoding="utf-8")
+    Path("lift.yaml").write_text(
+        "flexdyn: 1\nrobot: {urdf: lift.urdf}\n"
+        "joints: {lift: {stiffness: 1000, damping: 4, rotor_inertia: 5.0e-3, gear_ratio: 10}}",
+        encoding="utf-8",
+    )
+    found = flexdyn("info", "lift.yaml", "--modes", "--json", "--q", "0.2").json["modes"]
+    assert found["q"] == {"lift": 0.2}
+    rigid, vibrating = found["free"]
+    assert (rigid["kind"], rigid["frequency"], rigid["damping_ratio"]) == ("rigid-body", 0.0, None)
+    reduced = 1.0 / (1 / 2.5 + 1 / 0.5)
+    assert vibrating["frequency"] == pytest.approx(math.sqrt(1000 / reduced) / math.tau)
+    assert vibrating["damping_ratio"] == pytest.approx(4 / (2 * math.sqrt(1000 * reduced)))
+    assert vibrating["dominant"] == {"joint": "lift", "part": "rotor"}  # the lighter of the two
+    assert vibrating["link"]["lift"] == pytest.approx(-0.5 / 2.5)
+    (held,) = found["held"]
+    assert held["frequency"] == pytest.approx(math.sqrt(1000 / 2.5) / math.tau)
+    assert held["dominant"] == {"joint": "lift", "part": "link"}
+    assert found["anti_resonances"]["lift"] == pytest.approx([held["frequency"]])
+    out = flexdyn("info", "lift.yaml", "--modes").out
+    assert "7.797 Hz" in out
+    assert "4.9 %" in out
+    assert "lift rotor 1, lift link -0.2" in out
+    assert "rigid-body" in out
+
+
+def test_modes_are_those_of_the_python_interface(flexdyn: Runner) -> None:
+    """Frequencies, ratios and shapes of the UR5 at --q, and the table names every mode and motor."""
+    arguments = ("info", "ur5", "--modes", "--q", "elbow_joint=0.7")
+    found = flexdyn(*arguments, "--json").json["modes"]
+    expected = fd.modes(fd.load_model("ur5"), {"elbow_joint": 0.7})
+    assert [row["frequency"] for row in found["free"]] == expected.frequencies.tolist()
+    assert [row["kind"] for row in found["free"]] == list(expected.kinds)
+    for row, link, rotor in zip(found["free"], expected.link_shapes, expected.rotor_shapes, strict=True):
+        size = np.abs(link).max(), np.abs(rotor).max()
+        part, shape = ("link", link) if size[0] >= size[1] else ("rotor", rotor)
+        assert row["dominant"] == {"joint": expected.joint_names[int(np.argmax(np.abs(shape)))], "part": part}
+    out = flexdyn(*arguments).out
+    assert all(f"{frequency:.4g} Hz" in out for frequency in expected.frequencies)
+    assert out.count("Hz, ") >= len(expected.joint_names)
+
+
+def test_a_rigid_arm_has_no_modes_with_its_rotors_held(flexdyn: Runner) -> None:
+    """A double pendulum of rigid joints swings; held, nothing is left to move, and that is null."""
+    found = flexdyn("info", "double_pendulum", "--modes", "--json").json["modes"]
+    assert len(found["free"]) == 2
+    assert found["held"] is None
+    out = flexdyn("info", "double_pendulum", "--modes").out
+    assert "rotors held" not in out
+    assert "rotor 1" not in out
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg"])
+def test_frequencies_over_a_run_are_drawn(flexdyn: Runner, suffix: str) -> None:
+    """--path and -o draw them over the q of a recording; lines of the SVG are the frequencies of Python's function."""
+    flexdyn("simulate", "scara_two_link", "--duration", "0.5", "--v0", "0,3", "-o", "run.npz")
+    outcome = flexdyn("info", "scara_two_link", "--modes", "--path", "run.npz", "-o", f"frequencies{suffix}")
+    assert outcome.code == 0
+    assert f"drawn in frequencies{suffix}" in outcome.out
+    if suffix == ".svg":
+        text = Path("frequencies.svg").read_text(encoding="utf-8")
+        assert "eigenfrequency [Hz]" in text
+        assert "400 poses of shoulder, elbow; rotors free" in text
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("-o", "f.png"), "flexdyn: --modes: it is missing; a picture of frequencies needs --modes --path RUN -o FILE"),
+        (("--modes", "--path", "run.npz"), "flexdyn: --output: it is missing"),
+        (("--modes", "-o", "f.png"), "flexdyn: --path: it is missing"),
+        (("--modes", "--path", "run.npz", "-o", "f.gif"), "flexdyn: f.gif: --output: unknown suffix"),
+        (("--modes", "--path", "none.npz", "-o", "f.png"), "flexdyn: none.npz: "),
+        (("--modes", "--path", "run.npz", "-o", "f.png"), "flexdyn: run.npz: q.panda_joint1: no such channel"),
+    ],
+)
+def test_a_picture_that_cannot_be_drawn(flexdyn: Runner, options: tuple[str, ...], words: str) -> None:
+    """One line that names what is missing or does not fit, and no picture."""
+    fd.write_recording(fd.Recording([0.0, 1.0], {"q.elbow": [0.0, 1.0]}), "run.npz")
+    outcome = flexdyn("info", "panda", *options)
+    assert outcome.code == 2
+    assert outcome.err.startswith(words)
+    assert outcome.err.count("\n") == 1
+    assert [path.name for path in Path().iterdir()] == ["run.npz"]

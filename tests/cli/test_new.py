@@ -43,16 +43,33 @@ def test_the_file_loads_back_as_the_plain_model(flexdyn: Runner, robot: str) -> 
     assert all(f"\n  {joint}:  # " in text for joint in model.joint_names)
 
 
-def test_every_example_effect_can_be_uncommented(flexdyn: Runner) -> None:
-    """The comments are no decoration: without their # the effects load, each with its own parameters."""
+@pytest.mark.parametrize("rigid", [False, True])
+def test_every_example_effect_can_be_uncommented(flexdyn: Runner, rigid: bool) -> None:
+    """Without their # the effects load, each with its own parameters; joint_elasticity on a joint that is rigid."""
     flexdyn("new", "double_pendulum", "-o", "arm.yaml")
-    text = Path("arm.yaml").read_text(encoding="utf-8").replace("  # - {", "  - {")
-    text = text.replace("stiffness: .inf", "stiffness: 100.0").replace("rotor_inertia: 0.0", "rotor_inertia: 1.0e-3")
+    lines = Path("arm.yaml").read_text(encoding="utf-8").splitlines()
+    for_rigid = "{effect: joint_elasticity"
+    text = "\n".join(line.replace("# - {", "- {") if (for_rigid in line) == rigid else line for line in lines)
+    text = text.replace("rotor_inertia: 0.0", "rotor_inertia: 1.0e-3")
+    text = text if rigid else text.replace("stiffness: .inf", "stiffness: 100.0")
     Path("arm.yaml").write_text(text, encoding="utf-8")
     model = fd.load_model("arm.yaml")
-    assert {effect.name for effect in model.effects} == set(fd.effects.catalogue())
-    assert model.elastic.all()
+    names = {effect.name for effect in model.effects}
+    assert names == ({"joint_elasticity"} if rigid else set(fd.effects.catalogue()) - {"joint_elasticity"})
+    assert model.elastic[0]
     assert not any(effect.is_neutral for effect in model.effects)
+
+
+def test_a_joint_alone_is_coupled_to_none(flexdyn: Runner) -> None:
+    """Every effect but the one that needs a second joint, and all of them load."""
+    Path("lift.urdf").write_text(SLIDER, encoding="utf-8")
+    flexdyn("new", "lift.urdf", "-o", "lift.yaml")
+    text = Path("lift.yaml").read_text(encoding="utf-8").replace("stiffness: .inf", "stiffness: 100.0")
+    text = text.replace("rotor_inertia: 0.0", "rotor_inertia: 1.0e-3")
+    lines = [line for line in text.splitlines() if "joint_elasticity," not in line]
+    Path("lift.yaml").write_text("\n".join(lines).replace("# - {", "- {"), encoding="utf-8")
+    names = {effect.name for effect in fd.load_model("lift.yaml").effects}
+    assert names == set(fd.effects.catalogue()) - {"joint_elasticity", "joint_coupling"}
 
 
 def test_the_suggested_stiffness_is_ten_hertz(flexdyn: Runner) -> None:

@@ -10,12 +10,12 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.effects import AsymmetricFriction, CoulombFriction, Effect
-from flexdyn.solvers import Solver
+from flexdyn.solvers import DormandPrince, Solver
 from tests.solvers.arms import NAMES, STICKING, coulomb, label, planar
 
 STIFFNESSES = (5.5, 1e3, 1e5, 1e7)
-POSE = (0.4, math.pi / 2)
-"""Where gravity loads both joints [rad]."""
+POSE = (-0.4, -1.2)
+"""Both rods below the horizontal: gravity loads both joints, and even soft springs balance it stably [rad]."""
 
 
 def held(run: fd.Run, sides: tuple[str, ...]) -> None:
@@ -51,9 +51,9 @@ def test_an_arm_held_against_its_weight_stays(
 @pytest.mark.parametrize("side", ["motor", "link"])
 @pytest.mark.parametrize("joints", [1, 2])
 def test_an_arm_held_against_its_motors_stays(solver: Solver, stiffness: float, side: str, joints: int) -> None:
-    """The same under motor torques just below the level, 1e-6 of it missing."""
+    """The same under motor torques at 95 % of the level."""
     levels = np.array([2.0, 0.7])[:joints]
-    tau = levels * (1.0 - 1e-6) * np.array([1.0, -1.0])[:joints]
+    tau = 0.95 * levels * np.array([1.0, -1.0])[:joints]
     q0 = np.zeros(joints)
     start = {} if side == "motor" else {"theta0": q0 + tau / stiffness}  # wound up, the link held
     model = planar(stiffness, coulomb(side, *levels), joints=joints)
@@ -66,7 +66,12 @@ def test_an_arm_held_against_its_motors_stays(solver: Solver, stiffness: float, 
 @pytest.mark.parametrize("side", ["motor", "link"])
 @pytest.mark.parametrize("direction", [1, -1])
 def test_the_level_is_where_it_lets_go(solver: Solver, stiffness: float, side: Any, direction: int) -> None:
-    """L(1 - 1e-6) holds to the last bit and L(1 + 1e-6) moves, each way at its own level."""
+    """L(1 - 1e-6) holds to the last bit and L(1 + 1e-6) moves, each way at its own level.
+
+    A millionth of the level is 6e-14 rad of the stiffest spring: the adaptive solver has to be asked for that.
+    """
+    if isinstance(solver, DormandPrince):
+        solver = DormandPrince(atol=1e-14)
     levels = {1: 1.7, -1: 0.6}
     friction: list[Effect] = [
         AsymmetricFriction("shoulder", side=side, level_positive=1.2, level_negative=0.1),
