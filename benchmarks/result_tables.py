@@ -53,3 +53,33 @@ def _motions(arms: Sequence[Mapping[str, Any]]) -> str:
             row += [f"{motion['ratio']:.2f}", f"{motion['error_rad']:.0e}"]
         rows.append(row)
     return markdown_table(header, rows)
+
+
+def effect_checks_table(results: Mapping[str, Any]) -> str:
+    """What was measured of every effect."""
+    header = [
+        "effect",
+        "energy it took in 1.5 s",
+        "ledger left over",
+        "mirrored motion",
+        "neutral",
+        "difference from SciPy",
+    ]
+    rows = []
+    for name, row in results["effects"].items():
+        identical = len(row["neutral"]) == len(results["solvers"])
+        neutral = "bit for bit" if identical else f"only {', '.join(row['neutral'])}"
+        numbers = [_size(row["ledger"]), _size(row["mirror"]), neutral, _size(row["scipy"])]
+        rows.append([f"`{name}`", _taken(row), *numbers])
+    return markdown_table(header, rows)
+
+
+def _taken(row: Mapping[str, Any]) -> str:
+    if "taken" not in row or row["taken"] == 0.0:
+        return "-"
+    # What rounding gives in a millisecond is nothing.
+    return f"{row['taken']:.2g} J" + ("" if row["least_power"] > -1e-9 else ", both ways")
+
+
+def _size(number: float) -> str:
+    return "0" if number == 0.0 else f"{number:.0e}"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,11 @@ class Energy:
             array.setflags(write=False)
         object.__setattr__(self, "dissipated", MappingProxyType(dict(self.dissipated)))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by its fields, through the constructor: a read-only mapping does not, and locks are lost."""
+        values = [getattr(self, field.name) for field in fields(self)]
+        return (type(self), tuple(dict(value) if isinstance(value, Mapping) else value for value in values))
+
     @property
     def mechanical(self) -> Array:
         """Kinetic, spring and gravity energy together: constant where nothing drives or brakes."""
@@ -96,7 +102,7 @@ def ledger(run: Run) -> Energy:
     if not energy.closes:
         worst = float(np.abs(energy.residual).max())
         text = f"the energy ledger of {run.model.name} leaves {worst:.3g} J of {energy.tolerance:.3g} J unexplained"
-        warnings.warn(f"{text}: {type(run.solver).__name__} does not resolve the motion", EnergyWarning, stacklevel=3)
+        warnings.warn(f"{text}: {type(run.solver).__name__} does not resolve the motion", EnergyWarning, stacklevel=4)  # beyond Run.energy and its cached_property
     return energy
 
 
@@ -113,7 +119,7 @@ def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
         dissipated[f"damping.{model.joint_names[j]}"] = sums[:, n + 1 + j].copy()
     for k, effect in enumerate(acting_effects(model)):
         lost = sums[:, 2 * n + 1 + k]
-        if effect.stage in ("friction", "dry", "spring") or effect.name == "end_stop":
+        if effect.name != "hardening_spring" and effect.stage in ("friction", "dry", "spring") or effect.name == "end_stop":
             label = _label(effect)
             dissipated[label] = dissipated.get(label, 0.0) + lost
     turnover = max(np.ptp(kinetic), np.ptp(spring), np.abs(sums).max(initial=0.0), 1e-12)

@@ -3,7 +3,8 @@
     python scripts/readme_tables.py            writes README.md
     python scripts/readme_tables.py --check    exit code 1 if README.md is not what that would write
 
-A table stands between ``<!-- table:NAME -->`` and ``<!-- /table:NAME -->``; NAME is accuracy, peers, effects or robots.
+A table stands between ``<!-- table:NAME -->`` and ``<!-- /table:NAME -->``; NAME is accuracy, peers, effects,
+effect_checks or robots.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
-from result_tables import accuracy_table, markdown_table, peers_table  # noqa: E402
+from result_tables import accuracy_table, effect_checks_table, markdown_table, peers_table  # noqa: E402
 
 MARKER = re.compile(r"<!-- (/?)table:(\w+) -->")
 
@@ -41,13 +42,23 @@ def peers() -> str:
     return peers_table(_results("peers"))
 
 
+_NO_SIDE = {"inertia": "link", "model": "any"}
+
+
 def effects() -> str:
     """The catalogue of flexdyn's own effects: name, side, law, parameters with units."""
     rows = []
     for name, kind in fd.effects.catalogue().items():
         if kind.__module__.startswith("flexdyn."):
-            rows.append([f"`{name}`", ", ".join(kind.sides) or "link", f"`{kind.law}`", _parameters(kind)])
+            rows.append(
+                [f"`{name}`", ", ".join(kind.sides) or _NO_SIDE[kind.stage], f"`{kind.law}`", _parameters(kind)]
+            )
     return markdown_table(["effect", "side", "law", "parameters [unit]"], rows, text=4)
+
+
+def effect_checks() -> str:
+    """What was measured of every effect."""
+    return effect_checks_table(_results("effects"))
 
 
 def robots() -> str:
@@ -61,7 +72,13 @@ def robots() -> str:
     return markdown_table(["model", "what", "joints", "stiffness", "source of every number"], rows, text=5)
 
 
-TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers, "effects": effects, "robots": robots}
+TABLES: dict[str, Callable[[], str]] = {
+    "accuracy": accuracy,
+    "peers": peers,
+    "effects": effects,
+    "effect_checks": effect_checks,
+    "robots": robots,
+}
 
 
 def markers(text: str) -> list[str]:

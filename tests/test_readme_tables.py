@@ -10,6 +10,7 @@ from types import ModuleType
 import pytest
 
 import flexdyn as fd
+from flexdyn.solvers import SOLVERS
 
 ROOT = Path(__file__).parents[1]
 
@@ -34,7 +35,7 @@ def test_readme_shows_what_its_sources_give(script: ModuleType) -> None:
     assert script.filled(text) == text
 
 
-@pytest.mark.parametrize("name", ["accuracy", "peers", "effects", "robots"])
+@pytest.mark.parametrize("name", ["accuracy", "peers", "effects", "effect_checks", "robots"])
 def test_filling_twice_changes_nothing_more(script: ModuleType, name: str) -> None:
     """A stale table is noticed, filled between its markers only, and then stays as it is."""
     text = f"before\n<!-- table:{name} -->\nold\n<!-- /table:{name} -->\nafter\n"
@@ -71,6 +72,18 @@ def test_the_effects_table_has_every_effect_of_flexdyn(script: ModuleType) -> No
         assert all(f"`{field.name}` [{field.metadata['unit']}]" in rows[name] for field in kind.parameters())
 
 
+def test_every_effect_is_measured(script: ModuleType) -> None:
+    """Each of flexdyn's own effects has a row of measured properties; neutral, each one changes no solver's run."""
+    rows = [row.split("`")[1] for row in script.effect_checks().splitlines()[2:]]
+    assert rows == [name for name, kind in fd.effects.catalogue().items() if kind.__module__.startswith("flexdyn.")]
+    results = json.loads((ROOT / "benchmarks" / "results" / "effects.json").read_text(encoding="utf-8"))
+    assert set(results["solvers"]) == set(SOLVERS)
+    for name, row in results["effects"].items():
+        assert row["neutral"] == results["solvers"]
+        assert row["scipy"] <= 1e-6
+        assert row["events"] > 0 or fd.effects.catalogue()[name].stage != "dry"
+
+
 def test_the_robots_table_has_every_shipped_model(script: ModuleType) -> None:
     """The paper's arm stands there with its two joints and the stiffness of Table I."""
     rows = script.robots().splitlines()[2:]
@@ -79,7 +92,7 @@ def test_the_robots_table_has_every_shipped_model(script: ModuleType) -> None:
     assert "| 2 | 5.5 N m/rad |" in paper
 
 
-@pytest.mark.parametrize("name", ["analytic_two_link", "peers"])
+@pytest.mark.parametrize("name", ["analytic_two_link", "effects", "peers"])
 def test_results_say_how_they_were_made(name: str) -> None:
     """A committed result names its command, versions and date, and every bound it was held to held."""
     results = json.loads((ROOT / "benchmarks" / "results" / f"{name}.json").read_text(encoding="utf-8"))

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import flexdyn as fd
-from flexdyn.solvers import SOLVERS, DormandPrince, RungeKutta4, make_solver
+from flexdyn.solvers import SOLVERS, DormandPrince, Rosenbrock, RungeKutta4, TimeStepping, make_solver
 from tests.arms import repickled
 
 
@@ -29,6 +29,10 @@ from tests.arms import repickled
         (DormandPrince, {"atol": math.inf}),
         (DormandPrince, {"max_step": 0.0}),
         (DormandPrince, {"smoothing": -1.0}),
+        (Rosenbrock, {"rtol": 0.0}),
+        (Rosenbrock, {"smoothing": 0.0}),
+        (TimeStepping, {"step": 0.0}),
+        (TimeStepping, {"step": math.inf}),
     ],
 )
 def test_a_setting_without_sense_is_refused(kind: type[fd.solvers.Solver], settings: dict[str, Any]) -> None:
@@ -40,19 +44,22 @@ def test_a_setting_without_sense_is_refused(kind: type[fd.solvers.Solver], setti
 
 def test_settings_are_frozen_values_that_pickle() -> None:
     """Equal settings are equal after a trip through pickle and through their own dictionary."""
-    for solver in (RungeKutta4(step=1e-3, smoothing=0.01), RungeKutta4(step=1), DormandPrince(rtol=1e-6, max_step=0.1)):
+    fixed = (RungeKutta4(step=1e-3, smoothing=0.01), RungeKutta4(step=1), TimeStepping(step=0.01))
+    for solver in (*fixed, DormandPrince(rtol=1e-6, max_step=0.1), Rosenbrock(atol=1e-7, smoothing=1e-3)):
         assert repickled(solver) == solver
         entry = solver.to_dict()
         assert make_solver(entry.pop("name"), **entry) == solver
         with pytest.raises(FrozenInstanceError):
-            solver.smoothing = 1.0  # type: ignore[misc]
+            solver.smoothing = 1.0  # type: ignore[misc, union-attr]
 
 
 def test_solvers_by_name() -> None:
     """Every solver can be made by its name; None leaves a setting at its default."""
     assert make_solver("RungeKutta4", step=1e-3, rtol=None) == RungeKutta4(step=1e-3)
     assert make_solver("DormandPrince") == DormandPrince()
-    assert set(SOLVERS) >= {"RungeKutta4", "DormandPrince"}
+    assert make_solver("Rosenbrock", atol=1e-7) == Rosenbrock(atol=1e-7)
+    assert make_solver("TimeStepping") == TimeStepping() == TimeStepping(step=1e-3)
+    assert set(SOLVERS) == {"RungeKutta4", "DormandPrince", "Rosenbrock", "TimeStepping"}
 
 
 @pytest.mark.parametrize(
@@ -62,6 +69,12 @@ def test_solvers_by_name() -> None:
         ("RungeKutta4", {}, "solver.step: RungeKutta4 needs a step"),
         ("RungeKutta4", {"step": 1e-3, "rtol": 1e-6}, "solver.rtol: RungeKutta4 has no such setting"),
         ("DormandPrince", {"step": 1e-3}, "solver.step: DormandPrince has no such setting"),
+        (
+            "TimeStepping",
+            {"rtol": 1e-6},
+            "solver.rtol: TimeStepping has no such setting, got 1e-06; TimeStepping takes step",
+        ),
+        ("Rosenbrok", {}, "solver: no such solver, got 'Rosenbrok'; did you mean 'Rosenbrock'?"),
     ],
 )
 def test_a_wrong_name_or_setting_is_one_line(name: str, settings: dict[str, float], words: str) -> None:
@@ -73,12 +86,24 @@ def test_a_wrong_name_or_setting_is_one_line(name: str, settings: dict[str, floa
 
 def test_auto_says_what_it_chose() -> None:
     """The run carries the solver that ran and a sentence on the choice."""
-    run = fd.simulate(fd.load_model("scara_two_link"), None, 0.01)
+    model = fd.load_model("scara_two_link")
+    run = fd.simulate(model, None, 0.01)
     assert isinstance(run.solver, DormandPrince)
-    assert any("auto" in note and "DormandPrince" in note for note in run.notes)
-    assert any("creeps" in note for note in run.notes)
-    plain = fd.load_model("scara_two_link").replace(effects=[])
+    (note,) = run.notes
+    assert note.startswith("solver auto: DormandPrince, ")
+    plain = model.replace(effects=[])
     assert fd.simulate(plain, None, 0.01, "DormandPrince").notes == ()
+
+
+@pytest.mark.parametrize("kind", [DormandPrince, Rosenbrock])
+def test_smoothing_is_told(kind: type[DormandPrince | Rosenbrock]) -> None:
+    """Dry friction is exact unless smoothing is given; then a run says that a loaded joint creeps."""
+    model = fd.load_model("scara_two_link")
+    assert kind().smoothing is None
+    assert fd.simulate(model, None, 0.01, kind()).notes == ()
+    (note,) = fd.simulate(model, None, 0.01, kind(smoothing=1e-3)).notes
+    assert note.startswith("dry friction is smoothed over 0.001 rad/s: a loaded joint creeps")
+    assert fd.simulate(model.replace(effects=[]), None, 0.01, kind(smoothing=1e-3)).notes == ()
 
 
 def test_dry_friction_needs_smoothing_at_a_fixed_step() -> None:

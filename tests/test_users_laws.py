@@ -23,7 +23,9 @@ from tests.arms import BENT, state, two_link, unlisted
 from tests.oracles.two_link import TwoLink
 
 ARM = TwoLink(stiffness=(30.0, 20.0), damping=(0.1, 0.05))
-SOLVERS = [fd.solvers.DormandPrince(), fd.solvers.RungeKutta4(step=1e-3, smoothing=0.05)]
+SOLVERS = [fd.solvers.DormandPrince(smoothing=1e-3), fd.solvers.RungeKutta4(step=1e-3, smoothing=0.05)]
+"""Neither locates events, so that a law with a corner takes the same steps in Python and in the core."""
+LOCATING = [fd.solvers.DormandPrince(), fd.solvers.Rosenbrock(rtol=1e-8, atol=1e-10)]
 
 
 @unlisted
@@ -86,6 +88,16 @@ def test_a_law_in_python_moves_as_the_built_in_one(
     np.testing.assert_allclose(runs[0].tau_applied, runs[1].tau_applied, atol=1e-13)
 
 
+@pytest.mark.parametrize("solver", LOCATING, ids=lambda solver: type(solver).__name__)
+@pytest.mark.parametrize(("own", "users"), PAIRS, ids=lambda effect: effect.name)
+def test_a_corner_in_python_is_stepped_over(own: JointEffect, users: JointEffect, solver: fd.solvers.Solver) -> None:
+    """A solver that locates the core's corners crosses those of a class in Python within its tolerance."""
+    runs = [fd.simulate(two_link(ARM, [effect]), [0.4, 0.3], 0.5, solver, **BENT) for effect in (own, users)]
+    located = isinstance(own, TorqueSpeedLimit)
+    assert [run.stats["events"] for run in runs] == [int(located), 0]
+    np.testing.assert_allclose(state(runs[0]), state(runs[1]), atol=1e-7 if located else 1e-13)
+
+
 @unlisted
 class SeenByALaw(JointEffect):
     """Remembers what it was called with."""
@@ -107,7 +119,8 @@ def test_a_law_sees_its_own_side() -> None:
     for side, x, u in (("link", 0.1, 0.3), ("motor", 0.2, 0.4)):
         SEEN.clear()
         model = two_link(ARM, [SeenByALaw("elbow", side=side)])  # type: ignore[arg-type]
-        fd.simulate(model, None, 0.01, q0=[0, 0.1], theta0=[0, 0.2], v0=[0, 0.3], omega0=[0, 0.4])
+        start = {"q0": [0, 0.1], "theta0": [0, 0.2], "v0": [0, 0.3], "omega0": [0, 0.4]}
+        fd.simulate(model, None, 0.01, "DormandPrince", **start)  # auto would look at the law before the run
         assert SEEN[0] == (0.0, x, u, 0.0)
         assert max(t for t, *_ in SEEN) == pytest.approx(0.01)
 

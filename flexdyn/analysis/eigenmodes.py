@@ -31,7 +31,7 @@ class Tangent:
         tau: torques asked for (n,).
 
     Attributes:
-        inertia: M(q) with J of rigid joints, and J of rotors (n + e, n + e).
+        inertia: M(q) with J of rigid joints, and J of rotors (n + e, n + e); S(q) with full rotor coupling.
         stiffness: symmetric (n + e, n + e).
         damping: (n + e, n + e).
     """
@@ -39,15 +39,17 @@ class Tangent:
     def __init__(self, statics: Statics, q: Array, theta: Array, tau: Array) -> None:
         model, n = statics.model, statics.model.n
         half = n + int(model.elastic.sum())
-        A = state_matrix(statics.plant, statics.t, statics.state(q, theta), tau)
-        self.inertia = np.zeros((half, half))
-        self.inertia[:n, :n] = statics.links.mass_matrix(q)
-        self.inertia[range(n, half), range(n, half)] = model.rotor_inertia[model.elastic]
+        # Torques at rest have the same slopes with and without rotor coupling; without it Pinocchio has them exactly.
+        A = state_matrix(statics.reduced_plant, statics.t, statics.state(q, theta), tau)
+        reduced = np.zeros((half, half))
+        reduced[:n, :n] = statics.links.mass_matrix(q)
+        reduced[range(n, half), range(n, half)] = model.rotor_inertia[model.elastic]
+        self.inertia = statics.inertia(q)
         velocity, z = slice(half, 2 * half), slice(2 * half, None)
         # From rest a bristle or hysteresis follows its coordinate, z' = s', and so acts as one more spring.
-        stiffness = -self.inertia @ (A[velocity, :half] + A[velocity, z] @ A[z, velocity])
+        stiffness = -reduced @ (A[velocity, :half] + A[velocity, z] @ A[z, velocity])
         self.stiffness = 0.5 * (stiffness + stiffness.T)
-        self.damping = -self.inertia @ A[velocity, velocity]
+        self.damping = -reduced @ A[velocity, velocity]
 
     def squared_frequencies(self, kept: Any = slice(None)) -> tuple[Array, Array]:
         """Squared frequencies (m,) [rad^2/s^2], rising, 0 where rounding is all there is; shapes (m, m) in columns.
@@ -78,12 +80,12 @@ class Tangent:
 def modes(model: FlexibleJointModel, q: Pose = None, *, rotors: Rotors = "free") -> Modes:
     """Free small vibrations of an arm about a pose at rest: K s = w^2 M s with s = [q, theta].
 
-    M: M(q) with payloads, J of rotors; a rigid joint's J is part of M(q). K: the whole tangent stiffness at the pose
-    with springs loaded: stiffness of the transmissions (hardened or slack as they are loaded there), dh/dq of gravity,
-    parallel springs, position torques, end stops that press, torque ripple, bristles of presliding friction and
-    hysteresis. Motors give the constant torque that holds the pose. So an arm standing upright on free rotors has
-    modes that fall, and one without gravity has rigid-body modes. Damping: everything linear in velocity at rest. Dry
-    friction and torque limits are left out.
+    M: M(q) with payloads, J of rotors; a rigid joint's J is part of M(q); full rotor coupling adds S(q). K: the whole
+    tangent stiffness at the pose with springs loaded: stiffness of the transmissions (hardened or slack as they are
+    loaded there), dh/dq of gravity, parallel springs, position torques, end stops that press, torque ripple, bristles
+    of presliding friction and hysteresis. Motors give the constant torque that holds the pose. So an arm standing
+    upright on free rotors has modes that fall, and one without gravity has rigid-body modes. Damping: everything
+    linear in velocity at rest. Dry friction and torque limits are left out.
 
     Args:
         model: the arm.

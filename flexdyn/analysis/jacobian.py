@@ -45,7 +45,7 @@ def without_resting_friction(model: FlexibleJointModel, x: Array) -> FlexibleJoi
 
 
 def state_matrix(plant: _core.Plant, t: float, x: Array, tau: Array) -> Array:
-    """A = d(x')/dx (nx, nx): the links' part analytic, from Pinocchio.
+    """A = d(x')/dx (nx, nx): the links' part analytic, from Pinocchio; with full rotor coupling all by differences.
 
     Every law is on the branch of this point: a sliding contact slides on, a gap stays open or closed, an end stop or
     a torque limit acts or does not. A contact at rest that its dry friction holds has no acceleration.
@@ -62,10 +62,10 @@ def actuator_gains(statics: Statics, x: Array, tau: Array) -> Array:
     half = n + e
     h = 2.0**-10 * max(1.0, float(np.abs(tau).max()))
     up, down = np.empty(len(x)), np.empty(len(x))
-    statics.plant.derivative(statics.t, x, tau + h, np.inf, up)
-    statics.plant.derivative(statics.t, x, tau - h, np.inf, down)
+    statics.reduced_plant.derivative(statics.t, x, tau + h, np.inf, up)
+    statics.reduced_plant.derivative(statics.t, x, tau - h, np.inf, down)
     slope = (up - down) / (2.0 * h)
-    # Acceleration times inertia is torque; what an elastic joint's motor does reaches its rotor alone.
+    # Acceleration times inertia is torque; without coupling an elastic joint's motor reaches its rotor alone.
     gains = statics.links.mass_matrix(x[:n]) @ slope[half : half + n]
     gains[model.elastic] = model.rotor_inertia[model.elastic] * slope[half + n : half + n + e]
     return gains

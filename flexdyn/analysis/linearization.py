@@ -33,7 +33,8 @@ def linearize(
 ) -> LinearModel:
     """The equations of motion near a point as a linear state-space model.
 
-    A is exact: Pinocchio's derivatives of the links, gravity included, and the slopes of every effect. Laws with a
+    A is exact: Pinocchio's derivatives of the links, gravity included, and the slopes of every effect; with
+    `rotor_coupling` full it is a difference quotient of the whole motion instead. Laws with a
     corner (backlash, end stop, torque limit) are on the branch of the point. A command delay is no part of A and B; it
     stands beside them and enters `frequency_response`.
 
@@ -136,27 +137,23 @@ def _point(
 
 
 def _constrained(statics: Statics, x: Array, rows: Array, held: list[int]) -> Array:
-    """Velocity rows (n + e, ...) of some rate when some velocities stay 0: free links feel the held ones no more."""
-    n = statics.model.n
-    links = [j for j in range(n) if j in held]
-    if links:
-        free = [j for j in range(n) if j not in held]
-        M = statics.links.mass_matrix(x[:n])
-        rows[free] = np.linalg.solve(M[np.ix_(free, free)], (M @ rows[:n])[free])
-    rows[held] = 0.0
+    """Velocity rows (n + e, ...) of some rate when some velocities stay 0: what is free feels the held ones no more."""
+    if held:
+        free = [i for i in range(len(rows)) if i not in held]
+        H = statics.inertia(x[: statics.model.n])
+        rows[free] = np.linalg.solve(H[np.ix_(free, free)], (H @ rows)[free])
+        rows[held] = 0.0
     return rows
 
 
 def _input_matrix(statics: Statics, x: Array, gains: Array, held: list[int]) -> Array:
-    """B (nx, n): a motor turns its rotor, or through a rigid joint all links."""
+    """B (nx, n): a motor turns its rotor; through a rigid joint, or with full rotor coupling, everything."""
     model, n = statics.model, statics.model.n
     half = n + int(model.elastic.sum())
     B = np.zeros((len(x), n))
-    rigid = np.flatnonzero(~model.elastic)
-    if len(rigid):
-        B[half : half + n, rigid] = np.linalg.inv(statics.links.mass_matrix(x[:n]))[:, rigid] * gains[rigid]
-    for slot, j in enumerate(np.flatnonzero(model.elastic)):
-        B[half + n + slot, j] = gains[j] / model.rotor_inertia[j]
+    driven = np.zeros((half, n))
+    driven[np.where(model.elastic, n + np.cumsum(model.elastic) - 1, range(n)), range(n)] = gains
+    B[half : 2 * half] = np.linalg.solve(statics.inertia(x[:n]), driven)
     B[half : 2 * half] = _constrained(statics, x, B[half : 2 * half], held)
     return B
 

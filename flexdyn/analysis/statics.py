@@ -21,7 +21,8 @@ class Statics:
     """One model at rest, its dry friction left out: at rest that holds what it is asked to, which is another question.
 
     At rest every net torque depends on its own joint's rotor position and motor torque alone: the link side of joint
-    j on q and theta_j, its rotor side on q_j, theta_j and tau_j. That is why joints are solved all at once.
+    j on q and theta_j, its rotor side on q_j, theta_j and tau_j. That is why joints are solved all at once. Full rotor
+    coupling changes what turns under these torques, `inertia`, and none of them: `reduced_plant` is without it.
 
     Args:
         model: the arm; internal states of its effects are 0.
@@ -31,6 +32,9 @@ class Statics:
     def __init__(self, model: FlexibleJointModel, t: float = 0.0) -> None:
         self.model, self.t = model, t
         self.plant = build_plant(model)
+        self.reduced_plant = self.plant
+        if self.plant.coupled:
+            self.reduced_plant = build_plant(model.replace(rotor_coupling="reduced"))
         self.links = LinkSide(model)
         self.elastic = model.elastic
         self._stiffness = np.where(self.elastic, model.stiffness, 1.0)
@@ -42,6 +46,16 @@ class Statics:
         x[self.model.n : self.model.n + int(self.elastic.sum())] = theta[self.elastic]
         return x
 
+    def inertia(self, q: Array) -> Array:
+        """H(q) (n + e, n + e) [kg m^2 or kg] of [v, omega]: M(q), with J of rigid joints, and J of rotors.
+
+        Full rotor coupling adds S(q) between links and rotors, and within the links for rotors of rigid joints.
+        """
+        size = self.model.n + int(self.elastic.sum())
+        H = np.empty((size, size))
+        self.plant.inertia(self.state(q, q), H)
+        return H
+
     def net(self, q: Array, theta: Array, tau: Array) -> tuple[Array, Array]:
         """Net torques [N m or N] on links (n,) and rotors (n,): 0 where the arm can rest without friction.
 
@@ -49,7 +63,7 @@ class Statics:
         """
         n, e = self.model.n, int(self.elastic.sum())
         rate = np.empty(self.plant.state_size)
-        self.plant.derivative(self.t, self.state(q, theta), tau, np.inf, rate)
+        self.reduced_plant.derivative(self.t, self.state(q, theta), tau, np.inf, rate)
         link = self.links.mass_matrix(q) @ rate[n + e : 2 * n + e]
         rotor = link.copy()
         rotor[self.elastic] = self.model.rotor_inertia[self.elastic] * rate[2 * n + e : 2 * n + 2 * e]

@@ -31,6 +31,7 @@ Plant::Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stif
     law.index = laws_++;
     sort_in(law);
   }
+  plain_ = deflection_.empty() && spring_.empty() && damper_.empty();
   // The kinematic error comes before the dead zone.
   std::stable_partition(deflection_.begin(), deflection_.end(),
                         [](const Law& law) { return law.kind == LawKind::kinematic_error; });
@@ -125,6 +126,13 @@ void Plant::evaluate_laws(Workspace& w, double t, const double* x, const double*
 
 void Plant::transmission(Workspace& w, double t, const double* x) const {
   const double* v_ = v(x);
+  if (plain_) {  // linear springs and dampers alone
+    for (const int j : elastic_) {
+      w.deflection[j] = w.theta[j] - x[j];
+      w.tau_s[j] = w.tau_rotor[j] = K_[j] * w.deflection[j] + D_[j] * (w.omega[j] - v_[j]);
+    }
+    return;
+  }
   for (const int j : elastic_) {
     w.deflection[j] = w.theta[j] - x[j];
     w.deflection_rate[j] = w.omega[j] - v_[j];

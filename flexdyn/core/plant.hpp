@@ -185,6 +185,7 @@ class Plant {
   std::vector<int> elastic_;     // joints with a finite stiffness
   std::vector<int> rotor_slot_;  // joint -> place among the elastic ones, -1 = rigid
   std::vector<double> K_, D_, J_, spin_, delay_;
+  bool plain_ = true;      // no law in any transmission
   bool coupled_ = false;  // spin_ is not all zero
   std::vector<Law> actuator_, deflection_, spring_, damper_, friction_, link_;
   std::vector<DryContact> dry_;

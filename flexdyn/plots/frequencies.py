@@ -14,7 +14,7 @@ from flexdyn.plots.page import BLUE, GREY, WIDE, checked_path, dress, new_figure
 FAR = 12.0
 """A span of frequencies wider than this factor is drawn on a logarithmic axis."""
 DEEP = 200.0
-"""No frequency below the greatest by more than this factor is shown: those are swings under gravity."""
+"""No mode below the greatest frequency by more than this factor is shown: those are swings under gravity."""
 APART = 0.04
 """Least distance of two names at the right end, as a share of the axis."""
 
@@ -22,7 +22,7 @@ APART = 0.04
 def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
     """Draw eigenfrequencies over the length of a path.
 
-    Rigid-body and falling modes, at 0 Hz, and those below 1/200 of the greatest are left out.
+    Modes that are mostly below 1/200 of the greatest frequency are left out: rigid-body ones, swings under gravity.
 
     Args:
         found: by `frequencies_over_path`.
@@ -33,8 +33,9 @@ def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
         MissingExtra: matplotlib is not installed.
     """
     file = checked_path(path)
-    shown = np.where(found.frequencies > found.frequencies.max() / DEEP, found.frequencies, np.nan)
-    modes = {k + 1: column for k, column in enumerate(shown.T) if np.isfinite(column).any()}
+    least = found.frequencies.max() / DEEP
+    shown = np.where(found.frequencies > 0.0, found.frequencies, np.nan)
+    modes = {k + 1: shown[:, k] for k, typical in enumerate(np.median(found.frequencies, axis=0)) if typical > least}
     if not modes:
         raise InputError("nothing vibrates along the path", file=file, remedy="give joints a stiffness")
     figure = new_figure()
@@ -43,7 +44,8 @@ def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
     alone = {"marker": "o", "markersize": 5.0} if len(found.q) == 1 else {}
     for mode, column in modes.items():
         axes.plot(found.distance, column, color=shades[mode], linewidth=WIDE, **alone)
-    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    values = np.concatenate(list(modes.values()))
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
     if high > FAR * low:
         axes.set_yscale("log")
         axes.set_ylim(low / 1.2, high * 1.3)

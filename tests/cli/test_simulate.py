@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -120,3 +121,53 @@ def test_a_pd_file_tracks(flexdyn: Runner) -> None:
     assert flexdyn("simulate", "arm.yaml", "--command", "pd.yaml", "-o", "run.npz").code == 0
     run = fd.simulate(fd.load_model("arm.yaml"), fd.PD("ref.csv", kp=50, kd=5, rate=500))
     assert fd.read_recording("run.npz") == run.to_recording()
+
+
+@pytest.mark.parametrize(
+    ("solver", "options", "settings"),
+    [
+        ("RungeKutta4", ("--step", "2e-3"), {"step": 2e-3}),
+        ("TimeStepping", ("--step", "2e-3"), {"step": 2e-3}),
+        ("TimeStepping", (), {"step": 1e-3}),
+        ("Rosenbrock", ("--rtol", "1e-5", "--atol", "1e-7"), {"rtol": 1e-5, "atol": 1e-7}),
+        ("DormandPrince", ("--rtol", "1e-5", "--smoothing", "0.01"), {"rtol": 1e-5, "atol": 1e-10, "smoothing": 0.01}),
+    ],
+)
+def test_every_solver_by_its_name(flexdyn: Runner, solver: str, options: tuple[str, ...], settings: Any) -> None:
+    """Settings arrive, and the run is that of the Python interface."""
+    outcome = flexdyn("simulate", "arm.yaml", "--command", "tau.csv", "--solver", solver, *options, "-o", "run.npz")
+    assert outcome.code == 0
+    chosen = fd.solvers.make_solver(solver, **settings)
+    run = fd.simulate(fd.load_model("arm.yaml"), "tau.csv", solver=chosen)
+    assert fd.read_recording("run.npz") == run.to_recording()
+    assert f"{solver}, {run.stats['steps']} steps" in outcome.out
+    found = flexdyn("simulate", "arm.yaml", "--solver", solver, *options, "--duration", "0.01", "-o", "r.npz", "--json")
+    assert found.json["solver"] == {"name": solver, **settings}
+
+
+def test_events_are_counted(flexdyn: Runner) -> None:
+    """Dry friction that stops a joint is an event, and the summary tells how many there were."""
+    arguments = ("simulate", "scara_two_link", "--v0", "0.02,0.02", "--duration", "1", "-o", "run.npz")
+    events = flexdyn(*arguments, "--json").json["stats"]["events"]
+    assert events > 0
+    assert f"{events} events" in flexdyn(*arguments).out
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            ("--step", "1e-3"),
+            "solver auto takes no step, got 0.001; name one that takes a step: --solver RungeKutta4 or",
+        ),
+        (("--solver", "Rosenbrock", "--step", "1e-3"), "--step: Rosenbrock has no such setting"),
+        (("--solver", "TimeStepping", "--rtol", "1e-3"), "--rtol: TimeStepping has no such setting"),
+        (("--solver", "RungeKutta4"), "--step: RungeKutta4 needs a step"),
+    ],
+)
+def test_a_setting_that_a_solver_lacks(flexdyn: Runner, options: tuple[str, ...], words: str) -> None:
+    """One line with the option's name, and what would be right."""
+    outcome = flexdyn("simulate", "arm.yaml", "--duration", "0.1", *options, "-o", "run.npz")
+    assert outcome.code == 2
+    assert words in outcome.err
+    assert outcome.err.count("\n") == 1

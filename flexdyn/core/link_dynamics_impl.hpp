@@ -1,0 +1,43 @@
+// What the files of LinkDynamics share: Pinocchio's model and data behind it. Nobody else includes this.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "joint_collection.hpp"
+#include "link_dynamics.hpp"
+
+namespace flexdyn {
+
+namespace pin = pinocchio;
+using Eigen::Map;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+struct LinkDynamics::Impl {
+  std::vector<char> prismatic;
+  std::vector<int> own_row;  // independent joint -> its own row in the tree, not that of one that mimics it
+  Model model;
+  MatrixXd gain;
+  VectorXd offset;
+  bool mimics = false;
+};
+
+struct LinkDynamics::Workspace {
+  explicit Workspace(const Impl& impl, int n)
+      : data(impl.model), M(n, n), h(n), factor(n), q(impl.offset), v(impl.offset), a(impl.offset), free(n) {}
+  Data data;
+  MatrixXd M;
+  VectorXd h;
+  Eigen::LLT<MatrixXd> factor;
+  VectorXd q, v, a;       // of the whole tree, mimic joints included
+  std::vector<int> free;  // joints that are not held
+};
+
+}  // namespace flexdyn

@@ -1,0 +1,287 @@
+"""The energy ledger closes, and each of its entries is what an independent computation finds."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.typing import NDArray
+
+import flexdyn as fd
+from flexdyn.effects import Effect
+from flexdyn.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver, TimeStepping
+from tests.arms import coupled, repickled, slider
+from tests.effects.arms import catalogue_examples, model_of
+from tests.effects.reference import Arm
+from tests.test_users_laws import MyFriction
+
+Array = NDArray[np.float64]
+ARM = Arm((300.0, 200.0), (0.5, 0.3), (0.1, 0.1), gravity=9.81)
+LOSSLESS = Arm((300.0, 200.0), (0.0, 0.0), (0.1, 0.1), gravity=9.81)
+HALF_RIGID = Arm((math.inf, 200.0), (0.0, 0.3), (0.1, 0.1), gravity=9.81)
+START: dict[str, Any] = {"q0": [0.95, math.pi / 2], "v0": [1.0, -0.6]}
+"""Just before the end stop of the catalogue's example, moving towards it, the springs at rest."""
+TABLE = [[1.5, 0.4], [-2.0, 0.3], [0.5, -0.8], [0.2, 0.1]]
+RAMPS = fd.Samples([0.0, 0.1, 0.17, 0.3], TABLE, "linear")
+STEPS = fd.Samples([0.0, 0.1, 0.17, 0.3], TABLE)
+SOLVERS: tuple[Solver, ...] = (
+    DormandPrince(),
+    DormandPrince(smoothing=0.05),
+    Rosenbrock(),
+    Rosenbrock(smoothing=0.05),
+    RungeKutta4(step=1e-4, smoothing=0.05),
+    TimeStepping(step=1e-4),
+)
+IN_PLANT = [e for e in catalogue_examples() if e.stage != "sensor"]
+TOGETHER = [e for e in IN_PLANT if e.name != "joint_elasticity"]
+LOSING = [e for e in IN_PLANT if e.stage in ("friction", "dry") and e.name != "joint_coupling"]
+MEMORYLESS = [e for e in LOSING if e.name != "presliding_friction"]
+
+
+def solver_name(solver: Solver) -> str:
+    """A solver's name, and whether it smooths."""
+    return type(solver).__name__ + ("_smooth" if getattr(solver, "smoothing", None) else "")
+
+
+def arm_with(effects: list[Any]) -> fd.FlexibleJointModel:
+    """The arm; its shoulder is rigid where the effects make it elastic themselves."""
+    elasticity = any(effect.name == "joint_elasticity" for effect in effects)
+    return model_of(HALF_RIGID if elasticity else ARM, effects)
+
+
+def closed(run: fd.Run) -> fd.Energy:
+    """The ledger of a run that must close without a warning, turn over energy, and start at zero."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        energy = run.energy
+    assert energy.closes
+    assert np.abs(energy.residual).max() <= energy.tolerance
+    assert 0.0 < energy.tolerance < 0.1 * np.ptp(energy.kinetic)
+    for sums in (energy.supplied, energy.external, *energy.dissipated.values()):
+        assert not sums[0].any()
+    return energy
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=solver_name)
+@pytest.mark.parametrize("effect", IN_PLANT, ids=lambda effect: effect.name)
+def test_it_closes_with_every_effect(effect: Effect, solver: Solver) -> None:
+    """Energy gained is energy supplied less energy dissipated, whatever the effect does."""
+    if effect.name == "end_stop" and isinstance(solver, RungeKutta4):
+        pytest.skip("the damper at the stop sets in with a jump, which a fixed step does not meet: see below")
+    closed(fd.simulate(arm_with([effect]), STEPS, 0.3, solver, rate=200, **START))
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=solver_name)
+def test_it_closes_with_all_effects_together(solver: Solver) -> None:
+    """The whole catalogue on one joint, and every loss has an entry of its own."""
+    start = {"q0": [0.98, math.pi / 2], "v0": [2.0, -0.6]}
+    run = fd.simulate(arm_with(TOGETHER), STEPS, 0.3, solver, rate=200, **start)
+    energy = run.energy if isinstance(solver, RungeKutta4) else closed(run)
+    expected = {f"{e.name}.{e.joint}.{e.side}" for e in [*LOSING, *(e for e in TOGETHER if e.name == "joint_coupling")]}
+    expected |= {"damping.shoulder", "damping.elbow", "transmission_damping.shoulder.transmission"}
+    expected |= {"spring_hysteresis.shoulder.transmission", "end_stop.shoulder.link"}
+    assert set(energy.dissipated) == expected
+    assert all(energy.dissipated[label].any() for label in expected)
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=solver_name)
+@pytest.mark.parametrize("kind", ["pd", "controller", "wrench", "delayed_pd", "coupled_rotors"])
+def test_it_closes_under_every_drive(kind: str, solver: Solver) -> None:
+    """Tracking, a law in Python, a wrench at the tip, delayed feedback, and the full rotor coupling."""
+    reference = fd.Samples([0.0, 0.15, 0.3], [[0.9, 1.5], [0.7, 1.7], [0.9, 1.6]], "cubic")
+    pd = fd.PD(reference, 30.0, 1.0, rate=500)
+    command: Any = {"pd": pd, "delayed_pd": pd}.get(kind, STEPS)
+    if kind == "controller":
+        command = fd.Controller(lambda t, x: 20.0 * (1.0 - x.theta) - 0.5 * x.omega, rate=500)
+    effects = [fd.effects.CommandDelay("elbow", delay=0.0031)] if kind == "delayed_pd" else []
+    wrench = fd.FrameWrench("tool", [3.0, -5.0, 0.0, 0.0, 0.0, 0.4]) if kind == "wrench" else None
+    settings = {"rotor_coupling": "full"} if kind == "coupled_rotors" else {}
+    model = model_of(ARM, [*effects, fd.effects.CoulombFriction("shoulder", side="motor", level=0.3)], **settings)
+    energy = closed(fd.simulate(model, command, 0.3, solver, rate=200, external=wrench, **START))
+    assert energy.external.any() == (kind == "wrench")
+    assert np.abs(energy.supplied).max() > 0.01
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=solver_name)
+@pytest.mark.parametrize("kind", ["mixed", "rigid", "mimic", "prismatic"])
+def test_it_closes_on_every_kind_of_joint(kind: str, solver: Solver, tmp_path: Path) -> None:
+    """Rigid joints with rotors, one of each, a joint that mimics, a mass that is lifted."""
+    joint = {"rotor_inertia": 0.2, "stiffness": 300.0, "damping": 0.5}
+    if kind in ("mixed", "rigid"):
+        arm = HALF_RIGID if kind == "mixed" else Arm((math.inf, math.inf), (0.0, 0.0), (0.1, 0.1), gravity=9.81)
+        model, start = model_of(arm, [fd.effects.CoulombFriction("shoulder", side="link", level=0.3)]), START
+    elif kind == "mimic":
+        model = fd.FlexibleJointModel(coupled(tmp_path, -1.5, 0.4), {"lead": joint}, gravity=[0.0, -9.81, 0.0])
+        start = {"q0": [0.3], "v0": [1.0]}
+    else:
+        model, start = fd.FlexibleJointModel(slider(tmp_path), {"lift": joint}), {"v0": [2.0]}
+    torque = np.full(model.n, 1.5)
+    energy = closed(fd.simulate(model, torque, 0.3, solver, rate=200, **start))
+    assert np.ptp(energy.gravity) > 0.05
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=solver_name)
+@pytest.mark.parametrize("side", ["link", "motor"])
+@pytest.mark.parametrize("effect", MEMORYLESS, ids=lambda effect: effect.name)
+def test_memoryless_friction_only_takes(effect: Any, side: Any, solver: Solver) -> None:
+    """Its entry never falls, on either side, to and fro; and it takes something."""
+    if side not in type(effect).sides:
+        pytest.skip("SPEC does not allow it on this side")
+    there = type(effect)(effect.joint, side=side, **{f.name: getattr(effect, f.name) for f in effect.parameters()})
+    run = fd.simulate(arm_with([there]), STEPS, 0.3, solver, rate=1000, **START)
+    lost = closed(run).dissipated[f"{effect.name}.shoulder.{side}"]
+    assert (np.diff(lost) >= 0.0).all()
+    assert lost[-1] > 1e-4
+
+
+@pytest.mark.parametrize("name", ["presliding_friction", "spring_hysteresis"])
+def test_memory_takes_no_less_than_it_stores(name: str) -> None:
+    """With what bristles and loops hold in the ledger, their entries never fall."""
+    (effect,) = [e for e in IN_PLANT if e.name == name]
+    energy = closed(fd.simulate(arm_with([effect]), STEPS, 0.3, DormandPrince(), **START))
+    assert (np.diff(energy.dissipated[f"{name}.{effect.joint}.{effect.side}"]) >= -1e-12).all()
+
+
+def test_supplied_is_torque_times_speed() -> None:
+    """Against the trapezoid of tau_applied omega over 30 001 samples, with effects of the actuator."""
+    effects = [e for e in TOGETHER if e.stage == "actuator" and e.name != "command_delay"]
+    run = fd.simulate(model_of(ARM, effects), RAMPS, 0.3, rate=100_000, **START)
+    power = run.tau_applied * run.omega
+    by_hand = np.vstack([np.zeros(2), np.cumsum((power[1:] + power[:-1]) / 2e5, axis=0)])
+    np.testing.assert_allclose(run.energy.supplied, by_hand, atol=1e-7)
+    assert np.abs(by_hand[-1]).min() > 1e-3
+
+
+def test_dissipated_is_torque_times_speed() -> None:
+    """Viscous losses c u^2 and the damping's D (omega - v)^2 against trapezoids; each effect gets its own."""
+    effects = [
+        fd.effects.ViscousFriction("elbow", side="motor", coefficient=0.2),
+        fd.effects.ViscousFriction("shoulder", side="link", coefficient=0.1),
+    ]
+    run = fd.simulate(model_of(ARM, effects), RAMPS, 0.3, rate=50_000, **START)
+    powers = {
+        "viscous_friction.elbow.motor": 0.2 * run.omega[:, 1] ** 2,
+        "viscous_friction.shoulder.link": 0.1 * run.v[:, 0] ** 2,
+        "damping.shoulder": 0.5 * (run.omega[:, 0] - run.v[:, 0]) ** 2,
+        "damping.elbow": 0.3 * (run.omega[:, 1] - run.v[:, 1]) ** 2,
+    }
+    assert set(run.energy.dissipated) == set(powers)
+    for label, power in powers.items():
+        by_hand = np.append(0.0, np.cumsum((power[1:] + power[:-1]) / 1e5))
+        np.testing.assert_allclose(run.energy.dissipated[label], by_hand, atol=1e-7)
+
+
+def test_a_constant_force_supplies_force_times_way() -> None:
+    """A force that does not change in the world's axes: F . (p(t) - p(0)), whatever way the tip takes."""
+    force = np.array([3.0, -5.0, 0.0])
+    wrench = fd.FrameWrench("tool", [*force, 0.0, 0.0, 0.0])
+    run = fd.simulate(model_of(ARM), RAMPS, 0.3, external=wrench, **START)
+    way = run.frame_positions("tool") - run.frame_positions("tool")[0]
+    np.testing.assert_allclose(run.energy.external, way @ force, atol=1e-7)
+
+
+@pytest.mark.parametrize("name", ["panda", "scara"])
+def test_kinetic_and_gravity_are_pinocchios(name: str) -> None:
+    """Energies of the shipped arms against Pinocchio's on the bare robot with the rotors' 1/2 J omega^2 by hand."""
+    shipped = fd.load_model(name)
+    model = shipped.replace(effects=[])
+    run = fd.simulate(model, None, 0.05, rate=200, v0=0.3 * np.cos(np.arange(model.n)))
+    robot, rotors = model.robot.pin_model.copy(), model.resolved().rotor_inertia
+    robot.gravity = pin.Motion(np.array(model.gravity), np.zeros(3))
+    data = robot.createData()
+    for i in range(len(run.t)):
+        q = model.robot.expand(run.q[i : i + 1])[0]
+        links = pin.computeKineticEnergy(robot, data, q, model.robot.expand_velocity(run.v[i]))
+        assert run.energy.kinetic[i] == pytest.approx(links + 0.5 * rotors @ run.omega[i] ** 2, rel=1e-10)
+        assert run.energy.gravity[i] == pytest.approx(pin.computePotentialEnergy(robot, data, q), rel=1e-10)
+
+
+def test_springs_hold_what_their_laws_say() -> None:
+    """1/2 K delta^2 + cubic/4 delta^4 + 1/2 k (q - rest)^2 + 1/2 k z^2 of what the transmission and the links hold."""
+    effects: list[Effect] = [
+        fd.effects.KinematicError("shoulder", amplitude=0.02, harmonic=3.0, phase=0.2),
+        fd.effects.Backlash("shoulder", half_gap=0.01),
+        fd.effects.HardeningSpring("shoulder", cubic=2e5),
+        fd.effects.ParallelSpring("elbow", stiffness=20.0, rest=0.3),
+        fd.effects.PreslidingFriction("elbow", side="link", level=1.0, stiffness=500.0),
+        fd.effects.SpringHysteresis("elbow", stiffness=1000.0, width=0.002),
+    ]
+    run = fd.simulate(model_of(ARM, effects), STEPS, 0.3, **START)
+    twisted = run.deflection[:, 0] + 0.02 * np.sin(3.0 * run.theta[:, 0] + 0.2)
+    twisted = np.sign(twisted) * np.maximum(np.abs(twisted) - 0.01, 0.0)
+    expected = 150.0 * twisted**2 + 5e4 * twisted**4 + 100.0 * run.deflection[:, 1] ** 2
+    expected += 10.0 * (run.q[:, 1] - 0.3) ** 2 + 250.0 * run.z[:, 0] ** 2 + 500.0 * run.z[:, 1] ** 2
+    np.testing.assert_allclose(run.energy.spring, expected, rtol=1e-9, atol=1e-12)
+
+
+def test_mechanical_energy_stays_where_nothing_takes_it() -> None:
+    """Springs and gravity pass energy to and fro; the sum is constant although each part changes."""
+    run = fd.simulate(model_of(LOSSLESS), None, 0.5, DormandPrince(rtol=1e-12, atol=1e-13), **START)
+    energy = closed(run)
+    assert np.ptp(energy.mechanical) < 1e-10
+    assert min(np.ptp(part) for part in (energy.kinetic, energy.spring, energy.gravity)) > 1e-3
+    assert dict(energy.dissipated) == {}
+
+
+def test_a_coarse_step_is_said() -> None:
+    """RungeKutta4 at a radian of the fastest vibration damps it: the ledger does not close, at the caller's line."""
+    run = fd.simulate(model_of(LOSSLESS), None, 0.5, RungeKutta4(step=1e-2), **START)
+    with pytest.warns(fd.EnergyWarning, match="RungeKutta4 does not resolve the motion") as caught:
+        energy = run.energy
+    assert not energy.closes
+    assert [warning.filename for warning in caught] == [__file__]
+
+
+def test_a_jump_within_a_fixed_step_is_said() -> None:
+    """At the damper of an end stop RungeKutta4 falls to order 1: half the step leaves half the residual, and says so."""
+    (stop,) = [e for e in IN_PLANT if e.name == "end_stop"]
+    left = []
+    for step in (4e-4, 2e-4):
+        run = fd.simulate(arm_with([stop]), STEPS, 0.3, RungeKutta4(step=step), **START)
+        with pytest.warns(fd.EnergyWarning):
+            left.append(np.abs(run.energy.residual).max())
+    assert left[1] < 0.7 * left[0]
+
+
+def test_it_is_locked_and_pickles() -> None:
+    """Nothing in a ledger can be written, also after a trip to another process."""
+    energy = fd.simulate(model_of(ARM), STEPS, 0.1, **START).energy
+    for each in (energy, repickled(energy)):
+        for array in (each.kinetic, each.spring, each.gravity, each.supplied, each.external, *each.dissipated.values()):
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 1.0
+        with pytest.raises(TypeError):
+            each.dissipated["damping.elbow"] = energy.kinetic  # type: ignore[index]
+        np.testing.assert_array_equal(each.residual, energy.residual)
+
+
+def test_a_controller_is_not_asked_again() -> None:
+    """The ledger goes by the torques that were asked for, and a run from another process still has it."""
+    calls: list[float] = []
+
+    def law(t: float, x: fd.State) -> Array:
+        calls.append(t)
+        return 20.0 * (1.0 - x.theta) - 0.5 * x.omega
+
+    run = fd.simulate(model_of(ARM), fd.Controller(law, rate=200), 0.3, **START)
+    before = len(calls)
+    energy = closed(run)
+    assert len(calls) == before > 50
+    again = closed(repickled(run))
+    np.testing.assert_array_equal(again.residual, energy.residual)
+    assert set(again.dissipated) == set(energy.dissipated)
+
+
+@pytest.mark.parametrize("solver", [DormandPrince(), TimeStepping(step=1e-4)], ids=solver_name)
+def test_a_users_friction_has_an_entry(solver: Solver) -> None:
+    """A law in Python stands in the ledger as one of the catalogue does."""
+    run = fd.simulate(model_of(ARM, [MyFriction("shoulder", side="link", coefficient=0.3)]), RAMPS, 0.3, solver, rate=20_000, **START)
+    power = 0.3 * run.v[:, 0] ** 2
+    by_hand = np.append(0.0, np.cumsum((power[1:] + power[:-1]) / 4e4))
+    lost = closed(run).dissipated[f"{MyFriction.name}.shoulder.link"]
+    np.testing.assert_allclose(lost, by_hand, atol=1e-6 if isinstance(solver, DormandPrince) else 1e-3)
