@@ -102,7 +102,9 @@ def ledger(run: Run) -> Energy:
     if not energy.closes:
         worst = float(np.abs(energy.residual).max())
         text = f"the energy ledger of {run.model.name} leaves {worst:.3g} J of {energy.tolerance:.3g} J unexplained"
-        warnings.warn(f"{text}: {type(run.solver).__name__} does not resolve the motion", EnergyWarning, stacklevel=4)  # beyond Run.energy and its cached_property
+        warnings.warn(
+            f"{text}: {type(run.solver).__name__} does not resolve the motion", EnergyWarning, stacklevel=4
+        )  # beyond Run.energy and its cached_property
     return energy
 
 
@@ -119,7 +121,11 @@ def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
         dissipated[f"damping.{model.joint_names[j]}"] = sums[:, n + 1 + j].copy()
     for k, effect in enumerate(acting_effects(model)):
         lost = sums[:, 2 * n + 1 + k]
-        if effect.name != "hardening_spring" and effect.stage in ("friction", "dry", "spring") or effect.name == "end_stop":
+        if (
+            effect.name != "hardening_spring"
+            and effect.stage in ("friction", "dry", "spring")
+            or effect.name == "end_stop"
+        ):
             label = _label(effect)
             dissipated[label] = dissipated.get(label, 0.0) + lost
     turnover = max(np.ptp(kinetic), np.ptp(spring), np.abs(sums).max(initial=0.0), 1e-12)

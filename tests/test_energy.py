@@ -72,7 +72,7 @@ def closed(run: fd.Run) -> fd.Energy:
 def test_it_closes_with_every_effect(effect: Effect, solver: Solver) -> None:
     """Energy gained is energy supplied less energy dissipated, whatever the effect does."""
     if effect.name == "end_stop" and isinstance(solver, RungeKutta4):
-        pytest.skip("the damper at the stop sets in with a jump, which a fixed step does not meet: see below")
+        solver = RungeKutta4(step=1e-4)  # its damper sets in with a jump; with smoothing nothing locates it: see below
     closed(fd.simulate(arm_with([effect]), STEPS, 0.3, solver, rate=200, **START))
 
 
@@ -81,7 +81,12 @@ def test_it_closes_with_all_effects_together(solver: Solver) -> None:
     """The whole catalogue on one joint, and every loss has an entry of its own."""
     start = {"q0": [0.98, math.pi / 2], "v0": [2.0, -0.6]}
     run = fd.simulate(arm_with(TOGETHER), STEPS, 0.3, solver, rate=200, **start)
-    energy = run.energy if isinstance(solver, RungeKutta4) else closed(run)
+    if isinstance(solver, RungeKutta4):
+        with pytest.warns(fd.EnergyWarning):  # nothing locates the end stop's jump
+            energy = run.energy
+    else:
+        energy = closed(run)
+    assert np.abs(energy.residual).max() < 1e-4 * np.ptp(energy.kinetic) or isinstance(solver, TimeStepping)
     expected = {f"{e.name}.{e.joint}.{e.side}" for e in [*LOSING, *(e for e in TOGETHER if e.name == "joint_coupling")]}
     expected |= {"damping.shoulder", "damping.elbow", "transmission_damping.shoulder.transmission"}
     expected |= {"spring_hysteresis.shoulder.transmission", "end_stop.shoulder.link"}
@@ -196,7 +201,8 @@ def test_kinetic_and_gravity_are_pinocchios(name: str) -> None:
     data = robot.createData()
     for i in range(len(run.t)):
         q = model.robot.expand(run.q[i : i + 1])[0]
-        links = pin.computeKineticEnergy(robot, data, q, model.robot.expand_velocity(run.v[i]))
+        rate = (model.robot.expand(1e3 * run.v[i]) - model.robot.expand(0.0 * run.v[i])) / 1e3
+        links = pin.computeKineticEnergy(robot, data, q, rate)
         assert run.energy.kinetic[i] == pytest.approx(links + 0.5 * rotors @ run.omega[i] ** 2, rel=1e-10)
         assert run.energy.gravity[i] == pytest.approx(pin.computePotentialEnergy(robot, data, q), rel=1e-10)
 
@@ -238,14 +244,13 @@ def test_a_coarse_step_is_said() -> None:
 
 
 def test_a_jump_within_a_fixed_step_is_said() -> None:
-    """At the damper of an end stop RungeKutta4 falls to order 1: half the step leaves half the residual, and says so."""
+    """At an end stop's damper RungeKutta4 falls to order 1 with smoothing, and says so; without, it meets the jump."""
     (stop,) = [e for e in IN_PLANT if e.name == "end_stop"]
-    left = []
-    for step in (4e-4, 2e-4):
-        run = fd.simulate(arm_with([stop]), STEPS, 0.3, RungeKutta4(step=step), **START)
-        with pytest.warns(fd.EnergyWarning):
-            left.append(np.abs(run.energy.residual).max())
-    assert left[1] < 0.7 * left[0]
+    run = fd.simulate(arm_with([stop]), STEPS, 0.3, RungeKutta4(step=2e-4, smoothing=0.05), **START)
+    with pytest.warns(fd.EnergyWarning, match="RungeKutta4 does not resolve the motion"):
+        left = np.abs(run.energy.residual).max()
+    located = fd.simulate(arm_with([stop]), STEPS, 0.3, RungeKutta4(step=2e-4), **START)
+    assert np.abs(closed(located).residual).max() < 1e-3 * left
 
 
 def test_it_is_locked_and_pickles() -> None:
@@ -280,7 +285,9 @@ def test_a_controller_is_not_asked_again() -> None:
 @pytest.mark.parametrize("solver", [DormandPrince(), TimeStepping(step=1e-4)], ids=solver_name)
 def test_a_users_friction_has_an_entry(solver: Solver) -> None:
     """A law in Python stands in the ledger as one of the catalogue does."""
-    run = fd.simulate(model_of(ARM, [MyFriction("shoulder", side="link", coefficient=0.3)]), RAMPS, 0.3, solver, rate=20_000, **START)
+    run = fd.simulate(
+        model_of(ARM, [MyFriction("shoulder", side="link", coefficient=0.3)]), RAMPS, 0.3, solver, rate=20_000, **START
+    )
     power = 0.3 * run.v[:, 0] ** 2
     by_hand = np.append(0.0, np.cumsum((power[1:] + power[:-1]) / 4e4))
     lost = closed(run).dissipated[f"{MyFriction.name}.shoulder.link"]

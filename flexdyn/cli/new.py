@@ -92,7 +92,7 @@ def _head(model: FlexibleJointModel, folder: Path) -> list[str]:
         f"  gravity: [{gravity}]  # m/s^2, in the axes of the base",
         f"  # lock: {{{first}: 0.0}}  # joints to remove, held at these positions",
         f"  urdf_dynamics: {model.urdf_dynamics}  # or ignore: <dynamics> of the URDF, here {_dynamics(model)}",
-        f"  rotor_coupling: {model.rotor_coupling}  # rotors act on their own joint only",
+        f"  rotor_coupling: {model.rotor_coupling}  # or full: rotors ride on links, their spin acts on them",
     ]
 
 

@@ -49,12 +49,10 @@ class DormandPrince : public Stepper {
     fresh_ = false;
     if (h_ == 0.0) h_ = initial_step(limit);
     while (true) {
-      const double left = limit - t_;
-      double h = std::min(h_, max_step_);
-      const bool last = h >= left * (1.0 - 1e-10);
-      if (last) h = left;
-      else if (h > 0.5 * left) h = 0.5 * left;  // no sliver of a step before the limit
-      if (!last && h <= 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t_), 1e-300)) {
+      const StepPlan plan = plan_step(std::min(h_, max_step_), limit - t_);
+      const double h = plan.h;
+      const bool last = plan.last;
+      if (plan.vanishes(t_)) {
         failure = {"the step fell below what time can resolve: the motion is too stiff or not finite", t_};
         return false;
       }

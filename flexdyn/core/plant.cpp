@@ -313,8 +313,13 @@ void Plant::torques(Workspace& w, double t, const double* x, const double* tau, 
   evaluate_laws(w, t, x, tau);
   if (elastic() == n_) return;
   solve(w, x, tau_ext);
+  if (coupled_) couple_rotors(w, x);
   for (int j = 0; j < n_; ++j) {
-    if (rotor_slot_[j] < 0) w.tau_s[j] = w.tau_applied[j] - w.f_motor[j] - J_[j] * w.acceleration[j];
+    if (rotor_slot_[j] >= 0) continue;
+    double rotor = J_[j] * w.acceleration[j];
+    if (coupled_) rotor += w.rotor_bias[j];  // the rotor's own inertia also turns with the link it rides on
+    for (int k = 0; coupled_ && k < n_; ++k) rotor += w.S[static_cast<std::size_t>(k * n_ + j)] * w.acceleration[k];
+    w.tau_s[j] = w.tau_applied[j] - w.f_motor[j] - rotor;
   }
   for (std::size_t c = 0; c < dry_.size(); ++c) w.tau_s[dry_[c].joint] -= motor_share(w, c, t, x);
 }

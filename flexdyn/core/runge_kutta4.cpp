@@ -9,30 +9,22 @@ namespace {
 
 class RungeKutta4 : public Stepper {
  public:
-  RungeKutta4(RightHandSide f, double step) : f_(std::move(f)), step_(step) {}
+  RungeKutta4(RightHandSide f, double step) : f_(std::move(f)), grid_(step) {}
 
   void start(double t, const std::vector<double>& x) override {
     t_ = t;
     x_ = before_ = stage_ = x;
     for (auto* k : {&k1_, &k2_, &k3_, &k4_, &after_}) k->assign(x.size(), 0.0);
-    limit_ = t;
+    grid_.restart(t);
   }
 
-  void restart() override { limit_ = t_; }
+  void restart() override { grid_.restart(t_); }
 
   bool step(double limit, Failure&) override {
-    if (limit != limit_) {
-      // Equal steps, none longer than asked, that end on the limit: command switches fall between steps.
-      limit_ = limit;
-      origin_ = t_;
-      count_ = std::max(1L, std::lround(std::ceil((limit - t_) / step_ - 1e-6)));
-      done_ = 0;
-    }
-    ++done_;
+    const double end = grid_.next(t_, limit);
     before_ = x_;
     t_before_ = t_;
-    h_ = (limit_ - origin_) / static_cast<double>(count_);
-    const double end = done_ == count_ ? limit_ : origin_ + h_ * static_cast<double>(done_);
+    h_ = grid_.h();
     const std::size_t size = x_.size();
     f_(t_, x_.data(), k1_.data());
     for (std::size_t i = 0; i < size; ++i) stage_[i] = x_[i] + 0.5 * h_ * k1_[i];
@@ -64,8 +56,8 @@ class RungeKutta4 : public Stepper {
 
  private:
   RightHandSide f_;
-  double step_, h_ = 0.0, t_before_ = 0.0, limit_ = 0.0, origin_ = 0.0;
-  long count_ = 0, done_ = 0;
+  EqualSteps grid_;
+  double h_ = 0.0, t_before_ = 0.0;
   bool has_after_ = false;
   std::vector<double> before_, stage_, k1_, k2_, k3_, k4_, after_;
 };

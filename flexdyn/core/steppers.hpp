@@ -53,6 +53,29 @@ class Stepper {
   StepperStats stats_;
 };
 
+// Equal steps, none longer than asked, that end on every limit: command switches fall between steps.
+class EqualSteps {
+ public:
+  explicit EqualSteps(double step) : step_(step) {}
+  void restart(double t) { limit_ = t; }
+  // End of the step that starts at t; h() is its length.
+  double next(double t, double limit);
+  double h() const { return h_; }
+
+ private:
+  double step_, h_ = 0.0, limit_ = 0.0, origin_ = 0.0;
+  long count_ = 0, done_ = 0;
+};
+
+// The step to try out of the one wanted: it ends on the limit or leaves no sliver before it.
+struct StepPlan {
+  double h;
+  bool last;
+  // Whether time at t cannot resolve it.
+  bool vanishes(double t) const;
+};
+StepPlan plan_step(double wanted, double left);
+
 struct SolverSettings {
   std::string name;
   double step = 0.0;

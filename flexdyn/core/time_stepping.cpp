@@ -26,33 +26,27 @@ class TimeStepping : public Stepper {
  public:
   TimeStepping(const Plant& plant, Plant::Workspace& work, Events::Torque torque, Events::External external,
                double step)
-      : plant_(plant), work_(work), torque_(std::move(torque)), external_(std::move(external)), step_(step),
+      : plant_(plant), work_(work), torque_(std::move(torque)), external_(std::move(external)), grid_(step),
         n_(plant.n()), e_(plant.elastic()), N_(n_ + e_), motion_(plant.contacts().size(), stuck) {
     work_.located = true;
     bristles_ = plant.internal_states() > 0;
   }
 
   void start(double t, const std::vector<double>& x) override {
-    t_ = limit_ = t;
+    t_ = t;
+    grid_.restart(t);
     x_ = before_ = x;
     H_.resize(N_, N_);
     bias_.resize(N_);
   }
 
-  void restart() override { limit_ = t_; }
+  void restart() override { grid_.restart(t_); }
 
   bool step(double limit, Failure&) override {
-    if (limit != limit_) {
-      limit_ = limit;
-      origin_ = t_;
-      count_ = std::max(1L, std::lround(std::ceil((limit - t_) / step_ - 1e-6)));
-      done_ = 0;
-    }
-    ++done_;
-    h_ = (limit_ - origin_) / static_cast<double>(count_);
+    const double end = grid_.next(t_, limit);
+    h_ = grid_.h();
     t_before_ = t_;
     before_ = x_;
-    const double end = done_ == count_ ? limit_ : origin_ + h_ * static_cast<double>(done_);
     const double* tau = torque_(0.5 * (t_ + end));
     follow_regions(t_, x_.data(), tau);
     for (int attempt = 0; attempt < 8; ++attempt) {
@@ -258,8 +252,8 @@ class TimeStepping : public Stepper {
   Plant::Workspace& work_;
   Events::Torque torque_;
   Events::External external_;
-  double step_, h_ = 0.0, t_before_ = 0.0, limit_ = 0.0, origin_ = 0.0;
-  long count_ = 0, done_ = 0;
+  EqualSteps grid_;
+  double h_ = 0.0, t_before_ = 0.0;
   int n_, e_, N_;
   bool bristles_ = false;
   std::vector<int> motion_;

@@ -54,7 +54,7 @@ def test_stiff_springs_cost_little() -> None:
 @pytest.mark.parametrize("solver", [Rosenbrock(), TimeStepping(step=1e-3)], ids=["Rosenbrock", "TimeStepping"])
 @pytest.mark.parametrize("kind", ["presliding", "hysteresis"])
 def test_stiff_memory_does_not_dictate_the_steps(solver: Solver, kind: str) -> None:
-    """Bristles of 1e5 and 1e6 N m/rad cost less than twice the steps of soft ones of 1e3; stability would ask for 100 and 1000 times."""
+    """Bristles of 1e5 and 1e6 N m/rad cost at most three times the steps of ones of 1e3; stability would ask for 100 and 1000 times."""
 
     def work(bristle: float) -> int:
         effects: list[Effect] = [
@@ -69,7 +69,7 @@ def test_stiff_memory_does_not_dictate_the_steps(solver: Solver, kind: str) -> N
 
     soft = work(1e3)
     for bristle in (1e5, 1e6):
-        assert work(bristle) < 2.0 * soft
+        assert work(bristle) < 3.0 * soft
 
 
 @pytest.mark.parametrize("stiffness", [1e5, 1e6])
