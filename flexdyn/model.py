@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.checks import as_number
 from flexdyn.effects import (
     CoulombFriction,
     Effect,
@@ -20,15 +19,15 @@ from flexdyn.effects import (
     ParameterError,
     ViscousFriction,
 )
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError
 from flexdyn.fitting import fitted
 from flexdyn.folding import folded
 from flexdyn.joint import Joint, resolve_joints
 from flexdyn.robot import Robot
+from flexdyn.settings import gravity_checked, initial_checked, one_of, tolerance_checked
 
 Array = NDArray[np.float64]
 EARTH = (0.0, 0.0, -9.81)
-INITIAL_KEYS = ("q", "v", "theta", "omega")
 
 
 class FlexibleJointModel:
@@ -80,11 +79,11 @@ class FlexibleJointModel:
         self.joints: Mapping[str, Joint] = MappingProxyType(
             resolve_joints({} if joints is None else joints, robot.joint_names)
         )
-        self.urdf_dynamics = _one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
-        self.rotor_coupling = _one_of("robot.rotor_coupling", rotor_coupling, ("reduced", "full"))
-        self.gravity = _gravity(gravity)
-        self.initial = _initial({} if initial is None else initial, robot.joint_names)
-        self.tolerance = _tolerance(tolerance)
+        self.urdf_dynamics = one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
+        self.rotor_coupling = one_of("robot.rotor_coupling", rotor_coupling, ("reduced", "full"))
+        self.gravity = gravity_checked(gravity)
+        self.initial = initial_checked({} if initial is None else initial, robot.joint_names)
+        self.tolerance = tolerance_checked(tolerance)
         self.effects: tuple[Effect, ...] = fitted(robot, self.joints, effects)
         self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
         self.__dict__["_locked"] = True
@@ -232,52 +231,6 @@ def _locked(array: Array) -> Array:
 def _thawed(value: Any) -> Any:
     """Read-only mappings as plain ones, which pickle and compare."""
     return {key: _thawed(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value
-
-
-def _one_of(key: str, value: str, allowed: tuple[str, ...]) -> str:
-    if value not in allowed:
-        raise InputError("no such choice", key=key, value=value, remedy=f"it is {' or '.join(allowed)}")
-    return value
-
-
-def _gravity(value: Any) -> tuple[float, float, float]:
-    listed = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
-    numbers = [as_number(component) for component in listed]
-    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
-        raise InputError("three numbers are needed", key="robot.gravity", value=value, remedy="write [0.0, 0.0, -9.81]")
-    return numbers[0], numbers[1], numbers[2]
-
-
-def _initial(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mapping[str, Mapping[str, float]]:
-    checked = {}
-    if not isinstance(entries, Mapping):
-        raise InputError("a mapping is needed", key="initial", value=entries, remedy="write {q: {JOINT: value}}")
-    for signal, values in entries.items():
-        if signal not in INITIAL_KEYS:
-            raise InputError("no such signal", key=f"initial.{signal}", remedy=did_you_mean(str(signal), INITIAL_KEYS))
-        if not isinstance(values, Mapping):
-            raise InputError("a mapping by joint is needed", key=f"initial.{signal}", value=values)
-        for joint, value in values.items():
-            place = f"initial.{signal}.{joint}"
-            if joint not in names:
-                raise InputError("the robot has no such joint", key=place, remedy=did_you_mean(str(joint), names))
-            if not math.isfinite(as_number(value)):
-                raise InputError("a finite number is needed", key=place, value=value)
-        checked[signal] = MappingProxyType({joint: float(value) for joint, value in values.items()})
-    return MappingProxyType(checked)
-
-
-def _tolerance(value: Any) -> float | Mapping[str, float]:
-    entries = value if isinstance(value, Mapping) else {"*": value}
-    for path, number in entries.items():
-        if not 0 <= as_number(number) < math.inf:
-            key = "tolerance" if path == "*" else f"tolerance.{path}"
-            raise InputError(
-                "a number of at least 0 is needed", key=key, value=number, remedy="0.05 means 5 %, 1 sigma"
-            )
-    if isinstance(value, Mapping):
-        return MappingProxyType({str(path): float(number) for path, number in entries.items()})
-    return float(value)
 
 
 def _urdf_effects(robot: Robot) -> tuple[Effect, ...]:

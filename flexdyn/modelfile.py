@@ -12,6 +12,7 @@ from flexdyn.files import exists, is_file, write_text
 from flexdyn.model import FlexibleJointModel
 from flexdyn.robot import Robot, load_robot
 from flexdyn.robot.names import shipped_dir
+from flexdyn.settings import check_tolerance_paths
 from flexdyn.yamlfile import check_keys, dump_yaml, read_yaml
 
 FORMAT = 1
@@ -68,7 +69,9 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
         raise InputError("a list of effects is needed", key="effects", value=effects)
     settings = {key: entry[key] for key in ("gravity", "urdf_dynamics", "rotor_coupling") if entry.get(key) is not None}
     settings |= {key: content[key] for key in ("initial", "tolerance") if content.get(key) is not None}
-    return FlexibleJointModel(_robot(entry, folder), content.get("joints"), effects, name=name, **settings)
+    model = FlexibleJointModel(_robot(entry, folder), content.get("joints"), effects, name=name, **settings)
+    check_tolerance_paths(content.get("tolerance"), model.joint_names, model.robot.frame_names, model.effects)
+    return model
 
 
 def save_model(model: FlexibleJointModel, path: str | Path) -> None:

@@ -202,3 +202,21 @@ def test_anchors_may_save_typing(tmp_path: Path) -> None:
     assert fd.load_model(tmp_path / "m.yaml").joints["elbow"] == fd.Joint(
         rotor_inertia=0.1, stiffness=50.0, damping=1.0
     )
+
+
+@pytest.mark.parametrize(
+    ("path", "remedy"),
+    [
+        ("joints.elbw.stiffness", "did you mean 'joints.elbow.stiffness'?"),
+        ("effects[0].stall_torqe", "did you mean 'effects[0].stall_torque'?"),
+        ("links.link1.mas", "did you mean 'links.link1.mass'?"),
+    ],
+)
+def test_a_tolerance_of_a_number_that_is_not_there(path: str, remedy: str, tmp_path: Path) -> None:
+    """A tolerance is set by the dotted path of a number; a path that leads nowhere is refused with the near miss."""
+    model = fd.load_model("scara_two_link")
+    fd.save_model(model.replace(tolerance={"*": 0.1, path: 0.2}), tmp_path / "model.yaml")
+    with pytest.raises(fd.InputError) as caught:
+        fd.load_model(tmp_path / "model.yaml")
+    assert remedy in str(caught.value)
+    assert f"tolerance.{path}" in str(caught.value)

@@ -50,10 +50,17 @@ class Statics:
         """H(q) (n + e, n + e) [kg m^2 or kg] of [v, omega]: M(q), with J of rigid joints, and J of rotors.
 
         Full rotor coupling adds S(q) between links and rotors, and within the links for rotors of rigid joints.
+
+        Raises:
+            InputError: links so light that with their rotors' spin some motion at this pose has no kinetic energy.
         """
         size = self.model.n + int(self.elastic.sum())
         H = np.empty((size, size))
         self.plant.inertia(self.state(q, q), H)
+        if self.plant.coupled and np.linalg.eigvalsh(H)[0] <= 0.0:
+            problem = "the links weigh less than their rotors' spin at this pose"
+            remedy = "the URDF's links must include the rotors they carry; or take reduced"
+            raise InputError(problem, key="robot.rotor_coupling", remedy=remedy)
         return H
 
     def net(self, q: Array, theta: Array, tau: Array) -> tuple[Array, Array]:

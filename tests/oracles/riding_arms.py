@@ -39,6 +39,14 @@ def skew(stiffness: tuple[float, float, float] = (60.0, 40.0, 30.0)) -> RidingRo
     return RidingRotors(SKEW, (4.0, 3.0, 5.0), (0.2, 0.1, 0.05), stiffness)
 
 
+def too_light() -> RidingRotors:
+    """Links of 0.001 kg m^2 under a rotor of 0.5 kg m^2 without a gear: no arm could be built like this."""
+    small = (1e-3, 1e-3, 1e-3)
+    axes, places = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)), (0.2, 0.1, 0.0)
+    links = (Link(axis, (0.0, 0.0, z), 0.01, (0.0,) * 3, small) for axis, z in zip(axes, places, strict=True))
+    return RidingRotors(tuple(links), (1.0,) * 3, (0.01, 0.01, 0.5), (60.0, 40.0, 30.0))
+
+
 @dataclass(frozen=True)
 class Planar:
     """The two-link arm with rotor 2 riding on link 1, by hand, both joints elastic.
