@@ -41,7 +41,8 @@ ACTING: dict[str, dict[str, float]] = {
 
 def acting(kind: type[Effect]) -> Any:
     """The effect on the shoulder with numbers that matter."""
-    return dataclasses.replace(kind.example("shoulder", "elbow"), **ACTING.get(kind.name, {}))
+    effect: Any = kind.example("shoulder", "elbow")
+    return dataclasses.replace(effect, **ACTING.get(kind.name, {}))
 
 
 def arm_of(effect: Effect) -> Arm:
@@ -60,7 +61,8 @@ class Loaded(Arm):
     def bias(self, q: Sequence[float], v: Sequence[float]) -> Array:
         """H(q, v) + m J'(J'v + g)."""
         J, acceleration = self._tip(q, v)
-        return super().bias(q, v) + self._mass * J.T @ (acceleration + np.array([0.0, self.gravity]))
+        weight: Array = self._mass * J.T @ (acceleration + np.array([0.0, self.gravity]))
+        return super().bias(q, v) + weight
 
     @property
     def _mass(self) -> float:

@@ -65,8 +65,8 @@ def energy(effect: Any) -> dict[str, Any]:
     model = model_of(arm_of(effect), [effect, *OTHERS])
     run = fd.simulate(model, TORQUE, DURATION, EXACT, rate=1000.0, **START)
     ledger = run.energy
-    entries = [ledger.supplied.T, [ledger.kinetic, ledger.spring], list(ledger.dissipated.values())]
-    turnover = max(float(np.ptp(entry)) for group in entries for entry in group)
+    entries = [*ledger.supplied.T, ledger.kinetic, ledger.spring, *ledger.dissipated.values()]
+    turnover = max(float(np.ptp(entry)) for entry in entries)
     place = f"{effect.name}.{effect.joint}.{effect.side}" if isinstance(effect, JointEffect) else ""
     taken = ledger.dissipated.get(place)
     found: dict[str, Any] = {"ledger": float(np.abs(ledger.residual).max()) / turnover}
@@ -101,7 +101,8 @@ def mirror_difference(effect: Any) -> float:
             DURATION,
             EXACT,
             rate=200.0,
-            **{key: sign * np.array(value) for key, value in START.items()},
+            q0=sign * np.array(START["q0"]),
+            v0=sign * np.array(START["v0"]),
         )
         for sign, each in ((1.0, effect), (-1.0, mirrored(effect)))
     ]

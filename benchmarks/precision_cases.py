@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pinocchio as pin
 from arms import Arm, Array, two_link
 from hybrid_truth import TwoLinkWithCorners
 from measure import Contestant
@@ -16,7 +17,7 @@ from same_problem import flexdyn_positions
 import flexdyn as fd
 
 SAMPLES = 50
-BUDGET = 150_000  # evaluations in Python after which a peer gives up: 2 to 3 s
+BUDGET = 100_000  # evaluations in Python after which a peer gives up: 1 to 2 s
 TOLERANCES = 10.0 ** -np.arange(2.0, 13.0)
 
 
@@ -126,8 +127,6 @@ class CorneredArm(PinocchioArm):
         delta = theta - q
         tau_s = self.K * (delta - np.clip(delta, -self.gap, self.gap)) + self.D * (omega - v)
         load = tau_s - self.on_link * v - self.level * np.tanh(v / self.eps)
-        import pinocchio as pin
-
         a = pin.aba(self.model, self.data, q, v, load)
         return np.concatenate([v, omega, a, (self.arm.tau - tau_s - self.on_rotor * omega) / self.J])
 
@@ -155,7 +154,7 @@ class Setting:
 
 
 def ours(case: Case) -> list[Setting]:
-    """flexdyn's four solvers at all their settings; building the model is taken off, as MuJoCo's compiling is."""
+    """Flexdyn's four solvers at all their settings; building the model is taken off, as MuJoCo's compiling is."""
     solvers: list[tuple[str, float, fd.solvers.Solver]] = []
     for h in case.steps:
         smoothing = 10.0 * h if case.dry else None
@@ -182,9 +181,7 @@ def mujoco(case: Case) -> list[Setting]:
     found = []
     for integrator in ("Euler", "implicitfast", "RK4"):
         for h in case.steps:
-            between = round(case.duration / SAMPLES / h)
-            if abs(between * h * SAMPLES - case.duration) > 1e-9:
-                between = max(1, between)
+            between = max(1, round(case.duration / SAMPLES / h))
             step = case.duration / SAMPLES / between
             peer = MujocoArm(case.arm, integrator, step)
             peer.model.tendon_lengthspring[:] = np.column_stack([-case.half_gap, case.half_gap])

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from result_tables import markdown_table
 
 LEVELS = 10.0 ** -np.arange(3.0, 9.0)
 GOAL = 0.1
+SLOW = 0.1  # s: what takes longer is timed once, the noise of a short run is none of its trouble
 USELESS = 0.3  # rad: an error above it says nothing
 
 
@@ -31,12 +33,13 @@ def measure(case: Case, rounds: int) -> dict[str, Any]:
     """Errors and times of everybody on one arm."""
     truth, corners = case.truth()
     again, _ = case.truth(rtol=3e-13, atol=3e-14)
-    settings, errors = useful([*ours(case), *mujoco(case), *scipy(case)], truth)
-    times = race([each.contestant for each in settings], rounds)
+    settings, errors, once = useful([*ours(case), *mujoco(case), *scipy(case)], truth)
+    quick = [each for each, seconds in zip(settings, once, strict=True) if seconds < SLOW]
+    times = race([each.contestant for each in quick], rounds)
     methods: dict[str, list[dict[str, float]]] = {}
-    for each, error in zip(settings, errors, strict=True):
-        seconds = float(np.median(times[each.contestant.name]))
-        point = {"setting": each.value, "error_rad": error, "seconds": max(seconds, 1e-6)}
+    for each, error, seconds in zip(settings, errors, once, strict=True):
+        column = times.get(each.contestant.name, np.array([seconds]))
+        point = {"setting": each.value, "error_rad": error, "seconds": max(float(np.median(column)), 1e-6)}
         methods.setdefault(each.method, []).append({key: float(f"{value:.3g}") for key, value in point.items()})
     return {
         "title": case.title,
@@ -47,10 +50,11 @@ def measure(case: Case, rounds: int) -> dict[str, Any]:
     }
 
 
-def useful(settings: Sequence[Setting], truth: Array) -> tuple[list[Setting], list[float]]:
-    """The settings that give an answer, and the greatest error of each [rad]; whoever gives up is left out."""
-    kept, errors = [], []
+def useful(settings: Sequence[Setting], truth: Array) -> tuple[list[Setting], list[float], list[float]]:
+    """The settings that give an answer, the greatest error of each [rad] and its time [s]; who gives up is left out."""
+    kept, errors, seconds = [], [], []
     for each in settings:
+        begin = time.process_time()
         try:
             error = float(np.abs(each.positions() - truth).max())
         except RuntimeError:
@@ -58,34 +62,28 @@ def useful(settings: Sequence[Setting], truth: Array) -> tuple[list[Setting], li
         if np.isfinite(error) and error < USELESS:
             kept.append(each)
             errors.append(error)
-    return kept, errors
+            seconds.append(time.process_time() - begin)
+    return kept, errors, seconds
 
 
 def cost(points: Sequence[dict[str, float]], level: float) -> float:
-    """The least time at which a method's error is at most so much, between its settings on a straight log-log line."""
-    found = [p["seconds"] for p in points if p["error_rad"] <= level]
-    for one in points:
-        for other in points:
-            if one["error_rad"] <= level < other["error_rad"] and other["seconds"] < one["seconds"]:
-                x = np.log([one["error_rad"], other["error_rad"]])
-                y = np.log([one["seconds"], other["seconds"]])
-                share = (np.log(level) - x[1]) / (x[0] - x[1])
-                found.append(float(np.exp(y[1] + share * (y[0] - y[1]))))
-    return min(found, default=np.inf)
-
-
-def neighbours(points: Sequence[dict[str, float]], level: float) -> float:
-    """`cost`, between neighbouring settings alone: a method's own curve."""
+    """The least time at which a method's error is at most so much; between two settings, on a straight log-log line."""
     ordered = sorted(points, key=lambda p: p["setting"])
-    pairs = [ordered[k : k + 2] for k in range(max(1, len(ordered) - 1))]
-    return min((cost(pair, level) for pair in pairs), default=np.inf)
+    found = [p["seconds"] for p in ordered if p["error_rad"] <= level]
+    for pair in zip(ordered[:-1], ordered[1:], strict=True):
+        fine, coarse = sorted(pair, key=lambda p: p["error_rad"])
+        if not fine["error_rad"] <= level < coarse["error_rad"]:
+            continue
+        share = np.log(level / coarse["error_rad"]) / np.log(fine["error_rad"] / coarse["error_rad"])
+        found.append(float(coarse["seconds"] * (fine["seconds"] / coarse["seconds"]) ** share))
+    return min(found, default=np.inf)
 
 
 def compare(methods: dict[str, list[dict[str, float]]]) -> list[dict[str, Any]]:
     """The best of flexdyn and the best peer at every error level, and whether the goal is met."""
     rows = []
     for level in LEVELS:
-        costs = {name: neighbours(points, float(level)) for name, points in methods.items()}
+        costs = {name: cost(points, float(level)) for name, points in methods.items()}
         best = {}
         for side, is_ours in (("ours", True), ("peer", False)):
             names = [name for name in costs if name.startswith("flexdyn") == is_ours and np.isfinite(costs[name])]
@@ -114,7 +112,9 @@ def table(results: dict[str, Any]) -> str:
             short = [(row[side] or "none").replace("flexdyn ", "") for side in ("ours", "peer")]
             times = ["-" if value is None else f"{value:.3g}" for value in row["milliseconds"]]
             ratio = "-" if row["ratio"] is None else f"{row['ratio']:.2f}"
-            rows.append([case["title"], f"{row['error_rad']:.0e}", *short, *times, ratio, "yes" if row["goal"] else "NO"])
+            rows.append(
+                [case["title"], f"{row['error_rad']:.0e}", *short, *times, ratio, "yes" if row["goal"] else "NO"]
+            )
     return markdown_table(header, rows, text=4)
 
 

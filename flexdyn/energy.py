@@ -17,7 +17,7 @@ from flexdyn.effects import Effect
 from flexdyn.job import core_settings
 from flexdyn.plant import LinkSide, acting_effects, build_plant
 from flexdyn.run import SIGNALS, Run
-from flexdyn.solvers import RungeKutta4, TimeStepping
+from flexdyn.solvers import RungeKutta4, Solver, TimeStepping
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ class EnergyWarning(UserWarning):
 class Energy:
     """Where the energy of a motion is and went, sample by sample [J], each (samples,) unless said.
 
-    ``mechanical(t) - mechanical(0) = supplied + external - sum of dissipated + residual``.
+    ``mechanical - initial = supplied + external - sum of dissipated + residual``.
 
     Attributes:
         kinetic: of the links and rotors.
@@ -40,6 +40,7 @@ class Energy:
         external: by wrenches since the start.
         dissipated: since the start, by ``effect.joint.side``; ``damping.JOINT`` is the joint's own. An end stop's entry
             holds what its spring still stores.
+        initial: mechanical energy at the start of the run, which the first sample need not be [J].
         tolerance: that the residual should stay below [J].
     """
 
@@ -49,6 +50,7 @@ class Energy:
     supplied: Array
     external: Array
     dissipated: Mapping[str, Array]
+    initial: float
     tolerance: float
 
     def __post_init__(self) -> None:
@@ -72,7 +74,7 @@ class Energy:
         """What the ledger leaves unexplained: the integration's error."""
         came = self.supplied.sum(axis=1) + self.external
         went = np.sum(list(self.dissipated.values()), axis=0) if self.dissipated else 0.0
-        return np.asarray(self.mechanical - self.mechanical[0] - came + went)
+        return np.asarray(self.mechanical - self.initial - came + went)
 
     @property
     def closes(self) -> bool:
@@ -111,10 +113,12 @@ def ledger(run: Run) -> Energy:
 def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
     model, n = run.model.resolved(), run.model.n
     elastic = model.elastic
-    _, gravity = LinkSide(model).energy(run.q, run.v)
     speeds = np.hstack([run.v, run.omega[:, elastic]])
-    states = np.ascontiguousarray(np.hstack([run.q, run.theta[:, elastic], speeds, run.z]))
-    kinetic, spring = _kinetic(plant, states, speeds), np.empty(len(run.t))
+    # The first row is the start, which need not be among the samples.
+    states = np.vstack([run.inputs.x0, np.hstack([run.q, run.theta[:, elastic], speeds, run.z])])
+    half = speeds.shape[1]
+    _, gravity = LinkSide(model).energy(states[:, :n], states[:, half : half + n])
+    kinetic, spring = _kinetic(plant, states, states[:, half : 2 * half]), np.empty(len(states))
     plant.stored_energy(states, spring)
     dissipated: dict[str, Array] = {}
     for j in np.flatnonzero(elastic & (model.damping > 0)):
@@ -128,10 +132,10 @@ def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
         ):
             label = _label(effect)
             dissipated[label] = dissipated.get(label, 0.0) + lost
-    turnover = max(np.ptp(kinetic), np.ptp(spring), np.abs(sums).max(initial=0.0), 1e-12)
-    return Energy(
-        kinetic, spring, gravity, sums[:, :n].copy(), sums[:, n].copy(), dissipated, _tolerance(run) * turnover
-    )
+    parts = [kinetic, spring, gravity]
+    tolerance = _tolerance(run, parts, sums)
+    initial = float(sum(part[0] for part in parts))
+    return Energy(*(part[1:] for part in parts), sums[:, :n].copy(), sums[:, n].copy(), dissipated, initial, tolerance)
 
 
 def _kinetic(plant: _core.Plant, states: Array, speeds: Array, chunk: int = 1000) -> Array:
@@ -150,10 +154,19 @@ def _label(effect: Effect) -> str:
     return ".".join(str(getattr(effect, key)) for key in ("name", "joint", "side"))
 
 
-def _tolerance(run: Run) -> float:
+def _tolerance(run: Run, parts: list[Array], sums: Array) -> float:
+    """What integration, absolute tolerance and rounding may leave of the energy that was turned over [J]."""
+    turnover = max(np.ptp(parts[0]), np.ptp(parts[1]), np.abs(sums).max(initial=0.0))
+    steps = max(100, run.stats.get("steps", 0))
+    rounding = np.finfo(float).eps * steps * max(np.abs(part).max() for part in parts)
+    moved = getattr(run.solver, "atol", 0.0) * max(np.abs(run.tau_applied).max(), np.abs(run.tau_s).max())
+    return float(_relative(run.solver, steps) * turnover + rounding + moved)
+
+
+def _relative(solver: Solver, steps: int) -> float:
     """Relative to what is turned over: local errors of rtol add up over the steps; a fixed step has its order."""
-    if isinstance(run.solver, TimeStepping):
+    if isinstance(solver, TimeStepping):
         return 1e-2  # order 1: it damps a little more than the arm does
-    if isinstance(run.solver, RungeKutta4):
+    if isinstance(solver, RungeKutta4):
         return 1e-6
-    return float(getattr(run.solver, "rtol", 1e-6)) * max(100.0, run.stats.get("steps", 0))
+    return float(getattr(solver, "rtol", 1e-6)) * steps

@@ -234,6 +234,31 @@ def test_mechanical_energy_stays_where_nothing_takes_it() -> None:
     assert dict(energy.dissipated) == {}
 
 
+def test_samples_need_not_begin_at_the_start() -> None:
+    """The ledger counts from the start of the run, whatever the samples: their entries are those of the whole grid."""
+    whole = closed(fd.simulate(model_of(ARM), STEPS, 0.3, rate=100, **START))
+    late = fd.simulate(model_of(ARM), STEPS, 0.3, times=[0.1, 0.25], **START).energy
+    assert late.closes
+    assert late.initial == whole.initial == pytest.approx(whole.mechanical[0], rel=1e-14)
+    np.testing.assert_allclose(late.supplied, whole.supplied[[10, 25]], atol=1e-7)
+    np.testing.assert_allclose(late.residual, whole.residual[[10, 25]], atol=1e-7)
+
+
+@pytest.mark.parametrize("friction", [0.0, 50.0])
+@pytest.mark.parametrize("solver", SOLVERS, ids=solver_name)
+def test_it_closes_at_rest(solver: Solver, friction: float) -> None:
+    """An arm that is held still turns over no energy: rounding and absolute tolerance are no failure."""
+    if friction and getattr(solver, "smoothing", None):
+        pytest.skip("smoothed friction does not hold still")
+    model = model_of(ARM, [fd.effects.CoulombFriction("elbow", side="motor", level=friction)])
+    weight = fd.LinkSide(model).bias([0.3, 0.5], [0.0, 0.0])
+    run = fd.simulate(model, weight, 1.0, solver, q0=[0.3, 0.5], theta0="equilibrium")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert 0.0 < run.energy.tolerance < 1e-6
+    assert run.energy.closes
+
+
 def test_a_coarse_step_is_said() -> None:
     """RungeKutta4 at a radian of the fastest vibration damps it: the ledger does not close, at the caller's line."""
     run = fd.simulate(model_of(LOSSLESS), None, 0.5, RungeKutta4(step=1e-2), **START)

@@ -119,8 +119,8 @@ def test_a_law_sees_its_own_side() -> None:
     for side, x, u in (("link", 0.1, 0.3), ("motor", 0.2, 0.4)):
         SEEN.clear()
         model = two_link(ARM, [SeenByALaw("elbow", side=side)])  # type: ignore[arg-type]
-        start = {"q0": [0, 0.1], "theta0": [0, 0.2], "v0": [0, 0.3], "omega0": [0, 0.4]}
-        fd.simulate(model, None, 0.01, "DormandPrince", **start)  # auto would look at the law before the run
+        solver = "DormandPrince"  # auto would look at the law before the run
+        fd.simulate(model, None, 0.01, solver, q0=[0, 0.1], theta0=[0, 0.2], v0=[0, 0.3], omega0=[0, 0.4])
         assert SEEN[0] == (0.0, x, u, 0.0)
         assert max(t for t, *_ in SEEN) == pytest.approx(0.01)
 

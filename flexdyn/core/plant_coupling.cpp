@@ -5,6 +5,7 @@
 //
 // Source: Tomei 1991; De Luca, Book, Robots with Flexible Elements (Springer Handbook of Robotics), the complete model.
 #include <algorithm>
+#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -77,7 +78,10 @@ void Plant::coupled_solve(Workspace& w, const double* x, const std::vector<char>
   }
   VectorXd a = VectorXd::Zero(N);
   if (!free.empty()) {
-    const VectorXd moving = MatrixXd(H(free, free)).llt().solve(VectorXd(b(free)));
+    const Eigen::LLT<MatrixXd> factor(MatrixXd(H(free, free)));
+    VectorXd moving = factor.solve(VectorXd(b(free)));
+    // Links lighter than the rotors they carry: there is no motion, and not finite is what the march stops at.
+    if (factor.info() != Eigen::Success) moving.setConstant(std::numeric_limits<double>::quiet_NaN());
     a(free) = moving;
   }
   const VectorXd rest = b - H * a;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
 
 namespace flexdyn {
 
@@ -112,6 +115,7 @@ class TimeStepping : public Stepper {
     const double* w = plant_.v(x_.data());
     const double* ext = external_(t_, x_.data());
     A_ = H_;
+    if (plant_.coupled() && A_.llt().info() != Eigen::Success) A_.setConstant(std::numeric_limits<double>::quiet_NaN());
     b_ = A_ * Map<const VectorXd>(w, N_);
     for (int j = 0; j < n_; ++j) {
       const int slot = plant_.rotor_slot(j), r = n_ + slot;

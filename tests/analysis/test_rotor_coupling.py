@@ -34,13 +34,14 @@ def matrices(arm: Planar) -> tuple[Array, Array]:
     return fold.T @ arm.inertia(POSE[1]) @ fold, fold.T @ stiffness @ fold
 
 
-@pytest.mark.parametrize("stiffness", [(30.0, 20.0), (RIGID, 20.0), (30.0, RIGID), (RIGID, RIGID)])
-@pytest.mark.parametrize("rotors", ["free", "held"])
+MIXTURES = [(30.0, 20.0), (RIGID, 20.0), (30.0, RIGID), (RIGID, RIGID)]
+FREE, HELD = [(each, "free") for each in MIXTURES], [(each, "held") for each in MIXTURES[:3]]
+
+
+@pytest.mark.parametrize(("stiffness", "rotors"), FREE + HELD)
 def test_eigenfrequencies_of_the_hand_written_matrices(stiffness: tuple[float, float], rotors: Any) -> None:
     """Frequencies and shapes with rotor 2 riding on link 1; held rotors ride without spinning."""
     arm = planar(stiffness=stiffness)
-    if rotors == "held" and not arm.links.elastic:
-        pytest.skip("nothing moves")
     H, K = matrices(arm)
     kept = np.array(arm.links.elastic) if rotors == "held" else np.arange(len(H))
     squared, vectors = eigh(K[np.ix_(kept, kept)], H[np.ix_(kept, kept)])
@@ -107,7 +108,7 @@ def test_free_response_is_the_motion() -> None:
         run = fd.simulate(model, linear.tau0, 0.5, EXACT, rate=50, **start)
         expected = np.array([linear.x0 + expm(linear.A * t) @ (amplitude * direction) for t in run.t])
         errors.append(np.abs(state(run) - expected).max() / amplitude)
-    assert errors[0] < 0.05
+    assert errors[0] < 0.1
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.05)
 
 
@@ -154,7 +155,7 @@ def test_rest_asks_for_the_same_torques() -> None:
 
 
 def test_links_lighter_than_their_rotors_at_the_pose_are_refused(tmp_path: Path) -> None:
-    """At right angles rotor 3 turns nothing of link 1; where the axes meet it outweighs the link, and a line says so."""
+    """At right angles rotor 3 turns nothing of link 1; where their axes are parallel it outweighs it."""
     model = riding_model(too_light(), tmp_path)
     assert np.isfinite(fd.modes(model, [0.0, 0.0, 0.0]).frequencies).all()
     for analyse in (fd.modes, fd.linearize):

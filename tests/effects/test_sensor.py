@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import flexdyn as fd
 from flexdyn.effects import ChannelLag, EncoderEccentricity, SensorEffect, SensorGain, SensorOffset, measure
+from tests.arms import unlisted
 from tests.effects.arms import ELASTIC, model_of
 
 RNG = np.random.default_rng(5)
@@ -62,6 +63,7 @@ def test_several_on_one_channel() -> None:
     np.testing.assert_allclose(measure(effects[::-1], X, T), measure(effects, X, T), atol=1e-13)
 
 
+@unlisted
 class Saturation(SensorEffect):
     """A user's own: the sensor ends at a limit."""
 

@@ -13,7 +13,7 @@ import pytest
 import flexdyn as fd
 from tests.arms import BENT, EXACT, slider, state
 from tests.oracles.integrate import trajectory
-from tests.oracles.riding_arms import RIGID, SKEW, planar, riding_model, skew
+from tests.oracles.riding_arms import RIGID, SKEW, planar, riding_model, skew, too_light
 from tests.oracles.rotor_lagrangian import RidingRotors
 from tests.oracles.two_link import TwoLink
 
@@ -166,6 +166,14 @@ def test_links_lighter_than_their_rotors_are_refused() -> None:
     ) as caught:
         fd.simulate(arm.model(), None, 0.1)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("solver", [fd.solvers.DormandPrince(), fd.solvers.TimeStepping(step=1e-3)])
+def test_a_motion_without_kinetic_energy_stops(tmp_path: Path, solver: fd.solvers.Solver) -> None:
+    """Where the rotors outweigh the links at another pose than the model's own, no motion is made up."""
+    model = riding_model(too_light(), tmp_path)
+    with pytest.raises((fd.InputError, fd.SimulationError)):
+        fd.simulate(model, [0.0, 0.05, 0.1], 0.01, solver, q0=[0.0, 1.5, 0.0])
 
 
 @pytest.mark.parametrize("value", ["half", "", None, True, 1, ["full"]])

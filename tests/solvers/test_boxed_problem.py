@@ -89,9 +89,7 @@ def test_the_arm_at_all_its_levels_at_once() -> None:
         AsymmetricFriction(joint, side="link", level_positive=level, level_negative=level)
         for joint, level in zip(model.joint_names, levels, strict=True)
     ]
-    rigid = model.replace(
-        effects=friction, joints={"*": {"stiffness": math.inf}}, gravity=[0.0, 0.0, 0.0]
-    )
+    rigid = model.replace(effects=friction, joints={"*": {"stiffness": math.inf}}, gravity=[0.0, 0.0, 0.0])
     run = fd.simulate(rigid, levels * (-1.0) ** np.arange(model.n), 1.0, DormandPrince(), rate=10)
     assert (run.q == run.q[0]).all()
     assert (run.v == 0.0).all()

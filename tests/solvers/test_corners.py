@@ -56,9 +56,7 @@ def compare(arm: Arm, tau: float, x0: Array, switches: list[Switch], solver: Sol
     """Hold the states together; how many events each saw."""
     expected, found = integrate(lambda t, x: arm.derivative(t, x, [tau]), x0, TIMES, switches)
     q, theta, v, omega = ([value] for value in x0.tolist())
-    run = fd.simulate(
-        model_of(arm), [tau], TIMES[-1], solver, times=TIMES, q0=q, theta0=theta, v0=v, omega0=omega
-    )
+    run = fd.simulate(model_of(arm), [tau], TIMES[-1], solver, times=TIMES, q0=q, theta0=theta, v0=v, omega0=omega)
     np.testing.assert_allclose(states(run)[:, :2], expected[:, :2], atol=close)
     return run.stats["events"], len(found)
 
@@ -114,7 +112,7 @@ def test_a_command_that_switches(solver: Solver, close: float) -> None:
     tau = np.array([0.5, -0.8, 1.5, 0.0, -2.0, 0.7, 0.7])
     x, rows = np.array([-1.2, -1.2, 0.0, 0.0]), []
     for begin, end, torque in zip(at[:-1], at[1:], tau[:-1], strict=True):
-        inside = TIMES[(TIMES >= begin) & (TIMES < end)]
+        inside = TIMES[(begin <= TIMES) & (end > TIMES)]
         grid = np.unique([begin, *inside, end])
         found, _ = integrate(lambda t, x, torque=torque: arm.derivative(t, x, [torque]), x, grid, [])
         rows += [found[np.isin(grid, inside)]]

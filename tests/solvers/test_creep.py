@@ -94,7 +94,9 @@ def test_the_level_is_where_it_lets_go(solver: Solver, stiffness: float, side: A
 @pytest.mark.parametrize("sides", [("link", "motor"), ("motor", "link")], ids=label)
 def test_on_a_rigid_joint_both_sides_hold_together(solver: Solver, sides: tuple[Any, Any]) -> None:
     """Link and motor intervals add: the joint lets go at the sum of their levels and not before."""
-    friction = [CoulombFriction("shoulder", side=side, level=level) for side, level in zip(sides, (0.9, 1.6), strict=True)]
+    friction = [
+        CoulombFriction("shoulder", side=side, level=level) for side, level in zip(sides, (0.9, 1.6), strict=True)
+    ]
     model = planar(math.inf, friction)
     for factor in (1.0 - 1e-6, 1.0 + 1e-6):
         run = fd.simulate(model, [2.5 * factor], 4.0, solver, rate=5)
@@ -115,4 +117,4 @@ def test_a_joint_that_came_to_rest_stays_at_rest(solver: Solver) -> None:
         assert (np.abs(x[-1] - x[0]) > 0.05).all()
         assert (x[late] == x[-1]).all()
         assert (u[late] == 0.0).all()
-    assert NAMES == run.joint_names
+    assert run.joint_names == NAMES

@@ -46,7 +46,10 @@ def test_stiff_springs_cost_little() -> None:
     model = planar(1e7, joints=2, damping=100.0, gravity=9.81)
     start: dict[str, Any] = {"q0": [-1.0, 0.8], "theta0": "equilibrium", "rate": 100}
     exact = fd.simulate(model, [0.6, -0.2], 1.0, DormandPrince(rtol=1e-10, atol=1e-12), **start)
-    stiff, explicit = (fd.simulate(model, [0.6, -0.2], 1.0, kind(rtol=1e-6, atol=1e-8), **start) for kind in (Rosenbrock, DormandPrince))
+    stiff, explicit = (
+        fd.simulate(model, [0.6, -0.2], 1.0, kind(rtol=1e-6, atol=1e-8), **start)
+        for kind in (Rosenbrock, DormandPrince)
+    )
     np.testing.assert_allclose(stiff.q, exact.q, atol=1e-6)
     assert stiff.stats["evaluations"] < 0.1 * explicit.stats["evaluations"]
 
@@ -76,7 +79,9 @@ def test_stiff_memory_does_not_dictate_the_steps(solver: Solver, kind: str) -> N
 def test_stiff_bristles_end_where_exact_friction_does(stiffness: float) -> None:
     """The stiffer the bristles, the nearer presliding comes to Coulomb friction: within a few of their bends."""
     level = 0.3
-    bristles = [PreslidingFriction(name, side="link", level=level, stiffness=stiffness) for name in ("shoulder", "elbow")]
+    bristles = [
+        PreslidingFriction(name, side="link", level=level, stiffness=stiffness) for name in ("shoulder", "elbow")
+    ]
     dry = [CoulombFriction(name, side="link", level=level) for name in ("shoulder", "elbow")]
     start: dict[str, Any] = {"q0": [0.0, 0.8], "v0": [1.0, -1.0], "rate": 100}
     soft, hard = (

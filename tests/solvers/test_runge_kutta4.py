@@ -11,7 +11,9 @@ import flexdyn as fd
 from flexdyn.solvers import DormandPrince, RungeKutta4
 from tests.solvers.arms import planar
 
-DRY = [kind for kind in fd.effects.catalogue().values() if kind.stage == "dry" and kind.__module__.startswith("flexdyn.")]
+DRY = [
+    kind for kind in fd.effects.catalogue().values() if kind.stage == "dry" and kind.__module__.startswith("flexdyn.")
+]
 
 
 def cases() -> list[tuple[Any, str]]:

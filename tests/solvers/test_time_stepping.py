@@ -41,7 +41,10 @@ def test_a_stiff_arm_moves_as_the_rigid_one(stiffness: float) -> None:
     elastic = planar(stiffness, joints=2, damping=10.0, gravity=9.81)
     rigid = elastic.replace(joints={"*": {"stiffness": math.inf, "damping": 0.0}})
     exact = fd.simulate(rigid, None, 1.0, EXACT, q0=[-0.5, 1.0], rate=100)
-    gaps = [np.abs(fd.simulate(elastic, None, 1.0, TimeStepping(step=h), **BENT, rate=100).q - exact.q).max() for h in (2e-3, 1e-3)]
+    gaps = [
+        np.abs(fd.simulate(elastic, None, 1.0, TimeStepping(step=h), **BENT, rate=100).q - exact.q).max()
+        for h in (2e-3, 1e-3)
+    ]
     assert gaps[1] < 0.05
     assert gaps[1] < 0.6 * gaps[0]
 
@@ -65,7 +68,11 @@ def test_order_one(case: str) -> None:
     exact = positions(fd.simulate(model, [0.8, -0.3], 1.0, EXACT, **start))
     steps = 1e-3 / 2.0 ** np.arange(1, 6)
     errors = [
-        float(np.sqrt(np.mean((positions(fd.simulate(model, [0.8, -0.3], 1.0, TimeStepping(step=h), **start)) - exact) ** 2)))
+        float(
+            np.sqrt(
+                np.mean((positions(fd.simulate(model, [0.8, -0.3], 1.0, TimeStepping(step=h), **start)) - exact) ** 2)
+            )
+        )
         for h in steps
     ]
     assert abs(order(steps, errors) - 1.0) < 0.1
@@ -90,7 +97,10 @@ def test_springs_and_friction_never_give_energy(stiffness: float, step: float) -
 @pytest.mark.parametrize("step", [1e-3, 1e-2])
 def test_a_backlash_and_a_stop_never_give_energy(step: float) -> None:
     """What rattles in a gap and bounces off a stop comes back with no more than it brought."""
-    gap, stop = Backlash("shoulder", half_gap=0.02), EndStop("shoulder", lower=-0.2, upper=0.2, stiffness=500.0, damping=2.0)
+    gap, stop = (
+        Backlash("shoulder", half_gap=0.02),
+        EndStop("shoulder", lower=-0.2, upper=0.2, stiffness=500.0, damping=2.0),
+    )
     rattling = fd.simulate(planar(300.0, [gap]), None, 10.0, TimeStepping(step=step), omega0=[2.0], v0=[0.0])
     bouncing = fd.simulate(planar(math.inf, [stop]), None, 10.0, TimeStepping(step=step), v0=[2.0])
     for run in (rattling, bouncing):

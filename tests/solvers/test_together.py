@@ -15,7 +15,11 @@ from flexdyn.solvers import DormandPrince, Rosenbrock, Solver, TimeStepping
 from tests.effects.reference import Arm
 from tests.solvers.arms import coulomb, label, planar, positions, side_by_side
 
-SOLVERS: list[Solver] = [DormandPrince(rtol=1e-10, atol=1e-12), Rosenbrock(rtol=1e-8, atol=1e-10), TimeStepping(step=1e-3)]
+SOLVERS: list[Solver] = [
+    DormandPrince(rtol=1e-10, atol=1e-12),
+    Rosenbrock(rtol=1e-8, atol=1e-10),
+    TimeStepping(step=1e-3),
+]
 
 RIGID = Arm((math.inf, math.inf), (0.0, 0.0), (0.1, 0.1))
 """The arm of `planar` without springs, for its mass matrix."""
@@ -42,7 +46,9 @@ def test_identical_joints_stick_and_let_go_as_one(tmp_path: Path, solver: Solver
     runs = []
     for count in (3, 1):
         command = fd.Samples(tau.t, np.repeat(tau.values, count, axis=1))
-        runs.append(fd.simulate(comb(side_by_side(tmp_path, count), stiffness), command, 6.0, solver, q0=[-1.3] * count))
+        runs.append(
+            fd.simulate(comb(side_by_side(tmp_path, count), stiffness), command, 6.0, solver, q0=[-1.3] * count)
+        )
     three, alone = runs
     close = 1e-6 if isinstance(solver, Rosenbrock) else 1e-9
     for x in (three.q, three.theta):
@@ -91,7 +97,9 @@ def test_an_arm_comes_to_rest_in_few_events(name: str, rigid: bool, solver: Solv
     prismatic = np.array(model.robot.kinds) == "prismatic"
     levels = np.where(prismatic, 40.0, np.linspace(9.0, 3.0, model.n))
     friction = [
-        CoulombFriction(joint, side=side, level=levels[j]) for j, joint in enumerate(model.joint_names) for side in sides
+        CoulombFriction(joint, side=side, level=levels[j])
+        for j, joint in enumerate(model.joint_names)
+        for side in sides
     ]
     changes = {"*": {"stiffness": math.inf}} if rigid else {}
     model = model.replace(effects=friction, gravity=[0.0, 0.0, 0.0], joints=changes)
