@@ -110,7 +110,7 @@ class TwoLinkWithCorners:
             switch.terminal = True
         return found
 
-    def positions(self, x0: Array, grid: Array, rtol: float = 1e-13, atol: float = 1e-14) -> tuple[Array, int]:
+    def positions(self, x0: Array, grid: Array, max_step: float) -> tuple[Array, int]:
         """[q, theta] at the times of the grid (len(grid), 4) [rad], and how many corners were passed.
 
         Raises:
@@ -125,9 +125,9 @@ class TwoLinkWithCorners:
                 (t, min(t + HOP, end) if hop else end),
                 x,
                 method="DOP853",
-                rtol=rtol,
-                atol=atol,
-                max_step=5e-3,
+                rtol=1e-13,
+                atol=1e-14,
+                max_step=max_step,
                 events=None if hop else self.switches(motion),
                 dense_output=True,
             )

@@ -52,7 +52,7 @@ class Case:
         """Whether there is dry friction."""
         return bool(self.arm.coefficients("coulomb_friction", "link").any())
 
-    def truth(self, rtol: float = 1e-13, atol: float = 1e-14) -> tuple[Array, int]:
+    def truth(self, max_step: float = 5e-3) -> tuple[Array, int]:
         """Positions on the grid from the equations written out by hand, and how many corners were passed."""
         model, arm = self.arm.model, self.arm
         equations = TwoLinkWithCorners(
@@ -64,7 +64,7 @@ class Case:
             half_gap=self.half_gap,
             tau=arm.tau,
         )
-        return equations.positions(np.concatenate([arm.q0, arm.theta0, np.zeros(4)]), self.grid, rtol, atol)
+        return equations.positions(np.concatenate([arm.q0, arm.theta0, np.zeros(4)]), self.grid, max_step)
 
 
 def cases() -> dict[str, Case]:

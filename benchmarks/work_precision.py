@@ -13,6 +13,7 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,7 @@ USELESS = 0.3  # rad: an error above it says nothing
 def measure(case: Case, rounds: int) -> dict[str, Any]:
     """Errors and times of everybody on one arm."""
     truth, corners = case.truth()
-    again, _ = case.truth(rtol=3e-13, atol=3e-14)
+    again, _ = case.truth(max_step=2e-3)
     settings, errors, once = useful([*ours(case), *mujoco(case), *scipy(case)], truth)
     quick = [each for each, seconds in zip(settings, once, strict=True) if seconds < SLOW]
     times = race([each.contestant for each in quick], rounds)
@@ -70,7 +71,7 @@ def cost(points: Sequence[dict[str, float]], level: float) -> float:
     """The least time at which a method's error is at most so much; between two settings, on a straight log-log line."""
     ordered = sorted(points, key=lambda p: p["setting"])
     found = [p["seconds"] for p in ordered if p["error_rad"] <= level]
-    for pair in zip(ordered[:-1], ordered[1:], strict=True):
+    for pair in pairwise(ordered):
         fine, coarse = sorted(pair, key=lambda p: p["error_rad"])
         if not fine["error_rad"] <= level < coarse["error_rad"]:
             continue

@@ -125,17 +125,14 @@ def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
         dissipated[f"damping.{model.joint_names[j]}"] = sums[:, n + 1 + j].copy()
     for k, effect in enumerate(acting_effects(model)):
         lost = sums[:, 2 * n + 1 + k]
-        if (
-            effect.name != "hardening_spring"
-            and effect.stage in ("friction", "dry", "spring")
-            or effect.name == "end_stop"
-        ):
+        if _has_entry(effect):
             label = _label(effect)
             dissipated[label] = dissipated.get(label, 0.0) + lost
     parts = [kinetic, spring, gravity]
     tolerance = _tolerance(run, parts, sums)
     initial = float(sum(part[0] for part in parts))
-    return Energy(*(part[1:] for part in parts), sums[:, :n].copy(), sums[:, n].copy(), dissipated, initial, tolerance)
+    kinetic, spring, gravity = (part[1:].copy() for part in parts)
+    return Energy(kinetic, spring, gravity, sums[:, :n].copy(), sums[:, n].copy(), dissipated, initial, tolerance)
 
 
 def _kinetic(plant: _core.Plant, states: Array, speeds: Array, chunk: int = 1000) -> Array:
@@ -148,6 +145,13 @@ def _kinetic(plant: _core.Plant, states: Array, speeds: Array, chunk: int = 1000
         plant.inertia(np.ascontiguousarray(states[rows]), H)
         kinetic[rows] = 0.5 * np.einsum("ri,rij,rj->r", speeds[rows], H, speeds[rows])
     return kinetic
+
+
+def _has_entry(effect: Effect) -> bool:
+    """Whether an effect can take energy out; what a hardening spring takes in, it holds."""
+    if effect.name == "hardening_spring":
+        return False
+    return effect.stage in ("friction", "dry", "spring") or effect.name == "end_stop"
 
 
 def _label(effect: Effect) -> str:

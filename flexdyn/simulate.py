@@ -148,6 +148,12 @@ def _prepared(
         return prepare(model, command, each["duration"], solver, starts, rate, times, each["external"], plant)
     except FlexdynError as error:
         return error
+    except Exception as error:  # a user's law that fails where auto looks at it
+        return _stopped(model, error, 0.0)
+
+
+def _stopped(model: FlexibleJointModel, error: Any, t: float) -> SimulationError:
+    return SimulationError(f"{model.name}: stopped by {error!r}", reason=str(error), t=t, cause=error)
 
 
 def _finished(job: Job, report: Mapping[str, Any]) -> Run | FlexdynError:
@@ -155,7 +161,7 @@ def _finished(job: Job, report: Mapping[str, Any]) -> Run | FlexdynError:
     if error is not None:
         if isinstance(error, FlexdynError):
             return error
-        return SimulationError(f"{job.model.name}: stopped by {error!r}", reason=str(error), t=report["t"], cause=error)
+        return _stopped(job.model, error, report["t"])
     try:
         return job.finish(report)
     except SimulationError as failure:

@@ -18,7 +18,7 @@ from tests.effects.reference import Arm
 
 SOFT = Arm((300.0, 200.0), (0.5, 0.3), (0.1, 0.1))
 STIFF_ARM = Arm((1e9, 200.0), (0.5, 0.3), (1e-3, 0.1))
-LINK = {"joint": "shoulder", "side": "link"}
+LINK: dict[str, Any] = {"joint": "shoulder", "side": "link"}
 
 
 def chosen(arm: Arm, effects: list[Effect], **start: Any) -> tuple[Solver, str]:

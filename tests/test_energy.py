@@ -79,7 +79,7 @@ def test_it_closes_with_every_effect(effect: Effect, solver: Solver) -> None:
 @pytest.mark.parametrize("solver", SOLVERS, ids=solver_name)
 def test_it_closes_with_all_effects_together(solver: Solver) -> None:
     """The whole catalogue on one joint, and every loss has an entry of its own."""
-    start = {"q0": [0.98, math.pi / 2], "v0": [2.0, -0.6]}
+    start: dict[str, Any] = {"q0": [0.98, math.pi / 2], "v0": [2.0, -0.6]}
     run = fd.simulate(arm_with(TOGETHER), STEPS, 0.3, solver, rate=200, **start)
     if isinstance(solver, RungeKutta4):
         with pytest.warns(fd.EnergyWarning):  # nothing locates the end stop's jump
@@ -116,6 +116,7 @@ def test_it_closes_under_every_drive(kind: str, solver: Solver) -> None:
 @pytest.mark.parametrize("kind", ["mixed", "rigid", "mimic", "prismatic"])
 def test_it_closes_on_every_kind_of_joint(kind: str, solver: Solver, tmp_path: Path) -> None:
     """Rigid joints with rotors, one of each, a joint that mimics, a mass that is lifted."""
+    start: dict[str, Any]
     joint = {"rotor_inertia": 0.2, "stiffness": 300.0, "damping": 0.5}
     if kind in ("mixed", "rigid"):
         arm = HALF_RIGID if kind == "mixed" else Arm((math.inf, math.inf), (0.0, 0.0), (0.1, 0.1), gravity=9.81)
@@ -131,12 +132,9 @@ def test_it_closes_on_every_kind_of_joint(kind: str, solver: Solver, tmp_path: P
 
 
 @pytest.mark.parametrize("solver", SOLVERS, ids=solver_name)
-@pytest.mark.parametrize("side", ["link", "motor"])
-@pytest.mark.parametrize("effect", MEMORYLESS, ids=lambda effect: effect.name)
+@pytest.mark.parametrize(("effect", "side"), [(e, s) for e in MEMORYLESS for s in type(e).sides], ids=str)
 def test_memoryless_friction_only_takes(effect: Any, side: Any, solver: Solver) -> None:
     """Its entry never falls, on either side, to and fro; and it takes something."""
-    if side not in type(effect).sides:
-        pytest.skip("SPEC does not allow it on this side")
     there = type(effect)(effect.joint, side=side, **{f.name: getattr(effect, f.name) for f in effect.parameters()})
     run = fd.simulate(arm_with([there]), STEPS, 0.3, solver, rate=1000, **START)
     lost = closed(run).dissipated[f"{effect.name}.shoulder.{side}"]
@@ -244,12 +242,13 @@ def test_samples_need_not_begin_at_the_start() -> None:
     np.testing.assert_allclose(late.residual, whole.residual[[10, 25]], atol=1e-7)
 
 
-@pytest.mark.parametrize("friction", [0.0, 50.0])
-@pytest.mark.parametrize("solver", SOLVERS, ids=solver_name)
+@pytest.mark.parametrize(
+    ("solver", "friction"),
+    [(solver, level) for solver in SOLVERS for level in (0.0, 50.0) if not (level and getattr(solver, "smoothing", 0))],
+    ids=lambda value: solver_name(value) if isinstance(value, Solver) else str(value),
+)
 def test_it_closes_at_rest(solver: Solver, friction: float) -> None:
     """An arm that is held still turns over no energy: rounding and absolute tolerance are no failure."""
-    if friction and getattr(solver, "smoothing", None):
-        pytest.skip("smoothed friction does not hold still")
     model = model_of(ARM, [fd.effects.CoulombFriction("elbow", side="motor", level=friction)])
     weight = fd.LinkSide(model).bias([0.3, 0.5], [0.0, 0.0])
     run = fd.simulate(model, weight, 1.0, solver, q0=[0.3, 0.5], theta0="equilibrium")

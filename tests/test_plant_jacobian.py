@@ -151,7 +151,7 @@ def test_what_sticks_does_not_respond(side: Any) -> None:
         np.testing.assert_allclose(np.delete(A, row, axis=0), np.delete(free, row, axis=0), atol=1e-9)
         return
     # The elbow moves alone: M22 a2 = tau_s2 - h2.
-    stiffness = 200.0 / float(ARM.mass_matrix(x[:2])[1, 1])
+    stiffness = 200.0 / float(ARM.mass_matrix(x[:2].tolist())[1, 1])
     assert A[5, 3] == pytest.approx(stiffness, rel=1e-8)
     assert abs(free[5, 3] / A[5, 3] - 1.0) > 0.1
 

@@ -160,6 +160,7 @@ class Plant {
   void local_torques(Workspace& w, double t, const double* x, const double* tau, double* link, double* rotor,
                      double* z_rate) const;
   void couple(double* right, double* J) const;
+  void uncouple(LocalSlopes& slopes) const;
   void external_slopes(double t, const double* x, const ExternalTorque& external, double* right) const;
   void acceleration_slopes(const Workspace& w, const double* M, const double* right, double* out) const;
   void internal_rates(const Workspace& w, double t, const double* x, double* rate) const;

@@ -65,6 +65,7 @@ void Plant::local_slopes(Workspace& w, double t, const double* x, const double* 
       out.z_by[k][i] = (up[2 * n + i] - down[2 * n + i]) / (2.0 * h);
     }
   }
+  uncouple(out);
   for (auto* array : {&out.z_self, &out.link_by_z, &out.rotor_by_z}) array->assign(zs, 0.0);
   for (std::size_t i = 0; i < zs; ++i) {
     const std::size_t at = 2 * (n + e) + i, j = out.z_joint[i];
@@ -129,20 +130,24 @@ void Plant::jacobian(Workspace& w, double t, const double* x, const double* tau,
   acceleration_slopes(w, M.data(), right.data(), out);
 }
 
-// A coupling sees another joint's rotor; above, all rotors moved at once and its slope went to the joint's own column.
+// A coupling acts on its joint through the other's rotor.
 void Plant::couple(double* right, double* J) const {
   const int half = n_ + elastic(), size = state_size();
-  const auto rate_column = [&](int j) { return rotor_slot_[j] < 0 ? half + j : half + n_ + rotor_slot_[j]; };
   for (const Law& law : friction_) {
     if (law.kind != LawKind::joint_coupling) continue;
-    const int j = law.joint;
-    const bool rigid = rotor_slot_[j] < 0;
-    double* row = rigid ? right + static_cast<std::ptrdiff_t>(j) * size
-                        : J + static_cast<std::ptrdiff_t>(half + n_ + rotor_slot_[j]) * size;
-    const double slope = law.p[0] / (rigid ? 1.0 : J_[j]);
-    // A rigid pair moved through v, an elastic one through omega; only then had the own column taken it up.
-    if (rigid == (rotor_slot_[law.other] < 0)) row[rate_column(j)] += slope;
-    row[rate_column(law.other)] -= slope;
+    const int slot = rotor_slot_[law.joint], other = rotor_slot_[law.other];
+    double* row = slot < 0 ? right + static_cast<std::ptrdiff_t>(law.joint) * size
+                           : J + static_cast<std::ptrdiff_t>(half + n_ + slot) * size;
+    row[other < 0 ? half + law.other : half + n_ + other] -= law.p[0] / (slot < 0 ? 1.0 : J_[law.joint]);
+  }
+}
+
+// Moving all joints at once let couplings see the other joint move too: take that out of the joint's own slopes.
+void Plant::uncouple(LocalSlopes& slopes) const {
+  for (const Law& law : friction_) {
+    if (law.kind != LawKind::joint_coupling) continue;
+    const int rate = rotor_slot_[law.other] < 0 ? 2 : 3;  // the other's rotor moved with v, or with omega
+    (rotor_slot_[law.joint] < 0 ? slopes.link_by : slopes.rotor_by)[rate][law.joint] += law.p[0];
   }
 }
 
