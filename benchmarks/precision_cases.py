@@ -10,6 +10,7 @@ import pinocchio as pin
 from arms import Arm, Array, two_link
 from hybrid_truth import TwoLinkWithCorners
 from measure import Contestant
+from mujoco import set_mju_user_warning
 from mujoco_arm import MujocoArm
 from pinocchio_arm import PinocchioArm
 from same_problem import flexdyn_positions
@@ -177,7 +178,11 @@ def _our_setting(case: Case, name: str, value: float, solver: fd.solvers.Solver)
 
 
 def mujoco(case: Case) -> list[Setting]:
-    """MuJoCo's integrators over steps; a gap is the dead band of the tendon's spring."""
+    """MuJoCo's integrators over steps; a gap is the dead band of the tendon's spring.
+
+    A step too long for the arm makes MuJoCo warn and start again; its error tells that, a log file is not needed.
+    """
+    set_mju_user_warning(lambda text: None)
     found = []
     for integrator in ("Euler", "implicitfast", "RK4"):
         for h in case.steps:

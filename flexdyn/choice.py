@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,3 +62,9 @@ def fastest_rate(plant: _core.Plant, x0: NDArray[np.float64]) -> float:
     if not np.isfinite(jacobian).all():
         return 0.0
     return float(np.abs(np.linalg.eigvals(jacobian)).max())
+
+
+def core_settings(solver: Solver) -> _core.SolverSettings:
+    """A solver's settings for the core."""
+    settings = {key: float(value) for key, value in asdict(solver).items() if value is not None}
+    return _core.solver_settings(type(solver).__name__, **settings)

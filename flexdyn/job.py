@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,13 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
 from flexdyn.checks import as_number
-from flexdyn.choice import choose_solver
+from flexdyn.choice import choose_solver, core_settings
 from flexdyn.commands import Samples, checked_rate
 from flexdyn.drive import Drive, lower_wrenches, make_drive
 from flexdyn.errors import InputError, SimulationError
+from flexdyn.inputs import SIGNALS, Inputs
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import build_plant
-from flexdyn.run import SIGNALS, Inputs, Run
+from flexdyn.run import Run
 from flexdyn.solvers import RungeKutta4, Solver, TimeStepping
 from flexdyn.start import first_state
 
@@ -140,12 +141,6 @@ def _grid(span: float, rate: float, times: ArrayLike | None) -> Array:
     if not (np.diff(grid) > 0).all():
         raise InputError("times must increase", key="times", value=grid)
     return grid
-
-
-def core_settings(solver: Solver) -> _core.SolverSettings:
-    """A solver's settings for the core."""
-    settings = {key: float(value) for key, value in asdict(solver).items() if value is not None}
-    return _core.solver_settings(type(solver).__name__, **settings)
 
 
 def _failure(report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel) -> SimulationError:

@@ -196,7 +196,7 @@ def _check_inertia(model: FlexibleJointModel, links: _core.LinkDynamics) -> None
 
 
 def _check_coupling(model: FlexibleJointModel, plant: _core.Plant) -> None:
-    """Links lighter than the rotors they carry make no positive kinetic energy: the URDF lacks the rotors' own share."""
+    """Links lighter than the rotors they carry have no positive kinetic energy: the URDF lacks the rotors' share."""
     x = np.zeros(plant.state_size)
     x[: model.n] = [model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names]
     size = model.n + int(model.elastic.sum())

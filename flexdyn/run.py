@@ -7,40 +7,21 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.commands import FrameWrench, Samples
 from flexdyn.effects import SensorEffect, measure
+from flexdyn.energy import Energy
+from flexdyn.inputs import SIGNALS, Inputs
+from flexdyn.ledger import ledger
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.robot import Robot
 from flexdyn.solvers import Solver
 
-if TYPE_CHECKING:
-    from flexdyn.energy import Energy
-
 Array = NDArray[np.float64]
-SIGNALS = ("q", "theta", "v", "omega", "tau", "tau_applied", "tau_s")
-
-
-@dataclass(frozen=True, eq=False)
-class Inputs:
-    """What a run was made of, enough to make it again.
-
-    Attributes:
-        x0: first state [q, theta, v, omega, z].
-        samples: torques over time; those a controller asked for stand here as it asked for them; None: none.
-        external: wrenches.
-        duration: [s].
-    """
-
-    x0: Array
-    samples: Samples | None
-    external: tuple[FrameWrench, ...]
-    duration: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -114,8 +95,6 @@ class Run:
         Warns:
             EnergyWarning: it does not close to the solver's tolerance.
         """
-        from flexdyn.energy import ledger
-
         return ledger(self)
 
     def frame_positions(self, frame: str | None = None) -> Array:
