@@ -14,6 +14,7 @@ from flexdyn.choice import core_settings
 from flexdyn.drive import lower_wrenches
 from flexdyn.effects import Effect
 from flexdyn.energy import Energy, EnergyWarning
+from flexdyn.errors import SimulationError
 from flexdyn.inputs import SIGNALS, Inputs
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide, acting_effects, build_plant
@@ -91,7 +92,10 @@ def ledger(run: Moved) -> Energy:
     settings = core_settings(run.solver)
     command = _core.open_loop(signal)
     job = _core.job(plant, command, wrenches, inputs.x0, inputs.duration, settings, run.t, out, sums)
-    _core.simulate(job, None)
+    report = _core.simulate(job, None)
+    if report["reason"]:  # a law in Python that is not the same the second time
+        problem = f"the motion could not be gone through again for its energy: {report['reason']}"
+        raise SimulationError(problem, t=report["t"], state=report["x"], solver=run.solver, reason=report["reason"])
     energy = _energy(run, plant, sums)
     if not energy.closes:
         worst = float(np.abs(energy.residual).max())
