@@ -80,7 +80,8 @@ def test_the_level_is_where_it_lets_go(solver: Solver, stiffness: float, side: A
     model = planar(stiffness, friction)
     for factor, moves in ((1.0 - 1e-6, False), (1.0 + 1e-6, True)):
         tau = direction * levels[direction] * factor
-        start = {"theta0": [tau / stiffness]} if side == "link" and math.isfinite(stiffness) else {}
+        wound = {"theta0": [tau / stiffness]}
+        start: dict[str, Any] = wound if side == "link" and math.isfinite(stiffness) else {}
         run = fd.simulate(model, [tau], 4.0, solver, rate=5, **start)
         x, u = (run.q, run.v) if side == "link" else (run.theta, run.omega)
         if moves:

@@ -13,6 +13,7 @@ from flexdyn.effects import Backlash, Effect, EndStop, PreslidingFriction, Sprin
 from flexdyn.solvers import DormandPrince, TimeStepping
 from tests.solvers.arms import Array, coulomb, planar, positions
 
+pytestmark = pytest.mark.filterwarnings("ignore::flexdyn.EnergyWarning")  # what a first-order step damps is its error
 MS = TimeStepping(step=1e-3)
 EXACT = DormandPrince(rtol=1e-11, atol=1e-13)
 BENT: dict[str, Any] = {"q0": [-0.5, 1.0], "theta0": "equilibrium"}
@@ -66,15 +67,11 @@ def test_order_one(case: str) -> None:
     grid = np.linspace(0.05, 1.0, 20)
     start: dict[str, Any] = {"q0": [-1.0, 0.8], "times": grid}
     exact = positions(fd.simulate(model, [0.8, -0.3], 1.0, EXACT, **start))
-    steps = 1e-3 / 2.0 ** np.arange(1, 6)
-    errors = [
-        float(
-            np.sqrt(
-                np.mean((positions(fd.simulate(model, [0.8, -0.3], 1.0, TimeStepping(step=h), **start)) - exact) ** 2)
-            )
-        )
-        for h in steps
-    ]
+    steps: Array = np.logspace(-1.0, -5.0, 5, base=2.0) * 1e-3
+    errors = []
+    for step in steps:
+        run = fd.simulate(model, [0.8, -0.3], 1.0, TimeStepping(step=float(step)), **start)
+        errors.append(float(np.sqrt(np.mean((positions(run) - exact) ** 2))))
     assert abs(order(steps, errors) - 1.0) < 0.1
 
 
