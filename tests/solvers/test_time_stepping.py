@@ -27,12 +27,12 @@ def order(steps: Array, errors: list[float]) -> float:
 @pytest.mark.parametrize("damping", [0.0, 10.0, 1e4, 1e7])
 @pytest.mark.parametrize("stiffness", [1.0, 1e2, 1e4, 1e6, 1e7, 1e9])
 def test_stable_for_any_spring_and_damper(stiffness: float, damping: float) -> None:
-    """Ten seconds of swinging at 1 ms: energy stays within 5 % of what the arm can turn into motion, and so it all."""
+    """Ten seconds of swinging at 1 ms: energy stays within 0.5 % of what the arm can turn into motion, and so it all."""
     model = planar(stiffness, joints=2, damping=damping, gravity=9.81)
     run = fd.simulate(model, None, 10.0, MS, q0=[-0.5, 1.0])
     energy = run.energy.mechanical
     hanging = fd.simulate(model, None, 1e-3, MS, q0=[-0.5 * math.pi, 0.0]).energy.gravity[0]
-    assert (energy - energy[0]).max() < 0.05 * (energy[0] - hanging)
+    assert (energy - energy[0]).max() < 0.005 * (energy[0] - hanging)
     assert np.abs(run.v).max() > 1.0
 
 
