@@ -103,11 +103,13 @@ void Events::apply(Stepper& stepper, double t_event) {
     if (work_.motion[c] != stuck && work_.motion[c] * u <= 0.0) u = 0.0;  // it came to rest: exactly
   }
   stepper.truncate(t_event, x);
-  count_ += 1;
+  const std::vector<int> motion = work_.motion, region = work_.region;
   const bool moved_on = t_event - last_event_ > 1e-12 * std::max(1.0, std::abs(t_event));
   stalled_ = moved_on ? 0 : stalled_ + 1;
   last_event_ = t_event;
   settle(t_event, x);
+  // Rounding at the very edge of breaking away may bring a contact back to where it was: that is no event.
+  if (motion != work_.motion || region != work_.region) count_ += 1;
   stepper.keep_stable(quiet_step());
 }
 
