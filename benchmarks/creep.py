@@ -2,7 +2,8 @@
 
     python benchmarks/creep.py [-o FILE.json] [--figure FILE.png]
 
-Both start at equilibrium, every joint loaded to half its dry level. Exit code 1 if flexdyn's side that sticks moved.
+Both start at equilibrium, every joint loaded to a share of its dry level. MuJoCo's friction gives way slowly; where
+gravity helps, the arm falls in the end. Exit code 1 if flexdyn's side that sticks moved.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from arms import Arm, Array, six_joints, two_link
 from measure import Bound, write_results
 from mujoco_arm import SETTINGS, MujocoArm
+from mujoco_friction import IMPEDANCE, harden
 from result_tables import markdown_table
 
 import flexdyn as fd
@@ -32,8 +34,6 @@ OURS: dict[str, fd.solvers.Solver] = {
 }
 INTEGRATORS = ("Euler", "implicitfast", "RK4")
 HARD = ", hard friction"
-# The shortest time constant that MuJoCo takes at this step, and the greatest impedance.
-HARDEST = {"solref": [2.0 * STEP, 1.0], "solimp": [0.9999, 0.9999, 0.001, 0.5, 2.0]}
 
 
 def link_held(load: float) -> Arm:
@@ -44,7 +44,7 @@ def link_held(load: float) -> Arm:
 
 
 def motor_held(load: float) -> Arm:
-    """The UR5 against gravity, dry friction on its motors, which are driven to a share of the level beyond its weight."""
+    """The UR5 against gravity, dry friction on its motors, driven to a share of the level beyond the weight."""
     arm = six_joints(dry=True)
     weight = fd.LinkSide(arm.model).bias(arm.q0, np.zeros(arm.n))
     tau = weight + load * arm.coefficients("coulomb_friction", "motor")
@@ -65,8 +65,7 @@ def drift(arm: Arm, side: int, contestant: str) -> Array:
     else:
         peer = MujocoArm(arm, contestant.removeprefix("MuJoCo ").removesuffix(HARD), STEP)
         if contestant.endswith(HARD):
-            peer.model.dof_solref[:] = HARDEST["solref"]
-            peer.model.dof_solimp[:] = HARDEST["solimp"]
+            harden(peer, STEP)
         rows = peer.positions(round(DURATION), round(1.0 / STEP))
         moved = rows[:, arm.n :] if side else rows[:, : arm.n]
     return np.asarray(np.abs(moved - moved[0]).max(axis=1))
@@ -134,10 +133,10 @@ def draw(results: dict[str, Any], path: Path) -> None:
         )
         axes.set(title=f"{title},\nload {SHOWN:g} of the dry level", xlabel="t [s]", xlim=(0.0, DURATION))
         axes.set_yscale("symlog", linthresh=1e-8)
-        axes.set_ylim(0.0, 2.0)
+        axes.set_ylim(0.0, 10.0)
         axes.grid(visible=True, alpha=0.3)
     panels[0].set_ylabel("distance from the start [rad]")
-    panels[1].legend(fontsize=8, loc="lower right", bbox_to_anchor=(1.0, 0.18))
+    panels[0].legend(fontsize=8, loc="upper left", ncols=2)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
     plt.close(figure)
@@ -166,7 +165,12 @@ def main() -> int:
     for bound in held:
         print(bound)
     if options.output:
-        content = {"mujoco_settings": SETTINGS, "mujoco_hard_friction": HARDEST, "step_seconds": STEP, "cases": results}
+        content = {
+            "mujoco_settings": SETTINGS,
+            "mujoco_hard_friction": {"solref": [2.0 * STEP, 1.0], "solimp": IMPEDANCE},
+            "step_seconds": STEP,
+            "cases": results,
+        }
         write_results(options.output, "python benchmarks/creep.py", content | {"bounds": [b.to_dict() for b in held]})
     return 0 if all(bound.passed for bound in held) else 1
 

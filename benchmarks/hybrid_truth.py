@@ -67,7 +67,7 @@ class TwoLinkWithCorners:
             a /= M[0, 0] * M[1, 1] - M[0, 1] ** 2
         elif free:
             a[free[0]] = (drive - friction)[free[0]] / M[free[0], free[0]]
-        for j in set((0, 1)) - set(free):
+        for j in {0, 1} - set(free):
             friction[j] = (drive - M @ a)[j]
         return a, friction, spring
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -12,6 +14,7 @@ from hybrid_truth import TwoLinkWithCorners
 from measure import Contestant
 from mujoco import set_mju_user_warning
 from mujoco_arm import MujocoArm
+from mujoco_friction import harden
 from pinocchio_arm import PinocchioArm
 from same_problem import flexdyn_positions
 
@@ -19,7 +22,7 @@ import flexdyn as fd
 
 SAMPLES = 50
 BUDGET = 100_000  # evaluations in Python after which a peer gives up: 1 to 2 s
-TOLERANCES = 10.0 ** -np.arange(2.0, 13.0)
+TOLERANCES: Array = np.logspace(-2.0, -12.0, 11)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,15 +76,15 @@ def cases() -> dict[str, Case]:
     smooth = two_link()
     names = smooth.model.joint_names
     springs = {"*": {"stiffness": 40.0, "damping": 0.1}}
-    dry = [
+    dry: list[fd.effects.Effect] = [
         fd.effects.CoulombFriction(name, side="link", level=level)
         for name, level in zip(names, (0.5, 0.15), strict=True)
     ]
-    gaps = [fd.effects.Backlash(name, half_gap=0.02) for name in names]
-    bent = {"tau": np.array([0.6, -0.2]), "q0": np.array([0.0, 1.0]), "theta0": np.array([0.3, 1.3])}
+    gaps: list[fd.effects.Effect] = [fd.effects.Backlash(name, half_gap=0.02) for name in names]
+    bent: dict[str, Any] = {"tau": np.array([0.6, -0.2]), "q0": np.array([0.0, 1.0]), "theta0": np.array([0.3, 1.3])}
     stiff = smooth.model.replace(joints={"*": {"stiffness": 1e7, "damping": 70.0}})
-    wound = bent["q0"] + bent["tau"] / 1e7
-    halves = 0.5 ** np.arange(14)
+    wound = bent | {"theta0": bent["q0"] + bent["tau"] / 1e7}
+    halves: Array = np.logspace(0.0, -13.0, 14, base=2.0)
     return {
         "smooth": Case("smooth arm, K = 5.5 N m/rad, 5 s", smooth, 5.0, 0.05 * halves),
         "stick_slip": Case(
@@ -90,7 +93,7 @@ def cases() -> dict[str, Case]:
         "backlash": Case("backlash arm, K = 40 N m/rad, 2 s", _with(smooth, springs, gaps, bent), 2.0, 0.02 * halves),
         "stiff": Case(
             "stiff arm, K = 1e7 N m/rad, 1 s",
-            replace(smooth, model=stiff, **(bent | {"theta0": wound})),
+            replace(smooth, model=stiff, **wound),
             1.0,
             0.02 * halves,
         ),
@@ -98,7 +101,7 @@ def cases() -> dict[str, Case]:
 
 
 def _with(
-    arm: Arm, joints: dict[str, dict[str, float]], effects: list[fd.effects.Effect], start: dict[str, Array]
+    arm: Arm, joints: dict[str, dict[str, float]], effects: list[fd.effects.Effect], start: dict[str, Any]
 ) -> Arm:
     return replace(arm, model=arm.model.replace(joints=joints, effects=[*arm.model.effects, *effects]), **start)
 
@@ -189,8 +192,10 @@ def mujoco(case: Case) -> list[Setting]:
             between = max(1, round(case.duration / SAMPLES / h))
             step = case.duration / SAMPLES / between
             peer = MujocoArm(case.arm, integrator, step)
+            if case.dry:
+                harden(peer, step)
             peer.model.tendon_lengthspring[:] = np.column_stack([-case.half_gap, case.half_gap])
-            found.append(Setting(f"MuJoCo {integrator}", step, lambda peer=peer, n=between: peer.positions(SAMPLES, n)))
+            found.append(Setting(f"MuJoCo {integrator}", step, partial(peer.positions, SAMPLES, between)))
     return found
 
 

@@ -56,7 +56,7 @@ def _ratios(axes: Any, levels: list[dict[str, Any]]) -> None:
             axes.text(x, 0.13, words, ha="center", va="bottom", fontsize=8)
             continue
         colour = "#2a7f3f" if row["goal"] else "#c0392b"
-        axes.bar((edges[0] * edges[1]) ** 0.5, ratio, width=edges[1] - edges[0], color=colour)
+        axes.bar(edges[0], ratio, width=edges[1] - edges[0], align="edge", color=colour)
         axes.text(x, ratio * 1.15, f"{ratio:.2g}", ha="center", va="bottom", fontsize=8)
     axes.axhline(0.1, color="black", linewidth=1.0, linestyle="--")
     axes.text(2.5e-1, 0.11, "goal: a tenth", fontsize=8, va="bottom")

@@ -27,6 +27,8 @@ class Command {
   // First instant after t where the command may jump or bend.
   virtual double next_switch(double t) const = 0;
   virtual bool needs_state() const { return false; }
+  // Whether tau does not change within the interval begun last.
+  virtual bool constant() const = 0;
   // A new interval starts at t; `final` if the run ends here and only the torque asked now is wanted.
   virtual void begin(double t, const JointState& state, bool final) = 0;
   // tau (n) at t within the interval begun last.
@@ -40,6 +42,7 @@ class OpenLoop : public Command {
  public:
   OpenLoop(std::shared_ptr<const PiecewisePolynomial> samples, int n);
   double next_switch(double t) const override;
+  bool constant() const override { return !samples_ || over_ || samples_->degree == 0; }
   void begin(double t, const JointState&, bool final) override;
   const double* at(double t) override;
   double past(double inside, double t, int joint) const override;
@@ -57,6 +60,7 @@ class Sampled : public Command {
   Sampled(double rate, int n) : rate_(rate), tau_(n, 0.0) {}
   double next_switch(double t) const override;
   bool needs_state() const override { return true; }
+  bool constant() const override { return true; }
   const double* at(double) override { return tau_.data(); }
   void begin(double t, const JointState& state, bool final) override;
   double past(double inside, double t, int joint) const override;

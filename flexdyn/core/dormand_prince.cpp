@@ -49,7 +49,7 @@ class DormandPrince : public Stepper {
     fresh_ = false;
     if (h_ == 0.0) h_ = initial_step(limit);
     while (true) {
-      const StepPlan plan = plan_step(std::min(h_, max_step_), limit - t_);
+      const StepPlan plan = plan_step(std::min({h_, max_step_, stable_step_}), limit - t_);
       const double h = plan.h;
       const bool last = plan.last;
       if (plan.vanishes(t_)) {

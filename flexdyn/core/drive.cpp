@@ -41,6 +41,12 @@ void Drive::begin(double t, const std::vector<double>& x, bool final) {
   t_inside_ = final ? t : 0.5 * (t + next_limit(t));
 }
 
+bool Drive::constant() const {
+  return command_.constant() && std::all_of(wrenches_.begin(), wrenches_.end(), [this](const ExternalWrench& wrench) {
+           return wrench.samples->degree == 0 || t_begin_ >= wrench.samples->end();
+         });
+}
+
 const double* Drive::torque(double t) {
   if (!delayed_) return command_.at(t);
   for (int j = 0; j < plant_.n(); ++j) {

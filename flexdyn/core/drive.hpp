@@ -27,6 +27,8 @@ class Drive {
   void begin(double t, const std::vector<double>& x, bool final);
 
   double t_begin() const { return t_begin_; }
+  // Whether nothing from outside changes within the interval begun last.
+  bool constant() const;
   const double* asked(double t) { return command_.at(t); }  // tau of the command (n)
   const double* torque(double t);                           // what reaches the motors (n)
   const double* external(double t, const double* x);        // J^T of all wrenches (n), null if there are none

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
 
 namespace flexdyn {
 
@@ -11,8 +14,13 @@ Events::Events(const Plant& plant, Plant::Workspace& work, Torque torque, Extern
   work_.located = true;
 }
 
-void Events::evaluate(double t, const double* x) {
-  plant_.derivative(work_, t, x, torque_(t), external_(t, x), dx_.data());
+// Margins of regions need the laws alone; what a stuck contact holds needs the motion of the rest.
+void Events::evaluate(double t, const double* x, bool with_motion) {
+  if (with_motion) {
+    plant_.derivative(work_, t, x, torque_(t), external_(t, x), dx_.data());
+  } else {
+    plant_.evaluate_laws(work_, t, x, torque_(t));
+  }
 }
 
 // Positive while what was assumed over the step still holds.
@@ -30,7 +38,7 @@ bool Events::needs_evaluation(std::size_t guard) const {
 
 double Events::margin_on_step(Stepper& stepper, double t, std::size_t guard) {
   stepper.interpolate(t, x_.data());
-  if (needs_evaluation(guard)) evaluate(t, x_.data());
+  if (needs_evaluation(guard)) evaluate(t, x_.data(), guard < plant_.contacts().size());
   return margin(t, x_.data(), guard);
 }
 
@@ -44,7 +52,7 @@ double Events::find(Stepper& stepper, double t_before) {
     bool evaluated = false;
     for (std::size_t guard = 0; guard < guards(); ++guard) {
       if (needs_evaluation(guard) && !evaluated) {
-        evaluate(t, x_.data());
+        evaluate(t, x_.data(), any_stuck_);
         evaluated = true;
       }
       if (margin(t, x_.data(), guard) >= 0.0) continue;
@@ -95,16 +103,59 @@ void Events::apply(Stepper& stepper, double t_event) {
     if (work_.motion[c] != stuck && work_.motion[c] * u <= 0.0) u = 0.0;  // it came to rest: exactly
   }
   stepper.truncate(t_event, x);
-  count_ += 1;
+  const std::vector<int> motion = work_.motion, region = work_.region;
   const bool moved_on = t_event - last_event_ > 1e-12 * std::max(1.0, std::abs(t_event));
   stalled_ = moved_on ? 0 : stalled_ + 1;
   last_event_ = t_event;
   settle(t_event, x);
+  // Rounding at the very edge of breaking away may bring a contact back to where it was: that is no event.
+  if (motion != work_.motion || region != work_.region) count_ += 1;
+  stepper.keep_stable(quiet_step());
 }
 
 void Events::settle(double t, const std::vector<double>& x) {
   settle_regions(t, x.data());
   settle_contacts(t, x.data());
+  any_stuck_ = std::any_of(work_.motion.begin(), work_.motion.end(), [](int m) { return m == stuck; });
+  if (any_stuck_ && quiet_step_ == 0.0) find_quiet_step(t, x.data());
+}
+
+bool Events::at_rest(double t, const std::vector<double>& x) {
+  const int n = plant_.n(), N = plant_.velocities();
+  if (!any_stuck_ || plant_.has_callbacks()) return false;
+  if (std::any_of(x.begin() + N, x.begin() + 2 * N, [](double u) { return u != 0.0; })) return false;
+  evaluate(t, x.data(), true);
+  if (std::any_of(dx_.begin() + 2 * N, dx_.end(), [](double rate) { return rate != 0.0; })) return false;
+  Eigen::MatrixXd H(N, N);  // symmetric
+  plant_.inertia(work_, x.data(), H.data());
+  const Eigen::VectorXd left = H * Eigen::Map<const Eigen::VectorXd>(dx_.data() + N, N);
+  for (int j = 0; j < n; ++j) {
+    const int slot = plant_.rotor_slot(j);
+    double size = std::abs(work_.drive[j]) + std::abs(work_.tau_applied[j]);
+    if (slot >= 0) size += plant_.stiffness(j) * (std::abs(x[j]) + std::abs(x[n + slot]));
+    const double rounding = 16.0 * std::numeric_limits<double>::epsilon() * size;
+    const bool link_stands = work_.held[j] || std::abs(left[j]) <= rounding;
+    const bool rotor_stands = slot < 0 || work_.held[n + slot] || std::abs(left[n + slot]) <= rounding;
+    if (!link_stands || !rotor_stands) return false;
+  }
+  return true;
+}
+
+// Dormand-Prince damps vibrations up to about 1 rad a step; beyond it they grow until the tolerance stops them, and a
+// tolerance of 1e-8 rad is 0.1 N m on a spring of 1e7 N m/rad.
+void Events::find_quiet_step(double t, const double* x) {
+  constexpr double angle = 0.7;
+  const int size = plant_.state_size();
+  Eigen::MatrixXd J(size, size);  // its transpose has the same eigenvalues
+  const std::vector<int> motion = work_.motion;
+  work_.located = false;
+  work_.smoothing = 1e3;  // so wide that dry friction has no slope
+  plant_.jacobian(work_, t, x, torque_(t), nullptr, J.data());
+  work_.located = true;
+  work_.motion = motion;
+  settle_regions(t, x);
+  const double fastest = J.allFinite() ? J.eigenvalues().cwiseAbs().maxCoeff() : 0.0;
+  quiet_step_ = fastest > 0.0 ? angle / fastest : std::numeric_limits<double>::infinity();
 }
 
 void Events::settle_regions(double t, const double* x) {

@@ -6,6 +6,7 @@
 // hold it (a boxed linear complementarity problem, link contacts coupled through M(q)).
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "plant.hpp"
@@ -23,6 +24,11 @@ class Events {
 
   // Find motions and regions at a point from nothing but the point.
   void settle(double t, const std::vector<double>& x);
+  // While something sticks, a step that keeps the rest quiet: what noise there is must not shake it loose.
+  double quiet_step() const { return any_stuck_ ? quiet_step_ : std::numeric_limits<double>::infinity(); }
+  // Whether the arm stands still for good as long as nothing from outside changes: every velocity is exactly 0 and what
+  // is left of the torques is rounding.
+  bool at_rest(double t, const std::vector<double>& x);
   // The first event within the step just taken from t_before; the step's end if there is none.
   double find(Stepper& stepper, double t_before);
   // End the step at the event found and settle what comes after it.
@@ -33,7 +39,8 @@ class Events {
   bool stalled() const { return stalled_ > 400; }
 
  private:
-  void evaluate(double t, const double* x);
+  void evaluate(double t, const double* x, bool with_motion);
+  void find_quiet_step(double t, const double* x);
   double margin(double t, const double* x, std::size_t guard) const;
   double margin_on_step(Stepper& stepper, double t, std::size_t guard);
   bool needs_evaluation(std::size_t guard) const;
@@ -48,6 +55,8 @@ class Events {
   Torque torque_;
   External external_;
   std::vector<double> x_, dx_;
+  bool any_stuck_ = false;
+  double quiet_step_ = 0.0;  // 0: not known yet
   bool event_found_ = false;
   long count_ = 0;
   int stalled_ = 0;

@@ -14,6 +14,8 @@ class Ledger {
   Ledger(const Plant& plant, Plant::Workspace& work, Drive& drive);
   // Add the work done from the last instant to t, within the step taken last (Gauss, order 6).
   void advance(Stepper& stepper, double t);
+  // Nothing moved until t.
+  void skip(double t) { t_ = t; }
   const std::vector<double>& sums() const { return sums_; }
 
  private:

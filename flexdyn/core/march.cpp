@@ -70,7 +70,9 @@ class March {
   void begin_interval(bool final) {
     drive_.begin(stepper_->t(), stepper_->x(), final);
     stepper_->restart();
-    if (events_) events_->settle(stepper_->t(), stepper_->x());
+    if (!events_) return;
+    events_->settle(stepper_->t(), stepper_->x());
+    stepper_->keep_stable(events_->quiet_step());
   }
 
   void integrate_interval(double limit, Failure& failure) {
@@ -78,6 +80,7 @@ class March {
     while (sample_before(limit) && same_instant(output_.times[row_], drive_.t_begin())) {
       write(drive_.t_begin(), stepper_->x().data());
     }
+    if (events_ && drive_.constant() && events_->at_rest(stepper_->t(), stepper_->x())) return stand_still(limit);
     while (stepper_->t() < limit) {
       const double t_before = t_finite_ = stepper_->t();
       x_finite_ = stepper_->x();
@@ -98,6 +101,13 @@ class March {
       }
       if (++since_poll_ >= 64) poll_if_due();
     }
+  }
+
+  void stand_still(double limit) {
+    const std::vector<double> x = stepper_->x();
+    while (sample_before(limit)) write(output_.times[row_], x.data());
+    if (ledger_) ledger_->skip(limit);
+    stepper_->truncate(limit, x);
   }
 
   // Samples of the step just taken, up to the event that ends it.

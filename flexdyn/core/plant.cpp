@@ -29,6 +29,7 @@ Plant::Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stif
   }
   for (Law law : laws) {
     law.index = laws_++;
+    callbacks_ = callbacks_ || law.callback != nullptr;
     sort_in(law);
   }
   plain_ = deflection_.empty() && spring_.empty() && damper_.empty();

@@ -96,6 +96,7 @@ class Plant {
   int internal_states() const { return internal_; }
   int state_size() const { return 2 * (n_ + elastic()) + internal_; }
   bool has_events() const { return !dry_.empty() || !switches_.empty(); }
+  bool has_callbacks() const { return callbacks_; }
   bool has_dry_friction() const { return !dry_.empty(); }
   const LinkDynamics& links() const { return *links_; }
   const std::vector<DryContact>& contacts() const { return dry_; }
@@ -186,6 +187,7 @@ class Plant {
   std::vector<int> elastic_;     // joints with a finite stiffness
   std::vector<int> rotor_slot_;  // joint -> place among the elastic ones, -1 = rigid
   std::vector<double> K_, D_, J_, spin_, delay_;
+  bool callbacks_ = false;  // laws in Python: they may depend on time
   bool plain_ = true;      // no law in any transmission
   bool coupled_ = false;  // spin_ is not all zero
   std::vector<Law> actuator_, deflection_, spring_, damper_, friction_, link_;

@@ -93,7 +93,7 @@ class Rosenbrock : public Stepper {
     const double s = (t - t_before_) / h_last_, r = 1.0 - s;
     for (std::size_t i = 0; i < x_.size(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
-      x[i] = before_[i] * r + s * (x_[i] + r * (bend_[k] + s * twist_[k]));
+      x[i] = before_[i] + s * (x_[i] - before_[i] + r * (bend_[k] + s * twist_[k]));
     }
   }
 

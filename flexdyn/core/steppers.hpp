@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,11 +44,16 @@ class Stepper {
   // State at t within the last step.
   virtual void interpolate(double t, double* x) = 0;
 
+  // Explicit methods only: the step within which the fastest vibration dies down instead of building up out of
+  // rounding errors to the size of the tolerance.
+  void keep_stable(double step) { stable_step_ = step; }
+
   double t() const { return t_; }
   const std::vector<double>& x() const { return x_; }
   const StepperStats& stats() const { return stats_; }
 
  protected:
+  double stable_step_ = std::numeric_limits<double>::infinity();
   double t_ = 0.0;
   std::vector<double> x_;
   StepperStats stats_;

@@ -40,6 +40,8 @@ class TimeStepping : public Stepper {
     grid_.restart(t);
     x_ = before_ = x;
     H_.resize(N_, N_);
+    by_q_.resize(n_, n_);
+    by_v_.resize(n_, n_);
     bias_.resize(N_);
   }
 
@@ -92,6 +94,9 @@ class TimeStepping : public Stepper {
     stats_.evaluations += 1;
     plant_.inertia(work_, x_.data(), H_.data());
     plant_.bias(work_, x_.data(), bias_.data());
+    const std::vector<double> rest(n_, 0.0);
+    plant_.links().inverse_derivatives(*work_.links, x_.data(), plant_.v(x_.data()), rest.data(), by_q_.data(),
+                                       by_v_.data());
     assemble();
     levels();
     VectorXd w = Map<const VectorXd>(plant_.v(x_.data()), N_);
@@ -117,6 +122,9 @@ class TimeStepping : public Stepper {
     A_ = H_;
     if (plant_.coupled() && A_.llt().info() != Eigen::Success) A_.setConstant(std::numeric_limits<double>::quiet_NaN());
     b_ = A_ * Map<const VectorXd>(w, N_);
+    // Velocity products bilinear in the old and the new velocity: explicit ones feed the arm energy.
+    A_.topLeftCorner(n_, n_) += 0.5 * h * by_v_;
+    b_.head(n_) += 0.5 * h * by_v_ * Map<const VectorXd>(w, n_);
     for (int j = 0; j < n_; ++j) {
       const int slot = plant_.rotor_slot(j), r = n_ + slot;
       const int column[2] = {j, slot < 0 ? j : r};
@@ -262,7 +270,7 @@ class TimeStepping : public Stepper {
   bool bristles_ = false;
   std::vector<int> motion_;
   LocalSlopes slopes_;
-  RowMatrix H_;
+  RowMatrix H_, by_q_, by_v_;
   MatrixXd A_;
   VectorXd b_, bias_;
   std::vector<double> before_, after_, level_;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -114,7 +115,7 @@ def test_a_command_that_switches(solver: Solver, close: float) -> None:
     for begin, end, torque in zip(at[:-1], at[1:], tau[:-1], strict=True):
         inside = TIMES[(begin <= TIMES) & (end > TIMES)]
         grid = np.unique([begin, *inside, end])
-        found, _ = integrate(lambda t, x, torque=torque: arm.derivative(t, x, [torque]), x, grid, [])
+        found, _ = integrate(partial(arm.derivative, tau=[torque]), x, grid, [])
         rows += [found[np.isin(grid, inside)]]
         x = found[-1]
     expected = np.vstack([*rows, x])

@@ -57,7 +57,7 @@ def test_stiff_springs_cost_little() -> None:
 @pytest.mark.parametrize("solver", [Rosenbrock(), TimeStepping(step=1e-3)], ids=["Rosenbrock", "TimeStepping"])
 @pytest.mark.parametrize("kind", ["presliding", "hysteresis"])
 def test_stiff_memory_does_not_dictate_the_steps(solver: Solver, kind: str) -> None:
-    """Bristles of 1e5 and 1e6 N m/rad cost at most three times the steps of ones of 1e3; stability would ask for 100 and 1000 times."""
+    """Bristles of 1e6 N m/rad cost at most three times the steps of 1e3; stability would ask for 1000 times as many."""
 
     def work(bristle: float) -> int:
         effects: list[Effect] = [

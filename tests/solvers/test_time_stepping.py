@@ -13,6 +13,7 @@ from flexdyn.effects import Backlash, Effect, EndStop, PreslidingFriction, Sprin
 from flexdyn.solvers import DormandPrince, TimeStepping
 from tests.solvers.arms import Array, coulomb, planar, positions
 
+pytestmark = pytest.mark.filterwarnings("ignore::flexdyn.EnergyWarning")  # what a first-order step damps is its error
 MS = TimeStepping(step=1e-3)
 EXACT = DormandPrince(rtol=1e-11, atol=1e-13)
 BENT: dict[str, Any] = {"q0": [-0.5, 1.0], "theta0": "equilibrium"}
@@ -26,12 +27,12 @@ def order(steps: Array, errors: list[float]) -> float:
 @pytest.mark.parametrize("damping", [0.0, 10.0, 1e4, 1e7])
 @pytest.mark.parametrize("stiffness", [1.0, 1e2, 1e4, 1e6, 1e7, 1e9])
 def test_stable_for_any_spring_and_damper(stiffness: float, damping: float) -> None:
-    """Ten seconds of swinging at 1 ms: energy stays within 5 % of what the arm can turn into motion, and so it all."""
+    """Ten seconds of swinging at 1 ms: energy stays within 0.5 % of what the arm can turn into motion, and so it all."""
     model = planar(stiffness, joints=2, damping=damping, gravity=9.81)
     run = fd.simulate(model, None, 10.0, MS, q0=[-0.5, 1.0])
     energy = run.energy.mechanical
     hanging = fd.simulate(model, None, 1e-3, MS, q0=[-0.5 * math.pi, 0.0]).energy.gravity[0]
-    assert (energy - energy[0]).max() < 0.05 * (energy[0] - hanging)
+    assert (energy - energy[0]).max() < 0.005 * (energy[0] - hanging)
     assert np.abs(run.v).max() > 1.0
 
 
@@ -66,15 +67,11 @@ def test_order_one(case: str) -> None:
     grid = np.linspace(0.05, 1.0, 20)
     start: dict[str, Any] = {"q0": [-1.0, 0.8], "times": grid}
     exact = positions(fd.simulate(model, [0.8, -0.3], 1.0, EXACT, **start))
-    steps = 1e-3 / 2.0 ** np.arange(1, 6)
-    errors = [
-        float(
-            np.sqrt(
-                np.mean((positions(fd.simulate(model, [0.8, -0.3], 1.0, TimeStepping(step=h), **start)) - exact) ** 2)
-            )
-        )
-        for h in steps
-    ]
+    steps: Array = np.logspace(-1.0, -5.0, 5, base=2.0) * 1e-3
+    errors = []
+    for step in steps:
+        run = fd.simulate(model, [0.8, -0.3], 1.0, TimeStepping(step=float(step)), **start)
+        errors.append(float(np.sqrt(np.mean((positions(run) - exact) ** 2))))
     assert abs(order(steps, errors) - 1.0) < 0.1
 
 

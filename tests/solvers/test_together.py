@@ -117,7 +117,7 @@ def test_a_run_that_time_cannot_resolve_says_so() -> None:
     """A rotor that rattles in its gap 1e15 times a second: an error that names the trouble, and no endless run."""
     gap = [Backlash("shoulder", half_gap=1e-13)]
     model = planar(1e15, gap, rotor=1e-15)
-    with pytest.raises(fd.SimulationError, match=r"infinitely many events in finite time|too stiff|fell below"):
+    with pytest.raises(fd.SimulationError, match="infinitely many events in finite time"):
         fd.simulate(model, None, 1.0, DormandPrince(), omega0=[1e3], v0=[0.0])
 
 
