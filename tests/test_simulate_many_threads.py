@@ -13,6 +13,7 @@ import flexdyn as fd
 from flexdyn.effects import Payload
 from flexdyn.solvers import RungeKutta4
 from tests.arms import BENT, two_link
+from tests.lock import counted_beside
 from tests.oracles.two_link import TwoLink
 
 ARM = TwoLink(stiffness=(30.0, 20.0), damping=(0.1, 0.05))
@@ -20,23 +21,13 @@ ARM = TwoLink(stiffness=(30.0, 20.0), damping=(0.1, 0.05))
 
 def test_python_runs_beside_it() -> None:
     """A thread counts on while the runs are made: the interpreter's lock is free."""
-    started, done = threading.Event(), threading.Event()
-    counts = {"during": 0}
-
-    def count() -> None:
-        started.set()
-        while not done.is_set():
-            counts["during"] += 1
-
-    thread = threading.Thread(target=count)
-    thread.start()
-    started.wait()
-    before = counts["during"]
-    fd.simulate_many([two_link(ARM)] * 4, None, 30.0, RungeKutta4(step=1e-4), rate=1, **BENT)
-    after = counts["during"]
-    done.set()
-    thread.join()
-    assert after - before > 50_000  # a call that held the lock would leave some thousand at most
+    # A call that held the lock would leave some thousand at most.
+    assert (
+        counted_beside(
+            lambda: fd.simulate_many([two_link(ARM)] * 4, None, 30.0, RungeKutta4(step=1e-4), rate=1, **BENT)
+        )
+        > 50_000
+    )
 
 
 @pytest.mark.parametrize("python_law", [False, True])

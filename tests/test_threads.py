@@ -13,6 +13,7 @@ import pytest
 
 import flexdyn as fd
 from tests.arms import BENT, state, two_link
+from tests.lock import counted_beside
 from tests.oracles.two_link import TwoLink
 
 ARM = TwoLink(stiffness=(30.0, 20.0))
@@ -20,24 +21,13 @@ ARM = TwoLink(stiffness=(30.0, 20.0))
 
 def test_python_runs_beside_a_simulation() -> None:
     """A thread counts on while one call integrates: the interpreter's lock is free."""
-    started, done = threading.Event(), threading.Event()
-    counts = {"during": 0}
-
-    def count() -> None:
-        started.set()
-        while not done.is_set():
-            counts["during"] += 1
-
-    thread = threading.Thread(target=count)
-    thread.start()
-    started.wait()
-    before = counts["during"]
-    fd.simulate(two_link(ARM), None, 50.0, fd.solvers.RungeKutta4(step=1e-4), rate=1, **BENT)
-    after = counts["during"]
-    done.set()
-    thread.join()
-    # One turn at the lock is a switch interval, some thousand counts; a call that held it would add next to none.
-    assert after - before > 50_000
+    # A call that held the lock would leave some thousand at most.
+    assert (
+        counted_beside(
+            lambda: fd.simulate(two_link(ARM), None, 50.0, fd.solvers.RungeKutta4(step=1e-4), rate=1, **BENT)
+        )
+        > 50_000
+    )
 
 
 def test_two_simulations_at_a_time() -> None:
