@@ -90,7 +90,8 @@ class Run:
     def energy(self) -> Energy:
         """The energy ledger: kinetic, spring, gravity, supplied, dissipated by effect; it closes.
 
-        It is made when first asked for, by going through the motion once more.
+        It is made when first asked for, by going through the motion once more under the torques asked for then; an
+        effect written in Python must give the same torque the second time.
 
         Warns:
             EnergyWarning: it does not close to the solver's tolerance.

@@ -27,6 +27,9 @@ class March {
     if (output.ledger != nullptr) ledger_ = std::make_unique<Ledger>(plant, work_, drive_);
     if (solver.name == "TimeStepping") {
       stepper_ = make_time_stepping(plant, work_, torque, wrench, solver.step);
+      // What a rigid joint's gear carries depends on how its contact moves at the sample itself, not over the step.
+      const bool rigid = plant.elastic() < plant.n();
+      if (rigid && plant.has_dry_friction()) at_samples_ = std::make_unique<Events>(plant, work_, torque, wrench);
       return;
     }
     if (plant.has_events() && solver.smoothing == 0.0) events_ = std::make_unique<Events>(plant, work_, torque, wrench);
@@ -141,6 +144,7 @@ class March {
   void write(double t, const double* x) {
     const std::size_t n = static_cast<std::size_t>(plant_.n()), at = row_ * n;
     const double* tau = drive_.asked(t);
+    if (at_samples_) at_samples_->settle(t, std::vector<double>(x, x + plant_.state_size()));
     plant_.torques(work_, t, x, drive_.torque(t), drive_.external(t, x));
     std::copy(plant_.q(x), plant_.q(x) + n, output_.q + at);
     std::copy(plant_.v(x), plant_.v(x) + n, output_.v + at);
@@ -163,7 +167,7 @@ class March {
   const Poll& poll_;
   Plant::Workspace work_;
   std::unique_ptr<Stepper> stepper_;
-  std::unique_ptr<Events> events_;
+  std::unique_ptr<Events> events_, at_samples_;
   std::unique_ptr<Ledger> ledger_;
   std::vector<double> at_sample_;
   std::vector<double> x_finite_;  // the last state that was finite: where a failed run stopped

@@ -83,7 +83,7 @@ Plant::Workspace Plant::workspace() const {
   w.friction.assign(dry_.size(), 0.0);
   w.motion.assign(dry_.size(), stuck);
   w.region.assign(switches_.size(), 0);
-  w.actuator_value.assign(switches_.size(), 0.0);
+  w.switch_input.assign(switches_.size(), 0.0);
   w.held.assign(velocities(), 0);
   for (auto* array : {&w.drive, &w.acceleration, &w.reaction}) array->assign(velocities(), 0.0);
   return w;
@@ -148,7 +148,7 @@ void Plant::transmission(Workspace& w, double t, const double* x) const {
       w.rotor_gain[j] += slope;
       continue;
     }
-    w.actuator_value[law.region] = w.deflection[j];  // what the gap sees
+    w.switch_input[law.region] = w.deflection[j];
     if (!w.located) w.region[law.region] = current_region(w, law.region, t, x);
     const int side = w.region[law.region];
     w.deflection[j] = side == 0 ? 0.0 : w.deflection[j] - side * law.p[0];
@@ -185,7 +185,7 @@ void Plant::actuators(Workspace& w, double t, const double* tau) const {
     }
     int region = 0;
     if (law.region >= 0) {
-      w.actuator_value[law.region] = torque;
+      w.switch_input[law.region] = torque;
       if (!w.located) w.region[law.region] = region_of(law.kind, law.p, in, torque);
       region = w.region[law.region];
     }
@@ -228,16 +228,14 @@ double Plant::level(const Workspace& w, std::size_t contact, double t, const dou
   return sum;
 }
 
-double Plant::switch_value(const Workspace& w, int which) const { return w.actuator_value[which]; }
-
 int Plant::current_region(const Workspace& w, int which, double t, const double* x) const {
   const Law& law = switches_[which];
-  return region_of(law.kind, law.p, input(w, law, t, x), switch_value(w, which));
+  return region_of(law.kind, law.p, input(w, law, t, x), w.switch_input[which]);
 }
 
 double Plant::region_margin(const Workspace& w, int which, double t, const double* x) const {
   const Law& law = switches_[which];
-  return region_guard(law.kind, law.p, input(w, law, t, x), switch_value(w, which), w.region[which]);
+  return region_guard(law.kind, law.p, input(w, law, t, x), w.switch_input[which], w.region[which]);
 }
 
 bool Plant::in_gap(const Workspace& w, int joint) const {

@@ -79,7 +79,7 @@ class Plant {
     std::vector<double> spring, tau_applied, tau_s, tau_rotor;    // tau_rotor: what the transmission asks of the rotor
     std::vector<double> tau_link, f_link, f_motor;
     std::vector<double> friction;        // of each contact, positive against forward motion
-    std::vector<double> actuator_value;  // of each limited actuator: torque before the limit
+    std::vector<double> switch_input;    // of each switch: torque before a limit, deflection before a gap
     std::vector<int> motion;             // of each contact
     std::vector<int> region;             // of each switch
     std::vector<char> held;              // velocities that stick: links (n), then rotors (e)
@@ -178,7 +178,6 @@ class Plant {
   // Of a rigid joint's dry friction, the part of its motor-side laws: before the gear.
   double motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const;
   LawInput input(const Workspace& w, const Law& law, double t, const double* x) const;
-  double switch_value(const Workspace& w, int which) const;
 
   std::shared_ptr<const LinkDynamics> links_;
   int n_;

@@ -112,3 +112,16 @@ def test_a_switch_of_the_command_is_met_exactly() -> None:
     command = fd.Samples([0.0, 0.12345, 0.3], [1.0, -2.0, -2.0])
     run = fd.simulate(model, command, 0.3, TimeStepping(step=1e-2))
     assert run.v[-1, 0] == pytest.approx((0.12345 - 2.0 * (0.3 - 0.12345)) / inertia, rel=1e-12)
+
+
+@pytest.mark.parametrize("side", ["link", "motor"])
+def test_what_a_rigid_gear_carries_is_told_as_it_slides_and_rests(side: Any) -> None:
+    """tau_s = tau_applied - f_motor - J a of the reference solver, at a moving start, sliding and at rest."""
+    model = planar(math.inf, coulomb(side, 0.8, 0.3), joints=2)
+    torque = fd.Samples([0.0, 0.5, 1.0, 3.0], [[2.0, 0.0], [0.3, -0.1], [0.2, 0.1], [0.2, 0.1]])
+    start: dict[str, Any] = {"q0": [0.0, 1.0], "v0": [0.4, -0.6], "times": [0.0, 0.1, 0.3, 0.7, 0.9, 2.9]}
+    exact = fd.simulate(model, torque, solver=EXACT, **start)
+    stepped = fd.simulate(model, torque, solver=TimeStepping(step=1e-4), **start)
+    assert (exact.v[1] != 0.0).all()
+    assert (exact.v[-1] == 0.0).any()
+    np.testing.assert_allclose(stepped.tau_s, exact.tau_s, atol=2e-3)
