@@ -15,6 +15,7 @@ import flexdyn
 PACKAGE = Path(flexdyn.__file__).parent
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if "core" not in path.relative_to(PACKAGE).parts[:1])
 HEAVY = ("scipy", "matplotlib", "h5py", "lxml", "yourdfpy", "ruamel", "typer", "rich", "trimesh", "meshcat", "mujoco")
+HEAVY += ("plotly", "pyarrow", "rosbags", "xarray", "pandas", "tornado")
 FORMATS = {"h5py": "records/hdf5_file.py", "lxml": "robot/xmlfile.py", "ruamel": "yamlfile.py"}
 NEVER = {
     "effects": ("simulate", "records", "diagnose"),

@@ -14,11 +14,12 @@ import typer
 
 from flexdyn.cli.options import JsonOption, by_joint, decimal, naming, output_file
 from flexdyn.cli.output import console, note, number, show, show_json, table
+from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
 from flexdyn.drive import read_command_file
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
-from flexdyn.records import Recording, read_recording, write_recording
+from flexdyn.records import Recording, write_recording
 from flexdyn.records.files import SUFFIXES
 from flexdyn.run import Run
 from flexdyn.solvers import SOLVERS, Solver, make_solver
@@ -155,7 +156,7 @@ def _read_command(path: Path | None) -> Any:
         return None
     if path.suffix.lower() in (".yaml", ".yml"):
         return read_command_file(path)
-    return read_recording(path, name=str(path))
+    return load(path, name=str(path))
 
 
 def _can_write(path: Path) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NoReturn, TextIO
 import numpy as np
 
 from flexdyn.errors import InputError
+from flexdyn.records.request import Request
 from flexdyn.records.table import FloatArray, Rows, Table, check_name, check_time_named
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def write(rec: Recording, path: Path) -> None:
             stream.writelines(",".join(map(repr, row)) + "\n" for row in rows)
 
 
-def read(path: Path) -> Table:
+def read(path: Path, request: Request) -> Table:
     """Read block by block: the text is never held whole, the numbers at most twice.
 
     Raises:

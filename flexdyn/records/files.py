@@ -11,6 +11,7 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.files import replacing
 from flexdyn.records import csv_file, hdf5_file, npz_file
 from flexdyn.records.recording import Recording
+from flexdyn.records.request import Request
 from flexdyn.records.table import Table
 
 
@@ -19,7 +20,7 @@ class Format:
     """One file format: ``read`` gives the raw table, ``write`` makes a file; libraries are imported inside them."""
 
     name: str
-    read: Callable[[Path], Table]
+    read: Callable[[Path, Request], Table]
     write: Callable[[Recording, Path], None]
 
 
@@ -36,7 +37,9 @@ SUFFIXES: tuple[str, ...] = tuple(FORMATS)
 """Suffixes of the files that can be read and written, in any case."""
 
 
-def read_recording(path: str | os.PathLike[str], *, name: str | None = None) -> Recording:
+def read_recording(
+    path: str | os.PathLike[str], *, name: str | None = None, progress: Callable[[float], None] | None = None
+) -> Recording:
     """Read a recording (SPEC 4) from CSV, NPZ or HDF5, chosen by the suffix.
 
     CSV is a header ``t,q.elbow,...`` and numbers; semicolons and tabs, a byte-order mark, CRLF and comment lines (#)
@@ -47,6 +50,7 @@ def read_recording(path: str | os.PathLike[str], *, name: str | None = None) -> 
     Args:
         path: the file.
         name: label of the recording; the file's name without suffix if left out.
+        progress: called now and then with the share of the file that has been read, from 0 to 1.
 
     Returns:
         The recording, bit for bit as written.
@@ -61,7 +65,7 @@ def read_recording(path: str | os.PathLike[str], *, name: str | None = None) -> 
         if not path.is_file():
             problem = "not a regular file" if path.exists() else "no such file"
             raise InputError(problem, remedy="give the path of a recording")
-        return Recording.from_table(fmt.read(path), path.stem if name is None else name)
+        return Recording.from_table(fmt.read(path, Request(progress=progress)), path.stem if name is None else name)
     except InputError as error:
         raise error.at(file=path) from error.__cause__
     except OSError as error:

@@ -16,6 +16,7 @@ import numpy as np
 
 from flexdyn.errors import InputError, MissingExtra
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.request import Request
 from flexdyn.records.table import RESERVED, Table, check_name, check_numbers, check_size, damage_named
 from flexdyn.records.units import SIGNALS, check_unit, unit_of, usual
 
@@ -40,7 +41,7 @@ def write(rec: Recording, path: Path) -> None:
             file.create_dataset(RESERVED, data=_fixed(h5py, as_json(rec.meta)))
 
 
-def read(path: Path) -> Table:
+def read(path: Path, request: Request) -> Table:
     """Read every dataset after checking its kind and size.
 
     Raises:

@@ -11,6 +11,7 @@ import numpy as np
 
 from flexdyn.errors import InputError
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.request import Request
 from flexdyn.records.table import RESERVED, Table, check_name, check_numbers, check_size, damage_named
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def write(rec: Recording, path: Path) -> None:
                 np.lib.format.write_array(member, array, version=(1, 0), allow_pickle=False)
 
 
-def read(path: Path) -> Table:
+def read(path: Path, request: Request) -> Table:
     """Read every array after checking what the headers announce.
 
     Raises:

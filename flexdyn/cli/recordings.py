@@ -1,0 +1,29 @@
+"""Reading the recordings that commands are given, with a bar on the terminal where that takes long."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from flexdyn.cli.output import console
+from flexdyn.records import Recording, read_recording
+
+LARGE = 50e6
+"""Bytes from which reading a file shows how far it is."""
+
+
+def load(path: Path, name: str | None = None) -> Recording:
+    """Read a recording.
+
+    Args:
+        path: of the file.
+        name: label; default: the file's name without suffix.
+    """
+    err = console(stderr=True)
+    if not err.is_terminal or not path.is_file() or path.stat().st_size < LARGE:
+        return read_recording(path, name=name)
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=err, transient=True) as bar:
+        task = bar.add_task(f"reading {path.name}", total=1.0)
+        return read_recording(path, name=name, progress=lambda share: bar.update(task, completed=share))

@@ -1,0 +1,52 @@
+"""What a reader is asked for beyond the path: which columns, how the file is laid out, where to report progress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a file that follows no convention of ours is laid out; a channel map says so under ``source``.
+
+    Attributes:
+        names_line: line of a text file that holds the names, from 1; None finds it.
+        first_line: line of a text file that the first sample stands on, from 1; None takes the one after the names.
+        delimiter: between the cells of a text file; None finds it.
+        decimal: decimal sign of a text file, ``.`` or ``,``.
+        topic: of a bag; None takes the only one that can be read.
+        clock: of a bag: ``message`` takes the stamp in the message's header, ``bag`` the time of recording.
+    """
+
+    names_line: int | None = None
+    first_line: int | None = None
+    delimiter: str | None = None
+    decimal: str = "."
+    topic: str | None = None
+    clock: str = "message"
+
+
+@dataclass(frozen=True)
+class Request:
+    """What to read of a file.
+
+    Attributes:
+        columns: names (or, in text files, numbers from 1) of the columns wanted; None takes every one, and
+            then the file must follow the convention ``t``, ``<signal>.<joint>`` by itself.
+        layout: how the file is laid out.
+        progress: called now and then with the share of the file that has been read, from 0 to 1.
+    """
+
+    columns: frozenset[str | int] | None = None
+    layout: Layout = field(default_factory=Layout)
+    progress: Callable[[float], None] | None = None
+
+    def wants(self, name: str) -> bool:
+        """Whether a column of that name is to be read."""
+        return self.columns is None or name in self.columns
+
+    def report(self, share: float) -> None:
+        """Say how far the reading is."""
+        if self.progress is not None:
+            self.progress(min(1.0, max(0.0, share)))
