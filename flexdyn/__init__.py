@@ -17,22 +17,40 @@ from flexdyn.analysis import (
     modes,
 )
 from flexdyn.commands import PD, Controller, FrameWrench, Samples, State
+from flexdyn.compare import ChannelError, Comparison, compare
 from flexdyn.energy import Energy, EnergyWarning
 from flexdyn.errors import FlexdynError, InputError, MissingExtra, SimulationError
 from flexdyn.joint import Joint
 from flexdyn.model import FlexibleJointModel
 from flexdyn.modelfile import load_model, save_model, shipped_models
 from flexdyn.plant import LinkSide
-from flexdyn.records import Recording, read_recording, write_recording
+from flexdyn.plots import Picture, plot
+from flexdyn.records import (
+    ChannelMap,
+    Derivatives,
+    Noise,
+    Recording,
+    Smoother,
+    derivatives,
+    estimate_noise,
+    read_map,
+    read_recording,
+    write_recording,
+)
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.run import Run
 from flexdyn.simulate import simulate, simulate_many
+from flexdyn.viewer import Playback, play
 
 __version__ = _version("flexdyn")
 
 __all__ = [
     "PD",
+    "ChannelError",
+    "ChannelMap",
+    "Comparison",
     "Controller",
+    "Derivatives",
     "Energy",
     "EnergyWarning",
     "Equilibrium",
@@ -46,15 +64,22 @@ __all__ = [
     "LinkSide",
     "MissingExtra",
     "Modes",
+    "Noise",
     "PathFrequencies",
+    "Picture",
+    "Playback",
     "Recording",
     "Robot",
     "Run",
     "Samples",
     "SimulationError",
+    "Smoother",
     "State",
+    "compare",
+    "derivatives",
     "effects",
     "equilibrium",
+    "estimate_noise",
     "frequencies_over_path",
     "frequency_response",
     "holding_torques",
@@ -62,6 +87,9 @@ __all__ = [
     "load_model",
     "load_robot",
     "modes",
+    "play",
+    "plot",
+    "read_map",
     "read_recording",
     "robot_names",
     "save_model",

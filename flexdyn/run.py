@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.robot import Robot
 from flexdyn.solvers import Solver
+
+if TYPE_CHECKING:
+    from flexdyn.plots.picture import Picture
 
 Array = NDArray[np.float64]
 
@@ -131,6 +134,22 @@ class Run:
             meta["units"] = units
         return Recording(self.t, channels, meta=meta, name=self.model.name)
 
+    def to_xarray(self, *, energy: bool = False) -> Any:
+        """The run as an xarray dataset: q, v, theta, ... over ``(t, joint)`` with units, as `to_recording` gives them.
+
+        Args:
+            energy: add the energy ledger: kinetic, spring, gravity, external, supplied and dissipated [J].
+
+        Returns:
+            An xarray.Dataset; ``Recording.from_xarray`` takes it back.
+
+        Raises:
+            MissingExtra: xarray is not installed.
+        """
+        from flexdyn.run_dataset import run_dataset
+
+        return run_dataset(self.to_recording(), self.energy if energy else None)
+
     def _sensors(self) -> dict[str, list[SensorEffect]]:
         """Sensor effects that do something, by channel."""
         found: dict[str, list[SensorEffect]] = {}
@@ -140,12 +159,26 @@ class Run:
         return found
 
     def save(self, path: str | Path) -> None:
-        """Write it as a recording, the format by suffix: .csv (channels alone), .npz, .h5 (with model and solver).
+        """Write it as a recording, the format by suffix: .npz, .h5, .parquet, .mat; .csv drops model and solver.
 
         Raises:
             InputError: a suffix or folder that is not there.
         """
         write_recording(self.to_recording(), path)
+
+    def plot(self, path: str | Path | None = None, **choice: Any) -> Picture:
+        """Draw it: positions, deflection and torques of each joint, the energy ledger below.
+
+        Args:
+            path: of a file to write, if given: .png, .pdf, .svg, or .html, which is interactive.
+            choice: ``views``, ``joints``, ``start``, ``end``, as `fd.plot` takes them.
+
+        Returns:
+            The picture: ``show()`` opens it in the browser, ``save(path)`` writes it.
+        """
+        from flexdyn.plots import plot
+
+        return plot(self, path=path, **choice)
 
 
 _PRISMATIC_UNITS = {"q": "m", "theta": "m", "v": "m/s", "omega": "m/s", "tau": "N", "tau_applied": "N", "tau_s": "N"}

@@ -41,3 +41,20 @@ make_venv() {
   .venv/bin/python -m pip install --quiet --disable-pip-version-check ".[$1]" ||
     fail "the installation failed; the lines above say why. Behind a proxy or without a network, point pip at your package index"
 }
+
+# want_chromium: the browser that tests open pages in; installed where that needs no question, else they say why they skip.
+want_chromium() {
+  local candidate as_root=()
+  for candidate in chromium chromium-browser google-chrome; do
+    command -v "$candidate" >/dev/null 2>&1 && return
+  done
+  [ "$(id -u)" -eq 0 ] || as_root=(sudo -n)
+  if command -v apt-get >/dev/null 2>&1 && "${as_root[@]}" true 2>/dev/null; then
+    printf 'Installing chromium, in which the tests open the pages that flexdyn writes ...\n'
+    if "${as_root[@]}" apt-get update -qq &&
+      "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends chromium >/dev/null; then
+      return
+    fi
+  fi
+  printf 'No chromium: the tests in the browser are skipped. Debian: apt install chromium. Fedora: dnf install chromium\n' >&2
+}

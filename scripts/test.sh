@@ -4,6 +4,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/setup.sh
 
+want_chromium
 make_venv test
 # Tests see the installed package, as a user does, and not the folder of the same name beside them.
 export PYTHONSAFEPATH=1

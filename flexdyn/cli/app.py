@@ -38,10 +38,13 @@ class Commands(TyperGroup):
 
 def build() -> Any:
     """The click command of the whole program."""
+    from flexdyn.cli.compare import compare
     from flexdyn.cli.effects import effects
     from flexdyn.cli.info import info
     from flexdyn.cli.new import new
     from flexdyn.cli.paper import paper
+    from flexdyn.cli.play import play
+    from flexdyn.cli.plot import plot
     from flexdyn.cli.simulate import simulate
 
     app = typer.Typer(
@@ -54,7 +57,7 @@ def build() -> Any:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_program)
-    for command in (info, new, effects, simulate, paper):
+    for command in (info, new, effects, simulate, play, plot, compare, paper):
         app.command()(command)
     return typer.main.get_command(app)
 

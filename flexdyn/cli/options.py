@@ -14,6 +14,10 @@ import typer
 from flexdyn.errors import InputError, did_you_mean
 
 JsonOption = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON; infinite numbers are null.")]
+MapOption = Annotated[
+    Path | None,
+    typer.Option("--map", metavar="MAP", help="A channel map (YAML): names, units and clocks of the recording."),
+]
 
 
 def by_joint(option: str, texts: Sequence[str], joint_names: Sequence[str]) -> dict[str, float]:

@@ -11,19 +11,20 @@ LARGE = 50e6
 """Bytes from which reading a file shows how far it is."""
 
 
-def load(path: Path, name: str | None = None) -> Recording:
+def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Recording:
     """Read a recording.
 
     Args:
         path: of the file.
+        map: path of a channel map; None: the file follows the convention ``t``, ``<signal>.<joint>`` by itself.
         name: label; default: the file's name without suffix.
     """
     err = console(stderr=True)
     if not err.is_terminal or not path.is_file() or path.stat().st_size < LARGE:
-        return read_recording(path, name=name)
+        return read_recording(path, map=map, name=name)
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
     with Progress(*columns, console=err, transient=True) as bar:
         task = bar.add_task(f"reading {path.name}", total=1.0)
-        return read_recording(path, name=name, progress=lambda share: bar.update(task, completed=share))
+        return read_recording(path, map=map, name=name, progress=lambda share: bar.update(task, completed=share))

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from flexdyn.cli.options import JsonOption, by_joint, decimal, naming, output_file
+from flexdyn.cli.options import JsonOption, MapOption, by_joint, decimal, naming, output_file
 from flexdyn.cli.output import console, note, number, show, show_json, table
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
@@ -42,6 +42,7 @@ def simulate(
             metavar="FILE", help="A recording whose tau drives the arm, or a YAML file with pd:. Default: no torque."
         ),
     ] = None,
+    map: MapOption = None,
     duration: Annotated[str | None, typer.Option(metavar="S", help="In s. Default: the command's.")] = None,
     solver: Annotated[str, typer.Option(metavar="NAME", help=f"auto, {', '.join(SOLVERS)}.")] = "auto",
     step: Annotated[str | None, typer.Option(metavar="S", help="Of RungeKutta4 or TimeStepping, in s.")] = None,
@@ -72,7 +73,7 @@ def simulate(
     The first state comes from --q0 and the like, else from the first row of a recording as command, else from the
     model's initial. Rotors start at theta = q, omega = v where nothing is said.
     """
-    path = output_file("--output", output, SUFFIXES, inputs=(Path(model), command))
+    path = output_file("--output", output, SUFFIXES, inputs=(Path(model), command, map))
     span = None if duration is None else decimal("--duration", duration)
     hertz = decimal("--rate", rate)
     settings = _settings(step=step, rtol=rtol, atol=atol, smoothing=smoothing)
@@ -80,7 +81,7 @@ def simulate(
     with naming(NAMES, file=model, files={"samples": command, "pd": command, "command": command}):
         chosen = choose(solver, **settings)
         starts = _starts(arm, q0=q0, v0=v0, theta0=theta0, omega0=omega0)
-        drive = _read_command(command)
+        drive = _read_command(command, map)
         _can_write(path)
         run = _run(arm, drive, span, chosen, hertz, starts)
     for text in run.notes:
@@ -150,13 +151,14 @@ def _starts(model: FlexibleJointModel, **given: list[str] | None) -> dict[str, A
     return starts
 
 
-def _read_command(path: Path | None) -> Any:
+def _read_command(path: Path | None, map: Path | None) -> Any:
     """The command; a recording keeps its path as name, so that errors can say which file it was."""
-    if path is None:
-        return None
-    if path.suffix.lower() in (".yaml", ".yml"):
-        return read_command_file(path)
-    return load(path, name=str(path))
+    is_recording = path is not None and path.suffix.lower() not in (".yaml", ".yml")
+    if map is not None and not is_recording:
+        raise InputError("there is no recording to map", file=map, key="--map", remedy="give one as --command")
+    if path is None or is_recording:
+        return None if path is None else load(path, map=map, name=str(path))
+    return read_command_file(path)
 
 
 def _can_write(path: Path) -> None:

@@ -38,15 +38,19 @@ class MemoryEffect(JointEffect, abstract=True):
             z (samples,) [rad or m].
         """
         path = np.asarray(x, dtype=float)
-        z = np.empty(path.shape)
+        z = np.zeros(path.shape)
         z[0] = z0
         if self.reach == 0.0:
             z[:] = 0.0
             return z
-        steps = np.diff(path)
-        ends, kept = np.sign(steps) * self.reach, np.exp(-np.abs(steps) / self.reach)
-        for k in range(len(steps)):
-            z[k + 1] = ends[k] + (z[k] - ends[k]) * kept[k]
+        moved = np.flatnonzero(np.diff(path))
+        ways = np.sign(np.diff(path)[moved])
+        turns = moved[1:][ways[1:] != ways[:-1]]
+        corners = [0, *turns.tolist(), len(path) - 1]
+        for first, last in zip(corners, corners[1:], strict=False):
+            piece = slice(first, last + 1)
+            end = np.sign(path[last] - path[first]) * self.reach
+            z[piece] = end + (z[first] - end) * np.exp(-np.abs(path[piece] - path[first]) / self.reach)
         return z
 
     def along(self, x: ArrayLike, u: ArrayLike = 0.0, z0: float = 0.0) -> Array:

@@ -1,8 +1,10 @@
-"""Pictures: laws of effects, frequencies over a path. Matplotlib is the extra ``plot``, imported when one is drawn."""
+"""Pictures: motions, laws of effects, frequencies. Matplotlib, Plotly: extra ``plot``, imported when one is drawn."""
 
 from flexdyn.plots.examples import example_entry
 from flexdyn.plots.frequencies import draw_frequencies
 from flexdyn.plots.laws import draw_law
+from flexdyn.plots.motions import plot
 from flexdyn.plots.page import SUFFIXES
+from flexdyn.plots.picture import Picture
 
-__all__ = ["SUFFIXES", "draw_frequencies", "draw_law", "example_entry"]
+__all__ = ["SUFFIXES", "Picture", "draw_frequencies", "draw_law", "example_entry", "plot"]

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.files import replacing
-from flexdyn.records import csv_file, hdf5_file, npz_file
+from flexdyn.files import is_file, replacing
+from flexdyn.records import csv_file, hdf5_file, mat_file, npz_file, parquet_file
+from flexdyn.records.channelmap import ChannelMap
+from flexdyn.records.channelmap_apply import apply_map
+from flexdyn.records.channelmap_file import read_map
 from flexdyn.records.recording import Recording
+from flexdyn.records.repairs import Repair, repaired, repairs_of
 from flexdyn.records.request import Request
+from flexdyn.records.ros import read as read_bag
+from flexdyn.records.ros import write as write_bag
 from flexdyn.records.table import Table
 
 
@@ -24,13 +32,21 @@ class Format:
     write: Callable[[Recording, Path], None]
 
 
+_CSV = Format("CSV", csv_file.read, csv_file.write)
 _HDF5 = Format("HDF5", hdf5_file.read, hdf5_file.write)
 
 FORMATS: Mapping[str, Format] = {
-    ".csv": Format("CSV", csv_file.read, csv_file.write),
+    ".csv": _CSV,
     ".npz": Format("NPZ", npz_file.read, npz_file.write),
     ".h5": _HDF5,
     ".hdf5": _HDF5,
+    ".parquet": Format("Parquet", parquet_file.read, parquet_file.write),
+    ".mat": Format("MAT", mat_file.read, mat_file.write),
+    ".txt": _CSV,
+    ".bag": Format("ROS 1 bag", read_bag, partial(write_bag, suffix=".bag")),
+    ".mcap": Format("MCAP", read_bag, partial(write_bag, suffix=".mcap")),
+    ".db3": Format("ROS 2 bag", read_bag, partial(write_bag, suffix=".db3")),
+    ".tsv": Format("TSV", csv_file.read, partial(csv_file.write, delimiter="\t")),
 }
 
 SUFFIXES: tuple[str, ...] = tuple(FORMATS)
@@ -38,22 +54,34 @@ SUFFIXES: tuple[str, ...] = tuple(FORMATS)
 
 
 def read_recording(
-    path: str | os.PathLike[str], *, name: str | None = None, progress: Callable[[float], None] | None = None
+    path: str | os.PathLike[str],
+    *,
+    map: str | os.PathLike[str] | ChannelMap | None = None,
+    repair: Iterable[str | Mapping[str, Any]] = (),
+    name: str | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Recording:
-    """Read a recording (SPEC 4) from CSV, NPZ or HDF5, chosen by the suffix.
+    """Read a recording (SPEC 4); the suffix tells the format.
 
-    CSV is a header ``t,q.elbow,...`` and numbers; semicolons and tabs, a byte-order mark, CRLF and comment lines (#)
-    before the header are taken too. NPZ is one array per channel and ``t``. HDF5 is one dataset per channel and ``t``,
-    flat (``/q.elbow``) or grouped by signal (``/q/elbow``); an attribute ``units``, text of fixed length, is refused if
-    it is not SI. Nothing in a file is executed and no other file is opened.
+    CSV is a header ``t,q.elbow,...`` and numbers; semicolons, tabs and spaces, quotes, a byte-order mark, CRLF and
+    comment lines (#) before the header are taken too. Parquet is one column per channel and ``t``. MATLAB's .mat (v5
+    and v7.3) has ``t``, a struct per signal with a field per joint, and vectors. NPZ is one array per channel and
+    ``t``. HDF5 is one dataset per channel and ``t``, flat (``/q.elbow``) or grouped by signal (``/q/elbow``). Units
+    that a file states and that are not SI are refused, unless a map says what to make of them. Nothing in a file is
+    executed and no other file is opened.
 
     Args:
         path: the file.
+        map: a channel map or the path of one, for files that do not follow the convention by themselves: names, units,
+            gears, couplings and clocks of the raw columns; ``rec.meta["map"]`` keeps it.
+        repair: repairs to make, in order: ``sort_time``, ``drop_duplicate_times``, ``drop_backwards``, ``drop_nan``,
+            ``fill_nan`` (gaps up to 0.1 s, else ``{"fill_nan": {"longest": 0.5}}``); those of the map come first.
+            ``rec.meta["repairs"]`` tells how many rows each touched.
         name: label of the recording; the file's name without suffix if left out.
         progress: called now and then with the share of the file that has been read, from 0 to 1.
 
     Returns:
-        The recording, bit for bit as written.
+        The recording; without map and repair bit for bit as written.
 
     Raises:
         InputError: anything wrong with the file, in one line with row (the line, in CSV) and channel.
@@ -61,11 +89,14 @@ def read_recording(
     """
     path = Path(path)
     fmt = _format_of(path)
+    channel_map = map if map is None or isinstance(map, ChannelMap) else read_map(map)
+    asked = repairs_of(repair)
     try:
-        if not path.is_file():
+        if not path.is_file() and not _is_bag_folder(path):
             problem = "not a regular file" if path.exists() else "no such file"
             raise InputError(problem, remedy="give the path of a recording")
-        return Recording.from_table(fmt.read(path, Request(progress=progress)), path.stem if name is None else name)
+        table = _table(fmt, path, channel_map, asked, progress)
+        return Recording.from_table(table, path.stem if name is None else name)
     except InputError as error:
         raise error.at(file=path) from error.__cause__
     except OSError as error:
@@ -77,8 +108,9 @@ def read_recording(
 def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
     """Write a recording; whatever goes wrong, the path holds the old file or the whole new one.
 
-    Every double is kept bit for bit. NPZ and HDF5 keep `meta` as well (``__meta__``, JSON text); CSV is a plain table
-    and drops it. HDF5 datasets carry their unit in the attribute ``units``.
+    Every double is kept bit for bit. NPZ, HDF5, Parquet and MAT keep `meta` as well, as JSON text; CSV is a plain table
+    and drops it. HDF5 datasets and Parquet columns carry their unit as ``units``. MAT is version 5, or 7.3 where a
+    variable has 2 GB.
 
     Args:
         rec: the recording.
@@ -99,8 +131,25 @@ def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
         raise InputError(f"cannot be written ({error.strerror or error})", file=path) from None
 
 
+def _table(
+    fmt: Format,
+    path: Path,
+    channel_map: ChannelMap | None,
+    repairs: tuple[Repair, ...],
+    progress: Callable[[float], None] | None,
+) -> Table:
+    if channel_map is None:
+        return repaired(fmt.read(path, Request(progress=progress)), repairs)
+    return apply_map(fmt.read(path, channel_map.request(progress)), channel_map, repairs)
+
+
+def _is_bag_folder(path: Path) -> bool:
+    """Whether this is the folder of a ROS 2 bag."""
+    return is_file(path / "metadata.yaml")
+
+
 def _format_of(path: Path) -> Format:
-    suffix = path.suffix.lower()
+    suffix = ".db3" if _is_bag_folder(path) else path.suffix.lower()
     if suffix not in FORMATS:
         near = did_you_mean(suffix, SUFFIXES)
         known = "known: " + ", ".join(SUFFIXES)

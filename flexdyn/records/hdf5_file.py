@@ -1,6 +1,7 @@
 """HDF5: one dataset per channel and ``t``, flat or grouped by signal; nothing outside the file is opened.
 
-The attribute ``units`` is written as text of fixed length and believed where it is; a unit that is not SI is refused.
+The attribute ``units`` is written as text of fixed length. Text of variable length, as h5py writes plain strings, is
+read by a process of its own: HDF5 hangs or crashes on damaged heaps of it (HDFGroup/hdf5 issue 1707).
 """
 
 from __future__ import annotations
@@ -15,21 +16,23 @@ from urllib.parse import quote
 import numpy as np
 
 from flexdyn.errors import InputError, MissingExtra
+from flexdyn.records.array_columns import parts_of
+from flexdyn.records.hdf5_units import units_of_variable_length
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
-from flexdyn.records.table import RESERVED, Table, check_name, check_numbers, check_size, damage_named
-from flexdyn.records.units import SIGNALS, check_unit, unit_of, usual
+from flexdyn.records.table import RESERVED, Table, check_name, check_size, damage_named
+from flexdyn.records.units import SIGNALS
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 _LARGEST_CHUNK = 2**30
-_UNITLESS = ("", "1", "-")
+_MOST_MEMBERS = 10_000
 
 
 def write(rec: Recording, path: Path) -> None:
     """Write flat datasets ``t``, ``q.elbow``, ... in order, each with its unit, and meta as ``__meta__``."""
-    h5py = _library()
+    h5py = library()
     with h5py.File(path, "x", track_order=True, libver=("v110", "v110")) as file:
         for name, values in {"t": rec.t, **rec.channels}.items():
             plain = _plain(name)
@@ -42,27 +45,45 @@ def write(rec: Recording, path: Path) -> None:
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read every dataset after checking its kind and size.
+    """Read datasets after checking their kind and size.
+
+    Without a map they are flat or grouped by signal. A map finds them anywhere, such as ``robot/arm/q``, and takes
+    ``robot/arm/q[:,0]``, the first column of a two-dimensional one.
 
     Raises:
         InputError: not an HDF5 file, cut, links or storage outside the file, wrong types or sizes.
         MissingExtra: h5py is not installed.
     """
-    h5py = _library()
+    h5py = library()
     table = Table()
     with damage_named("not an HDF5 file, or cut"), h5py.File(path, "r") as file:
-        datasets = dict(_datasets(h5py, file))
-        _check_sizes(datasets, os.path.getsize(path))
-        if RESERVED in datasets:
-            table.meta = from_json(_text(h5py, datasets.pop(RESERVED)))
-        for name, dataset in datasets.items():
-            with damage_named(f"the dataset {name} cannot be read"):
-                table.add(name, dataset[()])
-                _take_unit(table, name, usual(_attribute(h5py, dataset, "units")))
+        datasets = dict(_anywhere(h5py, file) if request.mapped else _datasets(h5py, file))
+        meta = datasets.pop(RESERVED, None)
+        if meta is not None:
+            check_storage(meta, RESERVED)
+            table.meta = from_json(_text(h5py, meta))
+        parts = parts_of(datasets if request.columns is None else request.columns, datasets)
+        wanted = {part.array: datasets[part.array] for part in parts}
+        for name, dataset in wanted.items():
+            check_storage(dataset, name)
+        _check_sizes(wanted, os.path.getsize(path))
+        variable: dict[str, str] = {}
+        for done, part in enumerate(parts):
+            dataset = wanted[part.array]
+            part.check(dataset.dtype, dataset.shape or ())
+            with damage_named(f"the dataset {part.array} cannot be read"):
+                table.add(part.key, part.of(dataset))
+                if _is_of_variable_length(h5py, dataset, "units"):
+                    variable[part.key] = dataset.name
+                else:
+                    table.units[part.key] = attribute(h5py, dataset, "units")
+            request.report((done + 1) / len(parts))
+    table.units |= units_of_variable_length(path, variable)
     return table
 
 
-def _library() -> Any:
+def library() -> Any:
+    """The module h5py."""
     try:
         import h5py
     except ImportError:
@@ -85,11 +106,11 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
     """Datasets by channel name: those at the root, and those one level down in a group named as a signal."""
     seen: set[str] = set()
     for link in file:
-        member = _member(h5py, file, link)
-        if isinstance(member, h5py.Dataset):
-            found = [(_channel(h5py, member, link), member)]
+        node = member(h5py, file, link)
+        if isinstance(node, h5py.Dataset):
+            found = [(_channel(h5py, node, link), node)]
         elif link in SIGNALS:
-            found = [(f"{link}.{joint}", _member(h5py, member, joint)) for joint in member]
+            found = [(f"{link}.{joint}", member(h5py, node, joint)) for joint in node]
         else:
             remedy = "groups are named by signals, such as q, and hold one dataset per joint"
             raise InputError("the group is no signal", value=link, remedy=remedy)
@@ -100,12 +121,31 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
                 raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
             if not isinstance(dataset, h5py.Dataset):
                 raise InputError("the channel is no dataset", key=name, remedy="groups nest one deep", channel=name)
-            _check_dataset(dataset, name)
             seen.add(name)
             yield name, dataset
 
 
-def _member(h5py: Any, group: Any, link: str) -> Any:
+def _anywhere(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
+    """Every dataset of a file that follows no convention, by its path; those that follow ours by channel name."""
+    groups = [("", file)]
+    met = 0
+    for path, group in groups:
+        for link in group:
+            met += 1
+            if met > _MOST_MEMBERS:
+                problem = f"the file has more than {_MOST_MEMBERS} members"
+                raise InputError(problem, remedy="copy the datasets wanted into a file of their own")
+            if not isinstance(group.get(link, getlink=True), h5py.HardLink):
+                continue
+            node = group[link]
+            if isinstance(node, h5py.Dataset):
+                name = f"{path}.{link}" if path in SIGNALS else f"{path}/{link}" if path else _channel(h5py, node, link)
+                yield name, node
+            elif isinstance(node, h5py.Group):
+                groups.append((f"{path}/{link}" if path else link, node))
+
+
+def member(h5py: Any, group: Any, link: str) -> Any:
     """What a link leads to, if it leads there directly: soft and external links could lead anywhere."""
     if not isinstance(group.get(link, getlink=True), h5py.HardLink):
         raise InputError("the file links elsewhere", value=link, remedy="copy the linked dataset into the file")
@@ -113,28 +153,30 @@ def _member(h5py: Any, group: Any, link: str) -> Any:
 
 
 def _channel(h5py: Any, dataset: Any, link: str) -> str:
-    return (_attribute(h5py, dataset, "channel") if "%" in link else "") or link
+    return (attribute(h5py, dataset, "channel") if "%" in link else "") or link
 
 
-def _attribute(h5py: Any, dataset: Any, name: str) -> str:
-    """An attribute that is text of fixed length; empty if there is none or it is none.
-
-    Text of variable length is left alone: HDF5 hangs or crashes on damaged heaps (HDFGroup/hdf5 issue 1707).
-    """
+def attribute(h5py: Any, dataset: Any, name: str) -> str | None:
+    """An attribute that is one text of fixed length; empty if there is none, None if it is something else."""
     if name not in dataset.attrs:
         return ""
-    kind = h5py.check_string_dtype(dataset.attrs.get_id(name).dtype)
-    given = dataset.attrs[name] if kind and kind.length else b""
-    return given.decode("utf-8", "replace") if isinstance(given, bytes) else ""
+    stored = dataset.attrs.get_id(name)
+    kind = h5py.check_string_dtype(stored.dtype)
+    if not kind or not kind.length or stored.shape not in ((), (1,)):
+        return None
+    return bytes(np.ravel(dataset.attrs[name])[0]).decode("utf-8", "replace")
 
 
-def _check_dataset(dataset: Any, name: str) -> None:
-    """Refuse a dataset that is no column, or whose bytes lie in other files."""
+def _is_of_variable_length(h5py: Any, dataset: Any, name: str) -> bool:
+    kind = h5py.check_string_dtype(dataset.attrs.get_id(name).dtype) if name in dataset.attrs else None
+    return kind is not None and kind.length is None
+
+
+def check_storage(dataset: Any, name: str) -> None:
+    """Refuse a dataset whose bytes lie in other files or in chunks of more than 1 GiB."""
     if dataset.is_virtual or dataset.external:
         remedy = "copy the samples into the file"
         raise InputError("the samples lie in another file", key=name, remedy=remedy, channel=name)
-    if name != RESERVED:
-        check_numbers(dataset.dtype, dataset.shape or (), name)
     if math.prod(dataset.chunks or ()) * dataset.dtype.itemsize > _LARGEST_CHUNK:
         raise InputError("a chunk is larger than 1 GiB", key=name, remedy="write smaller chunks", channel=name)
 
@@ -150,13 +192,3 @@ def _text(h5py: Any, dataset: Any) -> str:
             "meta is not one JSON text of fixed length", key=RESERVED, remedy="write it with write_recording"
         )
     return bytes(dataset[()]).decode()
-
-
-def _take_unit(table: Table, name: str, unit: str) -> None:
-    """Keep a unit that the file states and the channel's name does not tell; refuse one that is not SI."""
-    if unit in _UNITLESS:
-        return
-    check_unit(name, unit)
-    units = table.meta.get("units", {})
-    if isinstance(units, dict) and unit != unit_of(name, units if isinstance(units.get(name, ""), str) else None):
-        table.meta["units"] = {**units, name: unit}

@@ -10,9 +10,10 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from flexdyn.errors import InputError
+from flexdyn.records.array_columns import Part, parts_of
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
-from flexdyn.records.table import RESERVED, Table, check_name, check_numbers, check_size, damage_named
+from flexdyn.records.table import RESERVED, Table, check_name, check_size, damage_named
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
@@ -34,7 +35,7 @@ def write(rec: Recording, path: Path) -> None:
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read every array after checking what the headers announce.
+    """Read arrays after checking what the headers announce; a map may take ``q[:,0]``, a column of an array.
 
     Raises:
         InputError: not an NPZ file, cut, objects inside, or sizes that the file cannot honestly have.
@@ -45,46 +46,51 @@ def read(path: Path, request: Request) -> Table:
     with archive:
         members = archive.infolist()
         check_size(sum(member.file_size for member in members), os.path.getsize(path))
-        for member in members:
-            name = _name_of(member)
+        names = [_name_of(member, by_convention=not request.mapped) for member in members]
+        arrays = [name for name in names if name != RESERVED]
+        parts = parts_of(arrays if request.columns is None else request.columns, arrays)
+        for done, (name, member) in enumerate(zip(names, members, strict=True)):
+            wanted = [part for part in parts if part.array == name]
+            if not wanted and name != RESERVED:
+                continue
             with damage_named(f"the array {name} cannot be read"), archive.open(member) as stream:
-                array = _array(stream, member.file_size, name)
+                array = _array(stream, member.file_size, name, wanted)
                 if name == RESERVED:
                     table.meta = from_json(str(array))
-                else:
-                    table.add(name, array)
+                for part in wanted:
+                    table.add(part.key, part.of(array))
+            request.report((done + 1) / len(members))
     return table
 
 
-def _name_of(member: zipfile.ZipInfo) -> str:
+def _name_of(member: zipfile.ZipInfo, *, by_convention: bool) -> str:
     name = member.filename.removesuffix(".npy")
     if name == member.filename or member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise InputError(
             "the file holds more than NumPy's arrays", value=member.filename, remedy="write it with numpy.savez"
         )
-    if name not in ("t", RESERVED):
+    if by_convention and name not in ("t", RESERVED):
         check_name(name)
     return name
 
 
-def _array(stream: IO[bytes], size: int, name: str) -> np.ndarray[Any, np.dtype[Any]]:
+def _array(stream: IO[bytes], size: int, name: str, parts: list[Part]) -> np.ndarray[Any, np.dtype[Any]]:
     """One array of a member of `size` bytes; nothing is allocated before type, shape and size agree."""
     reader = _READERS.get(np.lib.format.read_magic(stream))
     if reader is None:
         raise InputError("the column has named fields", key=name, remedy="write plain arrays of doubles", channel=name)
-    shape, _, dtype = reader(stream)
-    if name == RESERVED:
-        if shape != () or dtype.kind != "U":
-            raise InputError("meta is not one JSON text", key=name, remedy="write it with write_recording")
-    else:
-        check_numbers(dtype, shape, name)
+    shape, by_columns, dtype = reader(stream)
+    if name == RESERVED and (shape != () or dtype.kind != "U"):
+        raise InputError("meta is not one JSON text", key=name, remedy="write it with write_recording")
+    for part in parts:
+        part.check(dtype, shape)
     expected = int(np.prod(shape, dtype=object)) * dtype.itemsize
     if expected != size - stream.tell():
         raise InputError(
             f"{size - stream.tell()} bytes where the shape {shape} needs {expected}", key=name, channel=name
         )
-    array = np.empty(shape, dtype)
-    buffer = array.reshape(-1).view(np.uint8).data
+    array = np.empty(shape, dtype, order="F" if by_columns else "C")
+    buffer = array.reshape(-1, order="A").view(np.uint8).data
     filled = 0
     while piece := stream.read(_PIECE):
         buffer[filled : filled + len(piece)] = piece

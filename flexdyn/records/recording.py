@@ -11,7 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.records.cut import shifted, split, trimmed
+from flexdyn.records.derivatives import noise_of, smoothed
 from flexdyn.records.meta import as_plain, locked
+from flexdyn.records.noise import Noise
+from flexdyn.records.resample import resampled
+from flexdyn.records.smooth import Smoother
+from flexdyn.records.stated_units import settle_units
 from flexdyn.records.table import FloatArray, Rows, Table, checked
 from flexdyn.records.units import check_unit, split_name, unit_of
 
@@ -70,6 +76,7 @@ class Recording:
         Raises:
             InputError: as the constructor; rows count as the table says.
         """
+        settle_units(table)
         recording = cls.__new__(cls)
         recording._fill(table.columns, table.meta, name, table.rows, copy=False)
         return recording
@@ -82,6 +89,38 @@ class Recording:
         _check_units(known.get("units", {}), channels)
         for attribute, value in (("t", t), ("channels", MappingProxyType(channels)), ("meta", known), ("name", name)):
             object.__setattr__(self, attribute, value)
+
+    @classmethod
+    def from_xarray(cls, dataset: Any) -> Recording:
+        """The recording that a dataset holds: of `to_xarray`, maybe cut since, or by other hands.
+
+        Args:
+            dataset: an xarray.Dataset with the coordinate ``t`` [s] and variables over ``t``, or over ``t`` and one
+                labelled dimension: ``q`` over ``(t, joint)`` gives ``q.<joint>``. ``units``, where given, must be SI.
+
+        Returns:
+            The recording; one from `to_xarray` comes back bit for bit, order and meta included.
+
+        Raises:
+            InputError: it has no ``t``, other dimensions or types, or is no recording for another reason.
+            MissingExtra: xarray is not installed.
+        """
+        from flexdyn.records.dataset import table_of
+
+        return cls.from_table(table_of(dataset), str(dataset.attrs.get("name", "")))
+
+    def to_xarray(self) -> Any:
+        """An xarray dataset: signals that every joint has over ``(t, joint)``, other channels over ``t``.
+
+        Returns:
+            An xarray.Dataset whose variables have ``units`` and ``long_name``; nothing is lost on the way.
+
+        Raises:
+            MissingExtra: xarray is not installed.
+        """
+        from flexdyn.records.dataset import to_dataset
+
+        return to_dataset(self)
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -144,6 +183,38 @@ class Recording:
         for column, joint in enumerate(joints):
             table[:, column] = self[f"{name}.{joint}"]
         return table
+
+    def resample(
+        self,
+        *,
+        rate: float | None = None,
+        times: npt.ArrayLike | None = None,
+        method: str = "spline",
+        filtered: bool = False,
+        longest_gap: float | None = None,
+    ) -> Recording:
+        """The recording at a uniform rate [Hz] or at other times [s]; see `flexdyn.records.resample.resampled`."""
+        return resampled(self, rate=rate, times=times, method=method, filtered=filtered, longest_gap=longest_gap)
+
+    def trim(self, start: float | None = None, end: float | None = None) -> Recording:
+        """The samples from `start` to `end` [s], both included."""
+        return trimmed(self, start, end)
+
+    def split(self, *, at: Sequence[float] | None = None, gaps: float | None = None) -> tuple[Recording, ...]:
+        """The pieces between given times [s], or between gaps longer than given [s]."""
+        return split(self, at=at, gaps=gaps)
+
+    def shifted(self, seconds: float | Mapping[str, float]) -> Recording:
+        """The recording with that much added to its time [s], or single channels moved against the rest."""
+        return shifted(self, seconds)
+
+    def smoothed(self, smoother: Smoother) -> Recording:
+        """Every channel through one filter, where it fits; see `flexdyn.records.derivatives.smoothed`."""
+        return smoothed(self, smoother)
+
+    def noise(self, channel: str) -> Noise:
+        """The noise of one channel, estimated from its samples; see `flexdyn.records.noise.estimate_noise`."""
+        return noise_of(self, channel)
 
     def unit(self, channel: str) -> str:
         """Unit of ``t`` or a channel, with what ``meta["units"]`` says; empty where it is not known."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
+
+from flexdyn.errors import InputError, did_you_mean
 
 
 @dataclass(frozen=True)
@@ -32,15 +34,26 @@ class Request:
     """What to read of a file.
 
     Attributes:
-        columns: names (or, in text files, numbers from 1) of the columns wanted; None takes every one, and
-            then the file must follow the convention ``t``, ``<signal>.<joint>`` by itself.
+        columns: names (or, in text files, numbers from 1) of the columns wanted; None takes every one.
         layout: how the file is laid out.
         progress: called now and then with the share of the file that has been read, from 0 to 1.
+        mapped: a channel map gives the columns their names; else they follow ``t``, ``<signal>.<joint>`` by themselves.
     """
 
     columns: frozenset[str | int] | None = None
     layout: Layout = field(default_factory=Layout)
     progress: Callable[[float], None] | None = None
+    mapped: bool = False
+
+    def chosen(self, there: Collection[str]) -> list[str]:
+        """The columns to be read of those that a file has, in the file's order.
+
+        Raises:
+            InputError: one that is wanted is not there.
+        """
+        for name in sorted((self.columns or frozenset()) - set(there), key=str):
+            raise InputError("no such column", key=str(name), remedy=did_you_mean(str(name), there), channel=str(name))
+        return [name for name in there if self.wants(name)]
 
     def wants(self, name: str) -> bool:
         """Whether a column of that name is to be read."""

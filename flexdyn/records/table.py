@@ -25,27 +25,50 @@ _LONGEST_NAME = 255
 
 @dataclass(frozen=True)
 class Rows:
-    """How the rows of a source are counted: arrays from row 0, text files by the line each row stands on."""
+    """How the rows of a source are counted: arrays from row 0, text files by the line each row stands on.
+
+    Attributes:
+        word: what a row is called.
+        first: number of the first.
+        kept: index that each row had in the source, where a repair moved or dropped some; None: as they are.
+    """
 
     word: str = "row"
     first: int = 0
+    kept: npt.NDArray[np.intp] | None = None
+
+    def taken(self, order: npt.NDArray[np.intp]) -> Rows:
+        """How to count those rows, in that order."""
+        return Rows(self.word, self.first, order if self.kept is None else self.kept[order])
+
+    def number(self, index: int) -> int:
+        """Number in the source of the row at an index."""
+        return self.first + (index if self.kept is None or index >= len(self.kept) else int(self.kept[index]))
 
     def error(
         self, problem: str, *, index: int, channel: str, value: Any = None, remedy: str | None = None
     ) -> InputError:
         """An error that names row and channel in its line and carries both as data."""
-        row = self.first + index
+        row = self.number(index)
         text = f"{self.word} {row}: {problem}"
         return InputError(text, key=channel, value=value, remedy=remedy, row=row, channel=channel)
 
 
 @dataclass
 class Table:
-    """Columns as a file has them, before they are checked; the arrays belong to the table alone."""
+    """Columns as a file has them, before they are checked; the arrays belong to the table alone.
+
+    Attributes:
+        columns: arrays by name.
+        meta: as a recording's.
+        rows: how to count rows in errors.
+        units: that the file states, by column; None where it states one in a way that is not read.
+    """
 
     columns: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
     meta: dict[str, Any] = field(default_factory=dict)
     rows: Rows = field(default_factory=Rows)
+    units: dict[str, str | None] = field(default_factory=dict)
 
     def add(self, name: str, values: npt.NDArray[Any]) -> None:
         """Append a column; a name that is already there is refused."""
@@ -175,20 +198,36 @@ def checked(
             check_name(name)
     check_time_named(columns)
     t = as_floats(columns["t"], "t", copy=copy)
-    _check_time(t, rows)
+    check_time(t, rows)
     channels = {name: as_floats(values, name, copy=copy) for name, values in columns.items() if name != "t"}
     if not channels:
         raise InputError("no channel beside t", remedy="add columns <signal>.<joint>, such as q.elbow")
+    check_lengths({"t": t, **channels}, rows)
     for name, values in channels.items():
-        if len(values) != len(t):
-            problem = f"{len(values)} samples where t has {len(t)}"
-            row = rows.first + min(len(values), len(t))
-            raise InputError(problem, key=name, remedy="give one number per sample", row=row, channel=name)
-        _check_finite(values, name, rows)
+        check_finite(values, name, rows)
     return t, channels
 
 
-def _check_finite(values: FloatArray, channel: str, rows: Rows) -> None:
+def check_lengths(columns: Mapping[str, FloatArray], rows: Rows) -> None:
+    """Refuse columns that are shorter or longer than ``t``.
+
+    Raises:
+        InputError: with the first row that one of the two lacks.
+    """
+    length = len(columns["t"])
+    for name, values in columns.items():
+        if len(values) != length:
+            problem = f"{len(values)} samples where t has {length}"
+            row = rows.number(min(len(values), length))
+            raise InputError(problem, key=name, remedy="give one number per sample", row=row, channel=name)
+
+
+def check_finite(values: FloatArray, channel: str, rows: Rows) -> None:
+    """Refuse a column that is not a finite number somewhere.
+
+    Raises:
+        InputError: naming the first such row and the repairs that would do.
+    """
     finite = np.isfinite(values)
     if not finite.all():
         index = int(np.argmin(finite))
@@ -197,20 +236,27 @@ def _check_finite(values: FloatArray, channel: str, rows: Rows) -> None:
             index=index,
             channel=channel,
             value=float(values[index]),
-            remedy="remove or fill the gap",
+            remedy="remove or fill the gap (repair drop_nan or fill_nan)",
         )
 
 
-def _check_time(t: FloatArray, rows: Rows) -> None:
+def check_time(t: FloatArray, rows: Rows) -> None:
+    """Refuse times that do not increase strictly.
+
+    Raises:
+        InputError: naming the row and the repair that would do.
+    """
     if len(t) < 2:
         raise InputError(f"{len(t)} samples are too few", key="t", remedy="give two or more", channel="t")
-    _check_finite(t, "t", rows)
+    check_finite(t, "t", rows)
     grows = t[1:] > t[:-1]
     if not grows.all():
         index = int(np.argmin(grows)) + 1
         same = t[index] == t[index - 1]
         problem = "two samples at one time" if same else f"time runs backwards, from {float(t[index - 1])!r} s"
-        raise rows.error(problem, index=index, channel="t", value=float(t[index]), remedy="t must increase strictly")
+        repair = "drop_duplicate_times" if same else "sort_time or drop_backwards"
+        remedy = f"t must increase strictly (repair {repair})"
+        raise rows.error(problem, index=index, channel="t", value=float(t[index]), remedy=remedy)
 
 
 @contextmanager
@@ -224,5 +270,5 @@ def damage_named(what: str) -> Iterator[None]:
     except (FlexdynError, MemoryError):
         raise
     except Exception as error:
-        detail = str(error) or type(error).__name__
+        detail = "".join(letter for letter in str(error) if letter.isprintable()) or type(error).__name__
         raise InputError(f"{what} ({detail[:200]})", remedy="the file is damaged or of another format") from error

@@ -18,7 +18,8 @@ SIGNALS: Mapping[str, str] = {
 }
 """Unit of each signal at a revolute joint; anything else before the dot is no signal of a joint."""
 
-_PRISMATIC = {"rad": "m", "rad/s": "m/s", "N m": "N"}
+PRISMATIC: Mapping[str, str] = {"rad": "m", "rad/s": "m/s", "N m": "N"}
+"""What a unit of a revolute joint is at a prismatic one."""
 
 _SPELLINGS = {
     "s": ("sec", "second", "seconds"),
@@ -76,12 +77,12 @@ def check_unit(channel: str, unit: str) -> None:
         InputError: degrees, milliseconds and the like, which would otherwise be taken for SI in silence.
     """
     known = unit_of(channel)
-    allowed = [known] + ([_PRISMATIC[known]] if known in _PRISMATIC else [])
+    allowed = [known] + ([PRISMATIC[known]] if known in PRISMATIC else [])
     if known and usual(unit) not in allowed:
         raise InputError(
             "the unit is not SI",
             key=channel,
             value=unit,
-            remedy=f"convert it to {' or '.join(allowed)}",
+            remedy=f"convert it to {' or '.join(allowed)}, or read it with a channel map",
             channel=channel,
         )

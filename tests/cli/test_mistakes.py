@@ -34,7 +34,7 @@ SIMULATE = ("simulate", "arm.yaml", "-o", "run.csv", "--duration", "0.1")
 ARGUMENTS = [
     # commands, options, arguments
     (["simulat"], ["'simulat'", "did you mean 'simulate'?"]),
-    (["play"], ["'play'", "known: info, new"]),
+    (["fly"], ["'fly'", "known: info, new"]),
     (["--verson"], ["--verson", "did you mean '--version'?"]),
     ([*SIMULATE, "--sovler", "auto"], ["simulate", "--sovler", "did you mean '--solver'?"]),
     (["simulate", "arm.yaml", "--duration", "1", "-o"], ["-o", "requires an argument"]),

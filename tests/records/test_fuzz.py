@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from flexdyn.errors import InputError
-from flexdyn.records import SUFFIXES, Recording, read_recording, write_recording
+from flexdyn.records import SUFFIXES, Recording, mat_file, read_recording, write_recording
+from flexdyn.records.files import FORMATS
+from flexdyn.records.request import Request
 
 REC = Recording([0.0, 0.1, 0.3], {"q.a": [1.0, 2.0, 3.0], "tau.a/b": [0.1, 0.2, 0.3]}, meta={"a": 1})
 
@@ -62,7 +65,7 @@ def test_random_tables(folder: Path, text: str) -> None:
     survives(folder, ".csv", text.encode())
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".h5"])
+@pytest.mark.parametrize("suffix", [".npz", ".h5", ".parquet", ".mat"])
 def test_every_truncation_is_refused(folder: Path, suffix: str) -> None:
     """A copy that stopped anywhere is noticed."""
     data = whole(folder, suffix)
@@ -85,3 +88,44 @@ def test_changed_bytes(folder: Path, suffix: str, changes: list[tuple[int, int]]
     for position, value in changes:
         data[position % len(data)] = value
     survives(folder, suffix, bytes(data))
+
+
+@pytest.fixture(scope="module")
+def mat73(folder: Path) -> bytes:
+    """A valid MAT-file of version 7.3, which is written where a variable is too large for version 5."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mat_file, "LARGEST_V5", 0)
+        write_recording(REC, folder / "large.mat")
+    return (folder / "large.mat").read_bytes()
+
+
+def test_every_truncation_of_version_73_is_refused(folder: Path, mat73: bytes) -> None:
+    """A copy that stopped anywhere is noticed."""
+    for length in range(0, len(mat73), 7):
+        assert not survives(folder, ".mat", mat73[:length])
+
+
+@settings(max_examples=250, deadline=None)
+@given(changes=st.lists(st.tuples(st.integers(0, 2**16), st.integers(0, 255)), min_size=1, max_size=6))
+def test_changed_bytes_of_version_73(folder: Path, mat73: bytes, changes: list[tuple[int, int]]) -> None:
+    """Damage anywhere gives a recording or a line."""
+    data = bytearray(mat73)
+    for position, value in changes:
+        data[position % len(data)] = value
+    survives(folder, ".mat", bytes(data))
+
+
+@pytest.mark.parametrize("columns", [frozenset({"t", "q.a"}), frozenset({"q.a(:,1)", 2}), None])
+@settings(max_examples=100, deadline=None)
+@given(changes=st.lists(st.tuples(st.integers(0, 2**16), st.integers(0, 255)), max_size=6))
+def test_changed_bytes_read_with_a_map(
+    folder: Path, columns: frozenset[str | int] | None, changes: list[tuple[int, int]]
+) -> None:
+    """The raw columns that a channel map asks for: a table, or a line."""
+    for suffix in (".csv", ".mat", ".parquet"):
+        data = bytearray(whole(folder, suffix))
+        for position, value in changes:
+            data[position % len(data)] = value
+        (folder / f"raw{suffix}").write_bytes(data)
+        with contextlib.suppress(InputError):
+            FORMATS[suffix].read(folder / f"raw{suffix}", Request(columns=columns, mapped=True))

@@ -1,0 +1,66 @@
+"""flexdyn compare: how far two runs or recordings are apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from flexdyn.cli.options import JsonOption, naming, output_file
+from flexdyn.cli.output import number, show, show_json, table
+from flexdyn.cli.plot import FromOption, MapsOption, ToOption, load_all, window
+from flexdyn.compare import Comparison
+from flexdyn.compare import compare as compare_two
+from flexdyn.plots.picture import FILES
+
+COLUMNS = ("channel", "unit", "RMS", "largest", "at [s]", "bias", "RMS / spread")
+
+
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="FIRST", help="A run or recording: the reference.")],
+    second: Annotated[Path, typer.Argument(metavar="SECOND", help="What is held against it.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help=f"A picture: {', '.join(FILES)} by its suffix."),
+    ] = None,
+    start: FromOption = None,
+    end: ToOption = None,
+    maps: MapsOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Compare two runs or recordings: the errors of every channel that both have, second - first.
+
+    They are taken at the times of FIRST that both cover, SECOND on the line between its samples, tau and tau_applied
+    as held from one sample to the next. Spread is the standard deviation of FIRST. Exit 0 however much they differ.
+    """
+    path = None if output is None else output_file("--output", output, FILES, inputs=(first, second))
+    low, high = window(start, end)
+    one, two = load_all([first, second], maps)
+    with naming({}, file=f"{first}, {second}", files={}):
+        found = compare_two(one, two, start=low, end=high)
+        if path is not None:
+            found.plot(path)
+    if as_json:
+        show_json(found.to_dict())
+        return
+    show(*report(found))
+    if path is not None:
+        show(f"drawn in {path}")
+
+
+def report(found: Comparison) -> list[Any]:
+    """What is printed of a comparison."""
+    head = (
+        f"{found.second} - {found.first}, {found.samples} samples of {found.first} "
+        f"from {number(found.start, 6)} to {number(found.end, 6)} s"
+    )
+    rows = [
+        (row.channel, row.unit or "-", *map(number, (row.rms, row.largest, row.at, row.bias, row.relative)))
+        for row in found.rows
+    ]
+    parts: list[Any] = [head, table("Errors", COLUMNS, rows, right=COLUMNS[2:])]
+    for name, only in ((found.first, found.only_first), (found.second, found.only_second)):
+        if only:
+            parts.append(f"only in {name}: {', '.join(only)}")
+    return parts

@@ -1,0 +1,74 @@
+"""flexdyn play: a run in the browser, or in one HTML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flexdyn.cli.options import MapOption, decimal, naming, output_file
+from flexdyn.cli.output import note, show
+from flexdyn.cli.recordings import load
+from flexdyn.cli.target import find
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording
+from flexdyn.records.files import SUFFIXES
+
+NAMES = {"magnify": "--magnify"}
+
+
+def play(
+    run: Annotated[
+        str, typer.Argument(metavar="RUN|MODEL", help="A recording; or a model or robot, shown where it starts.")
+    ],
+    other: Annotated[
+        Path | None,
+        typer.Argument(metavar="OTHER", help="A recording of the same arm, shown as a translucent second one."),
+    ] = None,
+    model: Annotated[
+        str | None,
+        typer.Option(metavar="MODEL", help="Whose motion it is, where a recording does not hold its model (CSV)."),
+    ] = None,
+    map: MapOption = None,
+    html: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write one HTML file that plays offline, and serve nothing.")
+    ] = None,
+    magnify: Annotated[
+        str | None, typer.Option(metavar="F", help="Factor of theta - q on the dials. Default: so that it shows well.")
+    ] = None,
+    no_open: Annotated[bool, typer.Option("--no-open", metavar="", help="Do not open the browser.")] = False,
+) -> None:
+    """Play a run in the browser.
+
+    The page is served on 127.0.0.1 until Ctrl-C. It shows the arm, at each elastic joint a dial with the deflection
+    magnified, and the path of the tip. A --map is that of OTHER, if there is one, else of RUN.
+    """
+    from flexdyn.viewer import play as watch
+
+    if html is not None:
+        output_file("--html", html, (".html", ".htm"), inputs=(Path(run), other))
+    factor = None if magnify is None else decimal("--magnify", magnify)
+    arm = None if model is None else find(model).model
+    with naming(NAMES, file=run, files={"compare": other}):
+        playback = watch(
+            _source(run, map if other is None else None),
+            None if other is None else load(other, map=map),
+            model=arm,
+            html=html,
+            magnify=factor,
+            open_browser=not no_open,
+            block=False,
+        )
+    if html is not None:
+        show(f"{html}: {html.stat().st_size / 1e6:.1f} MB, opens in any browser, offline too")
+        return
+    show(f"{run} at {playback.url} (Ctrl-C ends)")
+    playback.wait()
+    note("stopped")
+
+
+def _source(run: str, map: Path | None) -> Recording | FlexibleJointModel:
+    """A recording by its suffix, else what the name means."""
+    path = Path(run)
+    return load(path, map=map) if path.suffix.lower() in SUFFIXES else find(run).model

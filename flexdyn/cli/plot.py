@@ -1,0 +1,91 @@
+"""flexdyn plot: runs and recordings as a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flexdyn.cli.options import decimal, naming, output_file
+from flexdyn.cli.output import show
+from flexdyn.cli.recordings import load
+from flexdyn.errors import InputError
+from flexdyn.plots.motions import VIEW_NAMES
+from flexdyn.plots.motions import plot as draw
+from flexdyn.plots.picture import FILES
+from flexdyn.records import Recording
+
+MapsOption = Annotated[
+    list[Path] | None,
+    typer.Option("--map", metavar="MAP", help="A channel map (YAML) of the first file; again: of the second; ..."),
+]
+FromOption = Annotated[str | None, typer.Option("--from", metavar="S", help="First time, in s.")]
+ToOption = Annotated[str | None, typer.Option("--to", metavar="S", help="Last time, in s.")]
+
+
+def plot(
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Runs or recordings; what was measured first.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help=f"The picture: {', '.join(FILES)} by its suffix."),
+    ] = None,
+    views: Annotated[
+        list[str] | None,
+        typer.Option("--view", metavar="NAME", help=f"One of {', '.join(VIEW_NAMES)}; may be given several times."),
+    ] = None,
+    joints: Annotated[
+        list[str] | None, typer.Option("--joint", metavar="JOINT", help="Only this one; may be given several times.")
+    ] = None,
+    start: FromOption = None,
+    end: ToOption = None,
+    maps: MapsOption = None,
+    model: Annotated[
+        str | None, typer.Option(metavar="MODEL", help="For the energy of a run whose file does not hold it (CSV).")
+    ] = None,
+) -> None:
+    """Draw runs and recordings: positions, deflection and torques of every joint, and the energy of runs.
+
+    Several are drawn over one another, with what the others are beside the first underneath. Without --output an
+    interactive page is opened in the browser; .html writes such a page, which works offline.
+    """
+    path = None if output is None else output_file("--output", output, FILES, inputs=runs)
+    first, last = window(start, end)
+    recordings = load_all(runs, maps)
+    options = {"views": "--view", "joints": "--joint", "model": "--model", "start, end": "--from, --to"}
+    with naming(options, file=", ".join(map(str, runs)), files={}):
+        picture = draw(*recordings, views=views or None, joints=joints or None, start=first, end=last, model=model)
+    if path is not None:
+        picture.save(path)
+        show(f"drawn in {path}")
+    else:
+        show(f"drawn in {picture.show()}, which the browser shows")
+    show(*picture.notes)
+
+
+def load_all(paths: Sequence[Path], maps: Sequence[Path] | None) -> list[Recording]:
+    """Read recordings, each by its map if it has one.
+
+    Args:
+        paths: of the recordings.
+        maps: of their channels, in the same order; there may be fewer.
+
+    Raises:
+        InputError: more maps than recordings, or a file that is wrong.
+    """
+    maps = maps or ()
+    if len(maps) > len(paths):
+        remedy = "the first is of the first file, the second of the second"
+        raise InputError("there are more maps than recordings", key="--map", value=str(maps[-1]), remedy=remedy)
+    padded = [*maps, *[None] * (len(paths) - len(maps))]
+    return [load(path, map=map) for path, map in zip(paths, padded, strict=True)]
+
+
+def window(start: str | None, end: str | None) -> tuple[float | None, float | None]:
+    """The options --from and --to as numbers."""
+    first = None if start is None else decimal("--from", start)
+    last = None if end is None else decimal("--to", end)
+    if first is not None and last is not None and not first < last:
+        raise InputError("the window is empty", key="--from, --to", value=f"{first:g} to {last:g} s")
+    return first, last

@@ -1,0 +1,130 @@
+"""The picture of a comparison: errors by channel in groups of one unit, and the worst channel of each over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexdyn.compare import ChannelError, Comparison
+from flexdyn.difference import common_rows, difference
+from flexdyn.plots.arrange import Block, arrange
+from flexdyn.plots.palette import INK, hue, shade
+from flexdyn.plots.panel import Bar, Curve, Key, Panel, check_times, limits, short
+from flexdyn.plots.picture import Picture
+from flexdyn.plots.thinning import outline
+from flexdyn.plots.views import TIME
+from flexdyn.records.units import split_name
+from flexdyn.source import HELD
+
+MOST_BARS = 28
+"""Channels of a unit that are drawn."""
+SIDE_BY_SIDE = 3
+
+
+def draw_comparison(found: Comparison) -> Picture:
+    """Errors by channel as bars, one panel a unit, and below the channel of each unit that is the furthest off.
+
+    Args:
+        found: by `flexdyn.compare`.
+    """
+    check_times(found.start, found.end)
+    groups: dict[str, list[ChannelError]] = {}
+    for row in found.rows:
+        groups.setdefault(row.unit, []).append(row)
+    notes = [
+        f"{found.second} less {found.first}, at {found.samples} samples of {found.first} "
+        f"from {found.start:.6g} to {found.end:.6g} s. Bar: RMS; mark: largest error."
+    ]
+    for unit, rows in groups.items():
+        if len(rows) > MOST_BARS:
+            notes.append(f"The {MOST_BARS} channels in {unit or 'no known unit'} of {len(rows)} with the greatest RMS.")
+    units = list(groups)
+    blocks = []
+    for first in range(0, len(units), SIDE_BY_SIDE):
+        chosen = units[first : first + SIDE_BY_SIDE]
+        blocks.append(_bars(found, {unit: groups[unit] for unit in chosen}))
+    worst = [max(rows, key=lambda row: row.rms) for rows in groups.values()]
+    apart = [row for row in worst if row.rms > 0]
+    for first in range(0, len(apart), SIDE_BY_SIDE):
+        blocks.append(_over_time(found, apart[first : first + SIDE_BY_SIDE]))
+    keys = tuple(
+        Key(short(source.name), shade(hue(0), found.sources, i), width=3.0) for i, source in enumerate(found.sources)
+    )
+    return arrange(f"{short(found.second)} against {short(found.first)}", notes, keys, blocks)
+
+
+def _bars(found: Comparison, groups: dict[str, list[ChannelError]]) -> Block:
+    panels = []
+    for unit, rows in groups.items():
+        kept = sorted(rows, key=lambda row: -row.rms)[:MOST_BARS]
+        bars = tuple(
+            Bar(short(row.channel), row.rms, row.largest, _hue(found, row.channel)) for row in rows if row in kept
+        )
+        _, reach = limits(np.array([0.0, *(bar.mark for bar in bars)]))
+        label = f"error [{unit}]" if unit else "error, unit not known"
+        panels.append(Panel(f"Errors [{unit}]" if unit else "Errors", label, "", bars=bars, x_range=(0.0, reach)))
+    tallest = max(len(panel.bars) for panel in panels)  # bars of one width on the whole page
+    panels = [replace(panel, y_range=(len(panel.bars) - tallest - 0.6, len(panel.bars) - 0.4)) for panel in panels]
+    longest = max(len(bar.name) for panel in panels for bar in panel.bars)
+    return Block((tuple(panels),), (0.2 + 0.19 * tallest,), 2.6, left=min(3.6, 0.3 + 0.075 * longest))
+
+
+def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
+    one, two = found.sources
+    rows = common_rows(one, two, found.start, found.end)
+    above, beneath = [], []
+    for row in worst:
+        both = difference(one, two, row.channel, rows)
+        unit = f" [{row.unit}]" if row.unit else ""
+        curves = [
+            _curve(
+                both.t,
+                values,
+                f"{row.channel}, {source.name}",
+                source.name,
+                shade(_hue(found, row.channel), found.sources, i),
+            )
+            for i, (source, values) in enumerate(zip((one, two), (both.first, both.second), strict=True))
+        ]
+        span = (found.start, found.end)
+        panel = Panel(
+            f"{short(row.channel)}, the furthest off",
+            TIME,
+            f"value{unit}",
+            tuple(curves),
+            x_range=span,
+            timed=True,
+            labelled=False,
+            colour=_hue(found, row.channel),
+            y_range=limits(both.first, both.second),
+        )
+        error = _curve(both.t, both.error, f"{row.channel}, {two.name} less {one.name}", two.name, INK)
+        above.append(panel)
+        beneath.append(
+            replace(
+                panel,
+                title=f"RMS {row.rms:.4g}, largest {row.largest:.4g} {row.unit} at {row.at:.4g} s",
+                up=f"error{unit}",
+                curves=(error,),
+                colour=INK,
+                labelled=True,
+                level=True,
+                y_range=limits(both.error, np.zeros(1)),
+            )
+        )
+    return Block((tuple(above), tuple(beneath)), (1.9, 1.0), 3.4)
+
+
+def _curve(t: np.ndarray, values: np.ndarray, name: str, group: str, colour: str) -> Curve:
+    kept = outline(t, values)
+    held = (split_name(name) or ("",))[0] in HELD
+    return Curve(t[kept], values[kept], name, short(group), colour, held=held)
+
+
+def _hue(found: Comparison, channel: str) -> str:
+    """Of the channel's joint, by its place among those of the first; ink for a channel of no joint."""
+    parts = split_name(channel)
+    joints = found.sources[0].joints
+    return hue(joints.index(parts[1])) if parts else INK

@@ -1,0 +1,89 @@
+"""Energies of a run that was saved: what its samples and its model still tell of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects import SensorEffect
+from flexdyn.errors import InputError
+from flexdyn.inputs import SIGNALS
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide, build_plant
+from flexdyn.records import Recording
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class FileEnergy:
+    """Energies out of a saved run [J], each (samples,).
+
+    Kinetic, spring and gravity energy follow from the state of every sample exactly; what the motors supplied is summed
+    over the samples, tau_applied held from each to the next. The rest is not in a file.
+
+    Attributes:
+        kinetic: of links and rotors.
+        spring: held by springs.
+        gravity: of the links.
+        supplied: by the motors since the first sample.
+    """
+
+    kinetic: Array
+    spring: Array
+    gravity: Array
+    supplied: Array
+
+    @property
+    def mechanical(self) -> Array:
+        """Kinetic, spring and gravity energy together."""
+        return self.kinetic + self.spring + self.gravity
+
+    @property
+    def rest(self) -> Array:
+        """What was supplied and is not there: lost to friction, taken by wrenches, missed by the sampling."""
+        return np.asarray(self.supplied - (self.mechanical - self.mechanical[0]))
+
+
+def file_energy(recording: Recording, model: FlexibleJointModel | None) -> FileEnergy:
+    """Energies of a saved run.
+
+    Args:
+        recording: with the signals of a run.
+        model: that was simulated; None: the one that the recording holds.
+
+    Raises:
+        InputError: there is no model, or its energies take more than the signals of the run.
+    """
+    model = model if model is not None else _model_in(recording)
+    true = model.resolved()
+    for joint in model.joint_names:
+        for signal in SIGNALS:
+            if not recording.has(signal, joint):
+                raise InputError(f"the file has no {signal}.{joint}")
+    if any(isinstance(effect, SensorEffect) and not effect.is_neutral for effect in true.effects):
+        raise InputError("the model's sensors report other signals than the true ones")
+    plant = build_plant(model)
+    if plant.internal_states:
+        raise InputError("the file does not hold the states of its friction and springs with memory")
+    if model.rotor_coupling == "full":
+        raise InputError("the energy of coupled rotors is not taken from files")
+    q, theta, v, omega, _, applied, _ = (recording.signal(signal, model.joint_names) for signal in SIGNALS)
+    elastic = model.elastic
+    kinetic, gravity = LinkSide(model).energy(q, v)
+    rotors = 0.5 * (omega[:, elastic] ** 2 @ true.rotor_inertia[elastic])
+    spring = np.empty(len(q))
+    plant.stored_energy(np.hstack([q, theta[:, elastic], v, omega[:, elastic]]), spring)
+    work = np.sum(applied[:-1] * np.diff(theta, axis=0), axis=1)
+    return FileEnergy(kinetic + rotors, spring, gravity, np.concatenate([[0.0], np.cumsum(work)]))
+
+
+def _model_in(recording: Recording) -> FlexibleJointModel:
+    from flexdyn.viewer.sources import model_in
+
+    found = model_in(recording)
+    if found is None:
+        raise InputError("the file does not hold its model; give it as model (--model)")
+    return found

@@ -1,0 +1,140 @@
+"""A page of panels in plain data: two renderers draw it, so that file and browser cannot disagree."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from flexdyn.errors import InputError
+from flexdyn.plots.panel import Key, Panel
+
+FILES = (".png", ".pdf", ".svg", ".html")
+"""Formats of pictures of motions; .html is interactive."""
+LEFT, HEADLINE, LINE = 0.88, 0.46, 0.18
+"""Left of axes and texts; height of the page's title, of a line of notes [inch]."""
+KEY = 0.21
+"""Height of a line of the shared legend [inch]."""
+LETTER, BOLD = 0.073, 0.132
+"""Width of a letter of notes and legends, of the title [inch]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A page of panels; in a notebook it shows itself.
+
+    Attributes:
+        title: of the page.
+        notes: under it, a sentence each: what was left out, where something comes from.
+        panels: with their places.
+        keys: lines of the legend that all panels without one of their own share.
+        width: of the page [inch].
+        height: of the page [inch].
+    """
+
+    title: str
+    notes: tuple[str, ...]
+    panels: tuple[Panel, ...]
+    keys: tuple[Key, ...]
+    width: float
+    height: float
+
+    @cached_property
+    def lines(self) -> tuple[str, ...]:
+        """The notes as lines that fit the page."""
+        letters = int((self.width - 2.0 * LEFT) / LETTER)
+        return tuple(line for note in self.notes for line in textwrap.wrap(note, letters))
+
+    @property
+    def headline(self) -> str:
+        """The title, cut where the page ends."""
+        letters = int((self.width - 1.5 * LEFT) / BOLD)
+        return self.title if len(self.title) <= letters else f"{self.title[: letters - 1]}…"
+
+    @property
+    def key_width(self) -> float:
+        """Of a line of the shared legend [inch]."""
+        return max((len(key.label) for key in self.keys), default=0) * LETTER + 0.6
+
+    @property
+    def legend_columns(self) -> int:
+        """Lines of the shared legend that stand side by side; it is filled row by row."""
+        return max(1, min(len(self.keys), int((self.width - 1.2 * LEFT) / self.key_width)))
+
+    @property
+    def margin(self) -> float:
+        """Where titles, notes and the legend begin [inch]."""
+        return LEFT
+
+    @property
+    def legend_at(self) -> float:
+        """How far the upper edge of the shared legend is below that of the page [inch]."""
+        return HEADLINE + LINE * len(self.lines) + 0.08
+
+    def note_at(self, line: int) -> float:
+        """How far the foot of a line of notes is below the upper edge of the page [inch]."""
+        return HEADLINE + LINE * (line + 0.75)
+
+    def save(self, path: str | Path) -> None:
+        """Write it: .png, .pdf and .svg by Matplotlib, .html interactive by Plotly, in one file that works offline.
+
+        Raises:
+            InputError: the suffix is not known, or the file cannot be written.
+            MissingExtra: matplotlib or plotly is not installed.
+        """
+        file = Path(path)
+        suffix = file.suffix.lower()
+        if suffix not in FILES:
+            remedy = f"known: {', '.join(FILES)}"
+            raise InputError("unknown suffix of a picture", file=file, value=file.suffix, remedy=remedy)
+        if suffix == ".html":
+            from flexdyn.plots.plotly_picture import write_page
+
+            write_page(self, file)
+        else:
+            from flexdyn.plots.matplotlib_picture import write_picture
+
+            write_picture(self, file)
+
+    def show(self) -> Path:
+        """Open it in the browser, as a page in a new folder for temporary files.
+
+        Returns:
+            The page's path; where no browser can be opened, that is all.
+
+        Raises:
+            MissingExtra: plotly is not installed.
+        """
+        import tempfile
+        import webbrowser
+
+        path = Path(tempfile.mkdtemp(prefix="flexdyn-")) / "plot.html"
+        self.save(path)
+        webbrowser.open(path.as_uri())
+        return path
+
+    def figure(self) -> Any:
+        """Matplotlib's figure, to be worked on.
+
+        Raises:
+            MissingExtra: matplotlib is not installed.
+        """
+        from flexdyn.plots.matplotlib_picture import draw
+
+        return draw(self)
+
+    def plotly(self) -> Any:
+        """Plotly's figure, to be worked on.
+
+        Raises:
+            MissingExtra: plotly is not installed.
+        """
+        from flexdyn.plots.plotly_picture import draw
+
+        return draw(self)
+
+    def _repr_mimebundle_(self, *arguments: Any, **settings: Any) -> Any:
+        """What a notebook shows."""
+        return self.plotly()._repr_mimebundle_(*arguments, **settings)

@@ -1,0 +1,72 @@
+"""Fewer points for the eye: of a long recording only those that its curve's outline needs."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+MOST = 6000
+"""Curves of up to this many samples are drawn as they are."""
+SLICES = 1500
+"""Of longer ones: slices of time, each narrower than a dot of the picture, of which the extremes are kept."""
+FINE, COARSE = 800, 240
+"""Cells across and up, of a plane in which a curve is drawn: those of its line, those of its dots."""
+LONGEST = 24000
+"""Points of a curve in a plane; one that needs more is drawn as dots."""
+
+
+def outline(t: Array, *signals: Array) -> NDArray[np.intp]:
+    """Which samples to draw so that the curve looks as if all of them were drawn.
+
+    Of every slice of time the first and last sample are kept, and where each signal is least and greatest: no peak is
+    lost, and no line is drawn to where the curve never was. A curve of up to `MOST` samples keeps all.
+
+    Args:
+        t: times, increasing (samples,).
+        signals: drawn over time (samples,).
+
+    Returns:
+        Indices, increasing.
+    """
+    if len(t) <= MOST:
+        return np.arange(len(t))
+    edges = np.searchsorted(t, np.linspace(t[0], t[-1], SLICES + 1)[1:-1])
+    bounds = np.unique(np.concatenate([[0], edges, [len(t)]]))
+    kept = [bounds[:-1], bounds[1:] - 1]
+    for signal in signals:
+        pieces = np.split(signal, bounds[1:-1])
+        kept.append(bounds[:-1] + [int(piece.argmin()) for piece in pieces])
+        kept.append(bounds[:-1] + [int(piece.argmax()) for piece in pieces])
+    return np.unique(np.concatenate(kept)).astype(np.intp)
+
+
+def outline_in_plane(x: Array, y: Array) -> tuple[NDArray[np.intp], bool]:
+    """Which samples to draw of a long curve in a plane, such as position and velocity.
+
+    Of the samples in a row that lie in one of 800 by 800 cells the first is kept. Where more than `LONGEST`
+    remain, one sample of every cell of a coarser grid, to be drawn as a dot: the plane is all but full there.
+
+    Args:
+        x: across (samples,).
+        y: up (samples,).
+
+    Returns:
+        Indices, increasing; whether they are dots rather than a line.
+    """
+    if len(x) <= MOST:
+        return np.arange(len(x)), False
+    ends = [int(extreme) for signal in (x, y) for extreme in (signal.argmin(), signal.argmax())] + [len(x) - 1]
+    cells = _cells(x, FINE) * (FINE + 1) + _cells(y, FINE)
+    moved = np.flatnonzero(np.diff(cells, prepend=-1))
+    if len(moved) <= LONGEST:
+        return np.unique(np.concatenate([moved, ends])), False
+    cells = _cells(x, COARSE) * (COARSE + 1) + _cells(y, COARSE)
+    _, first = np.unique(cells, return_index=True)
+    return np.unique(np.concatenate([first, ends])), True
+
+
+def _cells(values: Array, count: int) -> NDArray[np.intp]:
+    unit = values / (float(np.abs(values).max()) or 1.0)  # neither overflows nor vanishes
+    low, high = float(unit.min()), float(unit.max())
+    return np.floor((unit - low) / (high - low or 1.0) * count).astype(np.intp)

@@ -1,0 +1,179 @@
+"""Views of a motion: which signals stand in which panel, joint by joint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexdyn.difference import Difference, difference
+from flexdyn.plots.arrange import Block
+from flexdyn.plots.palette import INK, shade
+from flexdyn.plots.panel import Curve, Key, Panel, limits, short
+from flexdyn.plots.scene import DEFLECTION, Scene, Trace
+from flexdyn.plots.thinning import outline
+from flexdyn.source import HELD
+
+TIME = "t [s]"
+RESIDUAL = "residual"
+
+
+@dataclass(frozen=True)
+class View:
+    """A panel of every joint.
+
+    Attributes:
+        title: of the view.
+        up: what the axis up shows.
+        traces: the signals in it.
+        across: what the axis across shows; empty: time.
+    """
+
+    title: str
+    up: str
+    traces: tuple[Trace, ...]
+    across: str = ""
+
+
+VIEWS: dict[str, View] = {
+    "positions": View(
+        "Positions", "position", (Trace("q", "q: link"), Trace("theta", "theta: rotor, reflected", "dashed"))
+    ),
+    "velocities": View(
+        "Velocities", "velocity", (Trace("v", "v: link"), Trace("omega", "omega: rotor, reflected", "dashed"))
+    ),
+    "deflection": View("Deflection", "theta - q", (Trace(DEFLECTION, "theta - q: deflection"),)),
+    "torques": View(
+        "Torques",
+        "torque",
+        (
+            Trace("tau", "tau: asked of the motor"),
+            Trace("tau_applied", "tau_applied: after the actuator's effects", "dotted"),
+            Trace("tau_s", "tau_s: in the transmission", "dashed"),
+        ),
+    ),
+    "phase": View(
+        "Phase plane",
+        "velocity",
+        (
+            Trace("v", "v over q: link", across="q"),
+            Trace("omega", "omega over theta: rotor", "dashed", across="theta"),
+        ),
+        "position",
+    ),
+    "loops": View(
+        "Torque over deflection",
+        "tau_s",
+        (Trace("tau_s", "tau_s over theta - q", across=DEFLECTION),),
+        "theta - q",
+    ),
+    "temperature": View("Temperature", "temperature", (Trace("temperature", "temperature"),)),
+}
+"""Views that have a panel for every joint, by the names that `plot` and ``--view`` take."""
+
+
+def shows(scene: Scene, view: View) -> bool:
+    """Whether any joint of any motion has something to show in it."""
+    return any(panel_of(scene, view, joint) is not None for joint in scene.joints)
+
+
+def panel_of(scene: Scene, view: View, joint: str) -> Panel | None:
+    """One view of one joint; None where no motion has the signals."""
+    found = [
+        (place, trace)
+        for place in range(len(scene.sources))
+        for trace in view.traces
+        if scene.has(place, trace.up, joint) and (not trace.across or scene.has(place, trace.across, joint))
+    ]
+    if not found:
+        return None
+    # What was measured lies lowest, so that the thin lines of simulations stay to be seen.
+    found.sort(key=lambda entry: not scene.sources[entry[0]].measured)
+    curves = tuple(scene.curve(place, trace, joint) for place, trace in found)
+    first = found[0][1]
+    across = f"{view.across} [{scene.unit(first.across, joint)}]" if view.across else TIME
+    unit = scene.unit(first.up, joint)
+    up = "force" if view.up == "torque" and unit == "N" else view.up
+    return Panel(
+        short(joint),
+        across,
+        f"{up} [{unit}]",
+        curves,
+        x_range=limits(*(curve.x for curve in curves)) if view.across else scene.span,
+        y_range=limits(*(curve.y for curve in curves)),
+        colour=scene.hue(joint),
+        timed=not view.across,
+    )
+
+
+def residual_of(scene: Scene, view: View, joint: str) -> Panel | None:
+    """What the other motions are beside the first, over time; None where there is nothing to subtract."""
+    curves, said, unit = [], [], ""
+    for trace in view.traces:
+        name = f"{trace.up}.{joint}"
+        rms = []
+        for place in range(1, len(scene.sources)):
+            found = _difference(scene, place, name) if scene.has(place, trace.up, joint) else None
+            if found is not None:
+                rms.append(found.rms)
+                curves.append(_residual_curve(scene, place, trace, joint, found))
+        if rms:
+            unit = scene.unit(trace.up, joint)
+            label = "theta - q" if trace.up == DEFLECTION else trace.up
+            said.append(f"{label} {_in_few(rms)}")
+    if not curves:
+        return None
+    return Panel(
+        f"RMS {', '.join(said)} {unit}",
+        TIME,
+        f"{RESIDUAL} [{unit}]",
+        tuple(curves),
+        x_range=scene.span,
+        y_range=limits(*(curve.y for curve in curves), np.zeros(1)),
+        colour=INK,
+        timed=True,
+        level=True,
+    )
+
+
+def keys_of(scene: Scene, views: Sequence[View], panels: Sequence[Panel | None]) -> tuple[Key, ...]:
+    """The legend that these panels share: a line for each kind of signal that occurs, then one for each motion."""
+    drawn = {curve.name.partition(".")[0] for panel in panels if panel is not None for curve in panel.curves}
+    traces = [trace for view in views for trace in view.traces if trace.up in drawn]
+    return tuple(dict.fromkeys(Key(trace.label, INK, trace.dash) for trace in traces)) + scene.source_keys
+
+
+def grid(panels: Sequence[Panel], columns: int, width: float, height: float) -> Block:
+    """Panels of one view, joint after joint, in rows and columns."""
+    cells: list[Panel | None] = [*panels, *[None] * (-len(panels) % columns)]
+    last = len(panels) - columns
+    cells = [panel and replace(panel, labelled=not panel.timed or place >= last) for place, panel in enumerate(cells)]
+    rows = tuple(tuple(cells[first : first + columns]) for first in range(0, len(cells), columns))
+    return Block(rows, (height,) * len(rows), width)
+
+
+def _in_few(rms: Sequence[float]) -> str:
+    """One number, or from the least to the greatest."""
+    least, greatest = f"{min(rms):.4g}", f"{max(rms):.4g}"
+    return least if least == greatest else f"{least} to {greatest}"
+
+
+def _difference(scene: Scene, place: int, channel: str) -> Difference | None:
+    one, two, rows = scene.sources[0], scene.sources[place], scene.common[place]
+    return difference(one, two, channel, rows) if rows is not None and channel in one.recording else None
+
+
+def _residual_curve(scene: Scene, place: int, trace: Trace, joint: str, found: Difference) -> Curve:
+    kept = outline(found.t, found.error)
+    source = scene.sources[place]
+    return Curve(
+        found.t[kept],
+        found.error[kept],
+        f"{trace.up}.{joint}, {source.name} less {scene.sources[0].name}",
+        short(source.name),
+        shade(scene.hue(joint), scene.sources, place),
+        dash=trace.dash,
+        width=1.1,
+        held=trace.up in HELD,
+    )

@@ -1,0 +1,171 @@
+"""A channel map: what the columns of somebody's log mean, as plain immutable data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any
+
+from flexdyn.records.repairs import Repair
+from flexdyn.records.request import Layout, Request
+from flexdyn.records.units import split_name
+
+FORMAT = 1
+TIME = "t"
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One channel and where its numbers come from: value = sign * (raw in SI) [/ or * gear ratio] + offset.
+
+    Attributes:
+        name: ``<signal>.<joint>`` or any other.
+        source: raw column by name, or by number from 1 in text files.
+        unit: of the raw numbers; None: what the file states, else SI.
+        sign: 1 or -1.
+        offset: added last, in the channel's SI unit.
+        factor: SI per raw unit, where no unit tells it.
+        counts_per_turn: of an encoder.
+        side: ``motor`` where the raw numbers hold at the motor's shaft: positions and velocities are then divided by
+            the gear ratio, torques multiplied by it.
+        gear_ratio: 1, or rad/m for a prismatic joint.
+        torque_constant: N m/A.
+        delay: by how much the stamps of this channel are late [s].
+    """
+
+    name: str
+    source: str | int
+    unit: str | None = None
+    sign: int = 1
+    offset: float = 0.0
+    factor: float | None = None
+    counts_per_turn: float | None = None
+    side: str = "link"
+    gear_ratio: float | None = None
+    torque_constant: float | None = None
+    delay: float = 0.0
+
+    @property
+    def signal(self) -> str:
+        """Signal of the channel; empty if it is none."""
+        return (split_name(self.name) or ("", ""))[0]
+
+    @property
+    def joint(self) -> str:
+        """What follows the first dot of the name."""
+        return self.name.partition(".")[2]
+
+
+@dataclass(frozen=True)
+class TimeSource:
+    """Where the times come from.
+
+    Attributes:
+        source: raw column by name, or by number from 1 in text files.
+        unit: of that column.
+        rate: samples per second where the file has no column of time [Hz].
+        start: ``zero`` subtracts the first time, ``keep`` does not.
+        shift: added to all times, after that [s].
+    """
+
+    source: str | int = TIME
+    unit: str | None = None
+    rate: float | None = None
+    start: str = "keep"
+    shift: float = 0.0
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Motors that move several joints together: x_joints = P x_motors, tau_joints = T tau_motors.
+
+    Attributes:
+        joints: whose channels hold the motors' values before and the joints' after.
+        position: P, by rows.
+        torque: T, by rows; the inverse transpose of P keeps the power.
+        signals: that P acts on; T acts on tau and tau_applied.
+    """
+
+    joints: tuple[str, ...]
+    position: tuple[tuple[float, ...], ...]
+    torque: tuple[tuple[float, ...], ...]
+    signals: tuple[str, ...] = ("theta", "omega")
+
+
+@dataclass(frozen=True)
+class ChannelMap:
+    """What the columns of a log mean: names, units, gears, couplings, clocks. Made by `read_map` or `from_dict`.
+
+    Attributes:
+        channels: by the map's order.
+        time: where the times come from.
+        couplings: applied last.
+        prismatic: joints said to be so; others are where a unit of theirs says it.
+        keep_others: whether columns that the map does not name are carried along as they are.
+        repair: repairs asked for, in order.
+        layout: of the file.
+    """
+
+    channels: tuple[Channel, ...] = ()
+    time: TimeSource = field(default_factory=TimeSource)
+    couplings: tuple[Coupling, ...] = ()
+    prismatic: tuple[str, ...] = ()
+    keep_others: bool = False
+    repair: tuple[Repair, ...] = ()
+    layout: Layout = field(default_factory=Layout)
+
+    @classmethod
+    def from_dict(cls, content: Mapping[str, Any]) -> ChannelMap:
+        """The map that the mapping of a map file describes.
+
+        Raises:
+            InputError: a key or number that does not fit.
+        """
+        from flexdyn.records.channelmap_file import map_from_dict
+
+        return map_from_dict(content)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The mapping of a map file, in plain data; `from_dict` takes it back."""
+        content: dict[str, Any] = {"flexdyn_map": FORMAT}
+        entries = {
+            "source": _changed(self.layout),
+            "time": _changed(self.time),
+            "joints": {joint: {"prismatic": True} for joint in self.prismatic},
+            "channels": {channel.name: _changed(channel) for channel in self.channels},
+            "couplings": [_coupling(coupling) for coupling in self.couplings],
+            "repair": [repair.to_plain() for repair in self.repair],
+        }
+        content |= {key: entry for key, entry in entries.items() if entry}
+        return content | {"others": "keep" if self.keep_others else "drop"}
+
+    def request(self, progress: Any = None) -> Request:
+        """What the reader of the file is asked for: no column is read that nobody names."""
+        wanted = {channel.source for channel in self.channels}
+        if self.time.rate is None:
+            wanted.add(self.time.source)
+        return Request(None if self.keep_others else frozenset(wanted), self.layout, progress, mapped=True)
+
+
+def column_name(source: str | int) -> str:
+    """Name of a source in a table: readers keep a column that was asked for by its number as ``column n``."""
+    return source if isinstance(source, str) else f"column {source}"
+
+
+def _changed(entry: Any) -> dict[str, Any]:
+    """Fields that are not as they would be unsaid, by their keys in a map file."""
+    plain: dict[str, Any] = {}
+    for item in fields(entry):
+        value = getattr(entry, item.name)
+        if item.name != "name" and (item.default is MISSING or value != item.default):
+            plain["from" if item.name == "source" else item.name] = value
+    return plain
+
+
+def _coupling(coupling: Coupling) -> dict[str, Any]:
+    return {
+        "joints": list(coupling.joints),
+        "position": [list(row) for row in coupling.position],
+        "torque": [list(row) for row in coupling.torque],
+        "signals": list(coupling.signals),
+    }

@@ -1,0 +1,180 @@
+"""map.yaml -> ChannelMap, validated: every mistake is one line that names file, key and remedy.
+
+An example of what a map can say; `Channel`, `TimeSource`, `Coupling` and `Layout` tell what each entry means::
+
+    flexdyn_map: 1
+    source: {names_line: 13, first_line: 15, delimiter: ";", decimal: ",", topic: /joint_states, clock: message}
+    time: {from: stamp, unit: ms, start: zero, shift: 0.012}   # or {rate: 1000} where no column holds the time
+    joints:                                        # numbers that the channels of a joint share
+      elbow: {gear_ratio: 100, torque_constant: 0.05}
+      slide: {prismatic: true}                     # where no unit of length or force says it
+    channels:
+      q.elbow: {from: pos_meas1, unit: deg, sign: -1, offset: 0.2}
+      theta.elbow: {from: enc1, unit: counts, counts_per_turn: 131072, side: motor}
+      tau.elbow: {from: i1, unit: A, side: motor}
+      q.slide: 4                                   # column 4, in SI already
+      tau.slide: {from: vir, unit: V, factor: 35.15, delay: 0.002}
+      theta.pitch: m1                              # motors of a differential wrist
+      theta.roll: m2
+    couplings:                                     # torque left out: the inverse transpose, which keeps the power
+      - {joints: [pitch, roll], position: [[0.5, 0.5], [0.5, -0.5]], signals: [theta, omega]}
+    others: drop                                   # or keep
+    repair: [sort_time, {fill_nan: {longest: 0.5}}]
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from flexdyn.errors import InputError
+from flexdyn.records.channelmap import FORMAT, Channel, ChannelMap
+from flexdyn.records.channelmap_couplings import couplings_of
+from flexdyn.records.channelmap_source import layout_of, time_of
+from flexdyn.records.channelmap_units import conversions_of, units_of
+from flexdyn.records.channelmap_values import POSITIVE, as_choice, as_finite, as_source, as_text
+from flexdyn.records.known_units import UNITS, plain_unit
+from flexdyn.records.repairs import repairs_of
+from flexdyn.records.table import check_name
+from flexdyn.records.units import SIGNALS
+from flexdyn.yamlfile import check_keys, read_yaml
+
+TOP_KEYS = ("flexdyn_map", "source", "time", "joints", "channels", "couplings", "others", "repair")
+CHANNEL_KEYS = tuple("from" if item.name == "source" else item.name for item in fields(Channel) if item.name != "name")
+JOINT_KEYS = ("gear_ratio", "torque_constant", "counts_per_turn", "prismatic")
+
+
+def read_map(path: str | os.PathLike[str]) -> ChannelMap:
+    """Read a channel map.
+
+    Args:
+        path: of a YAML file with ``flexdyn_map: 1``.
+
+    Returns:
+        The map, for ``read_recording(..., map=...)``.
+
+    Raises:
+        InputError: no such file, or anything in it that does not fit.
+    """
+    try:
+        file = Path(path)
+    except TypeError:
+        raise InputError("the path of a map file is needed", key="map", value=path) from None
+    content = read_yaml(file)
+    try:
+        return map_from_dict(content)
+    except InputError as error:
+        raise error.at(file=file) from None
+
+
+def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
+    """The map that a file's mapping describes.
+
+    Raises:
+        InputError: a key, unit or number that does not fit.
+    """
+    check_keys(content, TOP_KEYS, required=("flexdyn_map",))
+    if isinstance(content["flexdyn_map"], bool) or content["flexdyn_map"] != FORMAT:
+        remedy = f"this version reads format {FORMAT}"
+        raise InputError("no such format", key="flexdyn_map", value=content["flexdyn_map"], remedy=remedy)
+    entry = {key: value for key, value in content.items() if value is not None}
+    keep = as_choice("others", entry.get("others", "drop"), ("drop", "keep")) == "keep"
+    channels, prismatic = _channels(entry.get("channels", {}), entry.get("joints", {}))
+    if not channels and not keep:
+        raise InputError("no channels", key="channels", remedy="name one as q.elbow: COLUMN, or give others: keep")
+    made = ChannelMap(
+        channels,
+        time_of(entry.get("time", {})),
+        couplings_of(entry.get("couplings", []), channels),
+        prismatic,
+        keep,
+        repairs_of(entry.get("repair", [])),
+        layout_of(entry.get("source", {})),
+    )
+    _check_numbered(made)
+    units_of(made, conversions_of(made, {}))  # and again with what the file states when that is known
+    return made
+
+
+def _check_numbered(made: ChannelMap) -> None:
+    """Columns that are carried along have names, so all of them must."""
+    sources = {f"channels.{channel.name}.from": channel.source for channel in made.channels}
+    for key, source in {"time.from": made.time.source, **sources}.items():
+        if made.keep_others and isinstance(source, int):
+            remedy = "give the column's name, or others: drop"
+            raise InputError("a column by number does not go with others: keep", key=key, value=source, remedy=remedy)
+
+
+def _channels(entries: Any, joints: Any) -> tuple[tuple[Channel, ...], tuple[str, ...]]:
+    """Channels with the numbers of their joints filled in, and the joints said to be prismatic."""
+    check_keys(entries, list(entries) if isinstance(entries, Mapping) else (), key="channels")
+    for name in entries:
+        _check_channel_name(name)
+    known = tuple(dict.fromkeys(name.partition(".")[2] for name in entries if "." in name))
+    check_keys(joints, known, key="joints")
+    shared = {joint: _joint(joint, numbers) for joint, numbers in joints.items()}
+    channels = tuple(_channel(name, entry, shared.get(name.partition(".")[2], {})) for name, entry in entries.items())
+    return channels, tuple(joint for joint, numbers in shared.items() if numbers.get("prismatic"))
+
+
+def _check_channel_name(name: Any) -> None:
+    try:
+        check_name(name)
+    except InputError as error:
+        raise InputError(error.problem, key="channels", value=name, remedy=error.remedy) from None
+    signal, dot, _ = name.partition(".")
+    if dot and signal not in SIGNALS and signal.lower() in SIGNALS:
+        remedy = f"did you mean '{signal.lower()}'?"
+        raise InputError("no such signal", key=f"channels.{name}", value=signal, remedy=remedy)
+
+
+def _joint(joint: str, numbers: Any) -> dict[str, Any]:
+    key = f"joints.{joint}"
+    check_keys(numbers, JOINT_KEYS, key=key)
+    given: dict[str, Any] = {name: as_finite(key, name, numbers[name]) for name in POSITIVE if name in numbers}
+    if "prismatic" in numbers:
+        if not isinstance(numbers["prismatic"], bool):
+            raise InputError("true or false is needed", key=f"{key}.prismatic", value=numbers["prismatic"])
+        given["prismatic"] = numbers["prismatic"]
+    return given
+
+
+def _channel(name: str, entry: Any, shared: Mapping[str, Any]) -> Channel:
+    key = f"channels.{name}"
+    if not isinstance(entry, Mapping):
+        entry = {"from": entry}
+    check_keys(entry, CHANNEL_KEYS, required=("from",), key=key)
+    given: dict[str, Any] = {"source": as_source(f"{key}.from", entry["from"])}
+    if "unit" in entry:
+        given["unit"] = as_text(f"{key}.unit", entry["unit"])
+    if "side" in entry:
+        given["side"] = as_choice(f"{key}.side", entry["side"], ("link", "motor"))
+    if "sign" in entry:
+        if isinstance(entry["sign"], bool) or entry["sign"] not in (1, -1):
+            raise InputError("1 or -1 is needed", key=f"{key}.sign", value=entry["sign"], remedy="scale with factor")
+        given["sign"] = int(entry["sign"])
+    for number in (*POSITIVE, "factor", "offset", "delay"):
+        if number in entry:
+            given[number] = as_finite(key, number, entry[number])
+    return Channel(name, **_with_shared(key, given, shared))
+
+
+def _with_shared(key: str, given: dict[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
+    """The numbers of the joint where the channel uses them; numbers of its own that it does not use are refused."""
+    unit = plain_unit(given["unit"]) if "unit" in given else None
+    quantity = UNITS[unit].quantity if unit is not None and unit in UNITS else None
+    uses = {
+        "gear_ratio": (given.get("side") == "motor", "side: motor"),
+        "counts_per_turn": (unit is None or unit.startswith("counts"), "unit: counts"),
+        "torque_constant": (unit is None or quantity == "current", "unit: A"),
+    }
+    for number, (used, where) in uses.items():
+        used = used and (number == "gear_ratio" or "factor" not in given)
+        if number in given and not used:
+            raise InputError("a number that nothing uses", key=f"{key}.{number}", remedy=f"it goes with {where}")
+        if used and number in shared:
+            given.setdefault(number, shared[number])
+    return given

@@ -1,0 +1,65 @@
+"""Entries ``source`` and ``time`` of a channel map: how the file is laid out, and its clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.records.channelmap import TIME, TimeSource
+from flexdyn.records.channelmap_values import as_choice, as_finite, as_source, as_text
+from flexdyn.records.known_units import UNITS, plain_unit
+from flexdyn.records.request import Layout
+from flexdyn.yamlfile import check_keys
+
+TIME_KEYS = ("from", "unit", "rate", "start", "shift")
+SOURCE_KEYS = tuple(item.name for item in fields(Layout))
+
+
+def time_of(entry: Any) -> TimeSource:
+    """Where the times come from, as a map's ``time`` says.
+
+    Raises:
+        InputError: a key, unit or number that does not fit.
+    """
+    if not isinstance(entry, Mapping):
+        entry = {"from": entry}
+    check_keys(entry, TIME_KEYS, key="time")
+    if "rate" in entry and ("from" in entry or "unit" in entry):
+        remedy = "give rate where the file has no column of time, else from and unit"
+        raise InputError("rows are counted and read from a column", key="time.rate", remedy=remedy)
+    unit = entry.get("unit")
+    if unit is not None and UNITS.get(plain_unit(as_text("time.unit", unit)), UNITS["m"]).quantity != "time":
+        known = [name for name, known in UNITS.items() if known.quantity == "time"]
+        raise InputError("no unit of time", key="time.unit", value=unit, remedy=did_you_mean(unit, known))
+    return TimeSource(
+        as_source("time.from", entry.get("from", TIME)),
+        unit,
+        as_finite("time", "rate", entry["rate"], positive=True) if "rate" in entry else None,
+        as_choice("time.start", entry.get("start", "keep"), ("keep", "zero")),
+        as_finite("time", "shift", entry.get("shift", 0.0)),
+    )
+
+
+def layout_of(entry: Any) -> Layout:
+    """How the file is laid out, as a map's ``source`` says.
+
+    Raises:
+        InputError: a key or value that does not fit.
+    """
+    check_keys(entry, SOURCE_KEYS, key="source")
+    given = {name: value for name, value in entry.items() if value is not None}
+    for name in ("names_line", "first_line"):
+        line = given.get(name, 1)
+        if isinstance(line, bool) or not isinstance(line, int) or line < 1:
+            raise InputError("a line number from 1 is needed", key=f"source.{name}", value=line)
+    as_choice("source.decimal", given.get("decimal", "."), (".", ","))
+    as_choice("source.clock", given.get("clock", "message"), ("message", "bag"))
+    delimiter = given.get("delimiter", ",")
+    if not isinstance(delimiter, str) or len(delimiter) != 1:
+        remedy = 'such as ";" or "\\t"'
+        raise InputError("one character is needed", key="source.delimiter", value=delimiter, remedy=remedy)
+    if "topic" in given:
+        as_text("source.topic", given["topic"])
+    return Layout(**given)

@@ -1,0 +1,136 @@
+"""The straight line that leads from a raw column's numbers to a channel's SI values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.records.known_units import SI, SLIDING, UNITS, Unit, plain_unit
+from flexdyn.records.stated_units import UNITLESS
+from flexdyn.records.table import FloatArray
+from flexdyn.records.units import SIGNALS
+
+if TYPE_CHECKING:
+    from flexdyn.records.channelmap import Channel
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """value = raw * numerator / denominator + offset.
+
+    Attributes:
+        numerator: carries the sign.
+        denominator: positive.
+        offset: in the channel's SI unit.
+        quantity: what the raw unit tells about the channel; empty where it tells nothing.
+        unit: SI unit of the values as far as the raw unit tells it.
+    """
+
+    numerator: float
+    denominator: float
+    offset: float
+    quantity: str
+    unit: str
+
+    def __call__(self, raw: FloatArray) -> FloatArray:
+        """The channel's values, a new array; numbers in SI already come through bit for bit."""
+        values = raw * self.numerator
+        if self.denominator != 1.0:
+            values /= self.denominator
+        if self.offset != 0.0:
+            values += self.offset
+        return values
+
+
+def conversion(channel: Channel, stated: str | None = None) -> Conversion:
+    """What a channel's entry in a map asks for: sign * (raw in SI) [/ or * gear ratio] + offset.
+
+    Args:
+        channel: the entry.
+        stated: unit that the file states for the column, if any; the map may repeat it and not contradict it.
+
+    Returns:
+        The conversion.
+
+    Raises:
+        InputError: a unit that is unknown or does not fit the signal, or a number missing that the conversion needs.
+    """
+    name = _unit_name(channel, stated)
+    unit = _unit(channel, name)
+    label = SI[unit.quantity] if unit.quantity else "" if channel.factor is not None else name
+    numerator, denominator = channel.sign * unit.numerator, unit.denominator
+    if name.partition("/")[0] == "counts" and channel.factor is None:
+        denominator *= _needed(channel, "counts_per_turn", f"unit: {name}")
+    quantity = unit.quantity or _quantity(channel.signal)
+    if quantity == "current" and channel.signal and channel.factor is None:
+        numerator *= _needed(channel, "torque_constant", f"unit: {name}")
+        quantity = "torque"
+    told = unit.quantity
+    if channel.side == "motor":
+        ratio = _needed(channel, "gear_ratio", "side: motor")
+        if quantity in ("torque", "force"):
+            numerator *= ratio
+        elif quantity in ("angle", "length", "angular velocity", "velocity"):
+            denominator *= ratio
+        else:
+            remedy = "it fits positions, velocities and torques: leave it out"
+            raise InputError("no channel that a gear changes", key=_key(channel, "side"), value="motor", remedy=remedy)
+        # A rotary motor drives a prismatic joint as well as a revolute one, so its angles tell nothing of the joint.
+        told = "" if told in SLIDING else told
+    return Conversion(numerator, denominator, unit.zero * channel.sign + channel.offset, told, label)
+
+
+def _unit_name(channel: Channel, stated: str | None) -> str:
+    """The unit that holds: the map's, else the file's."""
+    given = None if channel.unit is None else plain_unit(channel.unit)
+    found = None if stated is None or stated.strip() in UNITLESS else plain_unit(stated)
+    if given is not None and found is not None and given != found:
+        remedy = f"the file says {stated!r}: give that, or leave unit out"
+        key = _key(channel, "unit")
+        raise InputError("not the unit that the file states", key=key, value=channel.unit, remedy=remedy)
+    return given if given is not None else (found or "")
+
+
+def _unit(channel: Channel, name: str) -> Unit:
+    signal = channel.signal
+    fitting = _fitting(signal) if signal else tuple(SI)
+    unit = UNITS.get(name)
+    if channel.factor is not None:
+        if unit is not None and unit.quantity in fitting and unit.quantity != "current":
+            key, remedy = _key(channel, "factor"), "leave one of them out"
+            raise InputError("both factor and a unit that tells it", key=key, value=name, remedy=remedy)
+        return Unit("", channel.factor)
+    if not name or (unit is None and not signal):
+        return Unit("")
+    if unit is None or unit.quantity not in fitting:
+        problem = "no such unit" if unit is None else f"a unit of {unit.quantity} does not fit {channel.name}"
+        known = [other for other, entry in UNITS.items() if entry.quantity in fitting]
+        near = did_you_mean(name, known)
+        remedy = f"{near} or give factor, in SI per raw unit"
+        raise InputError(problem, key=_key(channel, "unit"), value=channel.unit or name, remedy=remedy)
+    return unit
+
+
+def _quantity(signal: str) -> str:
+    """Quantity of a signal at a revolute joint; empty for a channel that is none."""
+    return next((quantity for quantity, unit in SI.items() if unit == SIGNALS.get(signal)), "")
+
+
+def _fitting(signal: str) -> tuple[str, ...]:
+    """Quantities that a signal may be measured in."""
+    quantity = _quantity(signal)
+    found = (quantity, SLIDING[quantity]) if quantity in SLIDING else (quantity,)
+    return (*found, "current") if quantity == "torque" else found
+
+
+def _needed(channel: Channel, number: str, because: str) -> float:
+    value: float | None = getattr(channel, number)
+    if value is None:
+        remedy = f"give it here or as joints.{channel.joint}.{number}" if channel.joint else "give it here"
+        raise InputError(f"{because} needs {number}", key=_key(channel, number), remedy=remedy)
+    return value
+
+
+def _key(channel: Channel, entry: str) -> str:
+    return f"channels.{channel.name}.{entry}"

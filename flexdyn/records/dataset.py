@@ -1,0 +1,186 @@
+"""Recordings as xarray datasets, and back without loss.
+
+A signal that every joint has becomes one variable over ``(t, joint)``; a signal that only some have stays as variables
+over ``t`` named ``q.elbow``, so that no NaN is invented. Other channels are variables over ``t``. Every variable has
+``units`` and ``long_name``. Where a joint is prismatic, the coordinate ``joint_type`` says which, and ``units`` of a
+variable with joints of both kinds names both. The attributes ``channels`` and ``meta`` keep order and meta as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexdyn.errors import InputError, MissingExtra
+from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.table import FloatArray, Table, as_floats
+from flexdyn.records.units import PRISMATIC, SIGNALS
+
+if TYPE_CHECKING:
+    from flexdyn.records.recording import Recording
+
+LONG_NAMES = {
+    "t": "time",
+    "q": "link position",
+    "v": "link velocity",
+    "theta": "rotor position, reflected",
+    "omega": "rotor velocity, reflected",
+    "tau": "motor torque asked for, reflected",
+    "tau_applied": "motor torque after actuator effects, reflected",
+    "tau_s": "torque in the transmission",
+    "temperature": "temperature",
+}
+
+
+def to_dataset(rec: Recording) -> Any:
+    """The xarray dataset of a recording.
+
+    Raises:
+        MissingExtra: xarray is not installed.
+    """
+    xarray = library()
+    joints = list(rec.joints)
+    prismatic = np.array([any(_is_prismatic(rec, signal, joint) for signal in SIGNALS) for joint in joints], bool)
+    stacked = [signal for signal in rec.signals if _stacks(rec, signal, prismatic)]
+    variables: dict[str, Any] = {}
+    for name, values in rec.channels.items():
+        signal = name.partition(".")[0]
+        if signal not in stacked or "." not in name:
+            variables[name] = ("t", values, _attributes(rec.unit(name), signal))
+        elif signal not in variables:
+            units = dict.fromkeys(rec.unit(f"{signal}.{joint}") for joint in joints)
+            variables[signal] = (("t", "joint"), rec.signal(signal, joints), _attributes(" or ".join(units), signal))
+    coordinates: dict[str, Any] = {"t": ("t", rec.t, _attributes("s", "t"))}
+    if stacked:
+        coordinates["joint"] = joints
+    if stacked and prismatic.any():
+        coordinates["joint_type"] = ("joint", np.where(prismatic, "prismatic", "revolute"))
+    attributes = {"name": rec.name, "channels": json.dumps(list(rec.channels))}
+    if rec.meta:
+        attributes["meta"] = as_json(rec.meta)
+    return xarray.Dataset(variables, coordinates, attributes)
+
+
+def table_of(dataset: Any) -> Table:
+    """The raw table of a dataset: variables over ``t``, or over ``t`` and one labelled dimension such as ``joint``.
+
+    Args:
+        dataset: from `to_dataset`, maybe cut or reordered since, or by other hands; the coordinate ``t`` is in seconds.
+
+    Returns:
+        Columns by channel: those that ``channels`` names first and in its order.
+
+    Raises:
+        InputError: no dataset, no numeric coordinate ``t``, variables of other dimensions or types.
+        MissingExtra: xarray is not installed.
+    """
+    if not isinstance(dataset, library().Dataset):
+        remedy = "give an xarray.Dataset"
+        raise InputError("not a dataset", key="dataset", value=type(dataset).__name__, remedy=remedy)
+    if "t" not in dataset.coords or dataset.coords["t"].dims != ("t",):
+        remedy = "give a coordinate t in seconds, such as ds.rename(time='t')"
+        raise InputError("the dataset has no coordinate t", key="t", remedy=remedy, channel="t")
+    found: dict[str, tuple[FloatArray, str]] = {}
+    for name, values, unit in _channels(dataset):
+        if name in found:
+            raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+        found[name] = (values, unit)
+    table = Table(meta=from_json(str(dataset.attrs["meta"])) if "meta" in dataset.attrs else {})
+    table.add("t", _numbers(dataset.coords["t"].values, "t"))
+    table.units["t"] = str(dataset.coords["t"].attrs.get("units", ""))
+    for name in (*filter(found.__contains__, _order(dataset)), *found):
+        if name not in table.columns:
+            table.add(name, found[name][0])
+            table.units[name] = found[name][1]
+    _forget_units(table)
+    return table
+
+
+def library() -> Any:
+    """The module xarray."""
+    try:
+        import xarray
+    except ImportError:
+        raise MissingExtra("xarray", "xarray") from None
+    return xarray
+
+
+def _is_prismatic(rec: Recording, signal: str, joint: str) -> bool:
+    name = f"{signal}.{joint}"
+    return name in rec and rec.unit(name) != SIGNALS[signal]
+
+
+def _stacks(rec: Recording, signal: str, prismatic: Any) -> bool:
+    """Whether one variable can hold the signal of every joint, with units that the joints' types tell."""
+    if signal in rec or "joint" in rec or "joint_type" in rec:
+        return False
+    return all(
+        rec.has(signal, joint) and rec.unit(f"{signal}.{joint}") == _unit(signal, slides)
+        for joint, slides in zip(rec.joints, prismatic, strict=True)
+    )
+
+
+def _unit(signal: str, prismatic: bool) -> str:
+    unit = SIGNALS[signal]
+    return PRISMATIC.get(unit, unit) if prismatic else unit
+
+
+def _attributes(unit: str, signal: str) -> dict[str, str]:
+    long_name = {"long_name": LONG_NAMES[signal]} if signal in LONG_NAMES else {}
+    return long_name | ({"units": unit} if unit else {})
+
+
+def _channels(dataset: Any) -> Iterator[tuple[str, FloatArray, str]]:
+    """Name, samples and unit of every channel."""
+    sliding = _sliding(dataset)
+    for variable, array in dataset.data_vars.items():
+        unit = str(array.attrs.get("units", ""))
+        if array.dims == ("t",):
+            yield str(variable), _numbers(array.values, str(variable)), unit
+            continue
+        labelled = [dimension for dimension in array.dims if dimension != "t" and dimension in dataset.coords]
+        if len(array.dims) != 2 or "t" not in array.dims or len(labelled) != 1:
+            remedy = f"give it the dimensions t and joint, or drop it: ds.drop_vars({str(variable)!r})"
+            raise InputError(f"the variable has the dimensions {array.dims}", key=str(variable), remedy=remedy)
+        values = array.transpose("t", labelled[0]).values
+        for column, label in enumerate(dataset.coords[labelled[0]].values):
+            name = f"{variable}.{label}"
+            mixed = variable in SIGNALS and " or " in unit
+            known = _unit(str(variable), str(label) in sliding) if mixed else unit
+            yield name, _numbers(values[:, column], name), known
+
+
+def _sliding(dataset: Any) -> set[str]:
+    """Joints that the coordinate ``joint_type`` calls prismatic."""
+    if "joint_type" not in dataset.coords or dataset.coords["joint_type"].dims != ("joint",):
+        return set()
+    pairs = zip(dataset.coords["joint"].values, dataset.coords["joint_type"].values, strict=True)
+    return {str(joint) for joint, kind in pairs if str(kind) == "prismatic"}
+
+
+def _numbers(values: Any, name: str) -> FloatArray:
+    """A column of its own."""
+    if np.asarray(values).dtype.kind in "mM":
+        remedy = "give seconds as doubles: (time - time[0]) / np.timedelta64(1, 's')"
+        raise InputError("the column holds dates or durations", key=name, remedy=remedy, channel=name)
+    return as_floats(values, name, copy=True)
+
+
+def _order(dataset: Any) -> list[str]:
+    try:
+        order = json.loads(str(dataset.attrs.get("channels", "[]")))
+    except (ValueError, RecursionError):
+        order = []
+    return [name for name in order if isinstance(name, str)] if isinstance(order, list) else []
+
+
+def _forget_units(table: Table) -> None:
+    """Leave out what meta says of channels that the dataset has lost since."""
+    units = table.meta.get("units")
+    if isinstance(units, dict):
+        table.meta["units"] = {name: unit for name, unit in units.items() if name in table.columns}
+        if not table.meta["units"]:
+            del table.meta["units"]

@@ -1,0 +1,169 @@
+"""Recordings smoothed and differentiated, with what noise is left in every term."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexdyn.errors import InputError
+from flexdyn.records.cut import made
+from flexdyn.records.noise import Noise, estimate_noise
+from flexdyn.records.resample import HELD
+from flexdyn.records.smooth import Smoother
+from flexdyn.records.table import FloatArray
+from flexdyn.records.units import split_name
+from flexdyn.records.width import best_smoother
+
+if TYPE_CHECKING:
+    from flexdyn.records.recording import Recording
+
+_POSITIONS = ("q", "theta")
+_UNEVEN = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Derivatives:
+    """One recording seen through one filter: every term of an equation of motion smoothed alike.
+
+    Attributes:
+        recording: what was filtered.
+        smoother: the filter.
+        noise: of the channels asked for, as found in their samples.
+    """
+
+    recording: Recording
+    smoother: Smoother
+    noise: Mapping[str, Noise]
+
+    def __post_init__(self) -> None:
+        """Lock the mapping."""
+        object.__setattr__(self, "noise", MappingProxyType(dict(self.noise)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Read-only mappings do not pickle: send a plain one."""
+        return (type(self), (self.recording, self.smoother, dict(self.noise)))
+
+    @property
+    def t(self) -> FloatArray:
+        """Times of the outputs [s]."""
+        return self.recording.t[self.smoother.valid]
+
+    def value(self, channel: str) -> FloatArray:
+        """The channel smoothed; tau and tau_applied as what is held from each sample to the next."""
+        held = _signal(channel) in HELD
+        return self.smoother.held(self.recording[channel]) if held else self.smoother.value(self.recording[channel])
+
+    def first(self, channel: str) -> FloatArray:
+        """First derivative [unit/s]: velocity from a position, acceleration from a velocity."""
+        return self.smoother.first(self.recording[channel])
+
+    def second(self, channel: str) -> FloatArray:
+        """Second derivative [unit/s^2]: acceleration from a position."""
+        return self.smoother.second(self.recording[channel])
+
+    def std(self, channel: str, order: str = "value") -> float:
+        """Standard deviation of the noise left in an output, its colour in the samples accounted for.
+
+        Args:
+            channel: one of those in `noise`.
+            order: ``"value"``, ``"first"`` or ``"second"``.
+        """
+        if channel not in self.noise:
+            raise InputError("the noise of the channel was not asked for", key=channel, remedy="name it in channels=")
+        held = order == "value" and _signal(channel) in HELD
+        return self.smoother.noise_std("held" if held else order, self.noise[channel].autocovariance)
+
+
+def derivatives(
+    rec: Recording,
+    channels: Sequence[str] | None = None,
+    *,
+    cutoff: float | None = None,
+    smoother: Smoother | None = None,
+) -> Derivatives:
+    """Smooth a recording for its derivatives, all channels with one filter, and say how much noise is left.
+
+    The width is given by `smoother` or by `cutoff`; else it is the narrowest of those that make the second derivative
+    of each of the positions best (`best_smoother`): noise that is left is known and propagated, bias is not.
+
+    Args:
+        rec: samples at a uniform rate.
+        channels: those whose noise is wanted; the positions if left out.
+        cutoff: where the filter's response is to be 1/sqrt(2) [Hz].
+        smoother: or the filter itself.
+
+    Raises:
+        InputError: time that is not uniform, no such channel, no position to choose by, or two ways to set the width.
+    """
+    rate = uniform_rate(rec)
+    if cutoff is not None and smoother is not None:
+        raise InputError("the width is given twice", key="cutoff", value=cutoff, remedy="give cutoff or smoother")
+    positions = [channel for channel in rec.channels if _signal(channel) in _POSITIONS]
+    names = positions if channels is None else list(channels)
+    noise = {channel: noise_of(rec, channel) for channel in names}
+    if cutoff is not None:
+        smoother = Smoother.at_cutoff(cutoff, rate)
+    if smoother is None:
+        moving = [channel for channel in positions if np.ptp(rec[channel]) > 0]
+        if not moving:
+            raise InputError("no position moves that a width could be chosen by", key="cutoff", remedy="give one [Hz]")
+        found = {channel: noise[channel] if channel in noise else noise_of(rec, channel) for channel in moving}
+        choices = [best_smoother(rec[channel], rate, found[channel]) for channel in moving]
+        smoother = min(choices, key=lambda choice: choice.width)
+    _check_rate(smoother, rate)
+    return Derivatives(rec, smoother, noise)
+
+
+def smoothed(rec: Recording, smoother: Smoother) -> Recording:
+    """Every channel through one filter, at the times at which it fits; torques as what is held between samples.
+
+    Args:
+        rec: samples at a uniform rate.
+        smoother: the filter, made for that rate.
+
+    Raises:
+        InputError: time that is not uniform, another rate, or too few samples.
+    """
+    _check_rate(smoother, uniform_rate(rec))
+    view = Derivatives(rec, smoother, {})
+    return made(rec, {"t": view.t, **{channel: view.value(channel) for channel in rec.channels}})
+
+
+def noise_of(rec: Recording, channel: str) -> Noise:
+    """The noise of one channel, estimated from its samples; a torque asked for that repeats itself is exact."""
+    try:
+        return estimate_noise(rec.t, rec[channel], unit=rec.unit(channel), held=_signal(channel) in HELD)
+    except InputError as error:
+        raise InputError(error.problem, **{**error.data, "key": channel, "channel": channel}) from None
+
+
+def uniform_rate(rec: Recording) -> float:
+    """The rate of a recording whose samples stand on a grid, within a fiftieth of its period [Hz].
+
+    Raises:
+        InputError: they do not; row and remedy.
+    """
+    rate = rec.rate
+    off = np.abs((rec.t - rec.t[0]) * rate - np.arange(len(rec)))
+    if off.max() > _UNEVEN:
+        steps = np.abs(np.diff(rec.t) * rate - 1)
+        row = int(np.argmax(steps)) + 1
+        typical = 1 / float(np.median(np.diff(rec.t)))
+        problem = f"row {row}: the samples are not uniform, {float(off.max()):.2g} periods off a grid"
+        remedy = f"resample first: .resample(rate={typical:.4g})"
+        raise InputError(problem, key="t", value=float(rec.t[row]), remedy=remedy, row=row, channel="t")
+    return rate
+
+
+def _check_rate(smoother: Smoother, rate: float) -> None:
+    if abs(smoother.rate - rate) > 1e-3 * rate:
+        problem = f"the filter is made for another rate than the recording's {rate:.6g} Hz"
+        raise InputError(problem, key="smoother.rate", value=smoother.rate, remedy="make it for that rate")
+
+
+def _signal(channel: str) -> str:
+    return (split_name(channel) or ("",))[0]

@@ -1,0 +1,115 @@
+"""Weights of the smoothing filters: local polynomials under a taper, and exact differences of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from flexdyn.records.table import FloatArray
+
+DIFFERENCE_REACH = 4
+"""Samples on each side that the differences need beyond the polynomial's own."""
+
+_SQUARED = np.array([1.0, -2.0, 1.0])
+_CENTRAL = np.array([-0.5, 0.0, 0.5])
+_FIRST_SERIES = (1.0, -1 / 6, 1 / 30, -1 / 140)
+_SECOND_SERIES = (1.0, -1 / 12, 1 / 90, -1 / 560)
+
+
+@dataclass(frozen=True, eq=False)
+class Kernels:
+    """Weights by offset from -reach to reach, per sample and per sample squared; read-only.
+
+    Attributes:
+        value: smooths; sums to 1 exactly.
+        first: smoothed first derivative; antisymmetric, sums to 0 exactly.
+        second: smoothed second derivative; symmetric, sums to 0 exactly.
+        held: smooths what is held from each sample to the next; sums to 1 exactly.
+    """
+
+    value: FloatArray
+    first: FloatArray
+    second: FloatArray
+    held: FloatArray
+
+
+@lru_cache(maxsize=256)
+def kernels(half: int, degree: int, taper: int) -> Kernels:
+    """The four kernels of one smoother.
+
+    The value is that of the polynomial of `degree` fitted at the centre under the weights (1 - (j/(half + 1))^2)^taper.
+    Derivatives are differences of it, exact on polynomials up to degree 8 (Fornberg 1988): with d the central
+    difference and m the mean of two neighbours,
+
+        first  = m d (1 - d^2/6 + d^4/30 - d^6/140) value
+        second = d^2 (1 - d^2/12 + d^4/90 - d^6/560) value
+        held   = (x_k + x_(k-1))/2 (1 - d^2/12 + d^4/90 - d^6/560) value
+
+    so that one frequency response H multiplies every term: H, i w H, -w^2 H. What obeys x'' = u with u held between
+    samples has x_(k+1) - 2 x_k + x_(k-1) = (u_k + u_(k-1))/2 exactly, hence second(x) = held(u) without error.
+
+    Args:
+        half: samples on each side of the fit.
+        degree: of the polynomial.
+        taper: exponent of the weights; 0 gives Savitzky and Golay's smoothing weights.
+
+    Returns:
+        The kernels, cached.
+    """
+    fit = _fit(half, degree, taper)
+    corrected = np.convolve(fit, _series(_SECOND_SERIES))
+    value = np.pad(_symmetric(fit, total=1.0), DIFFERENCE_REACH)
+    first = np.convolve(np.convolve(fit, _series(_FIRST_SERIES)), _CENTRAL)
+    first = (first - first[::-1]) / 2
+    second = _symmetric(np.convolve(corrected, _SQUARED), total=0.0)
+    smooth = _symmetric(corrected, total=1.0) / 2
+    held = np.pad(smooth, (0, 2)) + np.pad(smooth, (1, 1))
+    return Kernels(*(_locked(kernel) for kernel in (value, first, second, _summing_to_one(held))))
+
+
+def _fit(half: int, degree: int, taper: int) -> FloatArray:
+    """Weights of the fitted polynomial's value at the centre; odd powers vanish there by symmetry."""
+    u = np.arange(-half, half + 1) / (half + 1)
+    root = (1 - u**2) ** (taper / 2)
+    powers = np.polynomial.legendre.legvander(u, degree)[:, ::2]
+    basis, triangle = np.linalg.qr(root[:, None] * powers)
+    centre = np.linalg.solve(triangle.T, powers[half])
+    weights = root * (basis @ centre)
+    return np.asarray((weights + weights[::-1]) / 2)
+
+
+def _series(terms: tuple[float, ...]) -> FloatArray:
+    """The sum of terms[i] d^(2 i) as weights, symmetric."""
+    total, power = np.zeros(2 * len(terms) - 1), np.ones(1)
+    for term in terms:
+        pad = (len(total) - len(power)) // 2
+        total += term * np.pad(power, pad)
+        power = np.convolve(power, _SQUARED)
+    return total
+
+
+def _symmetric(kernel: FloatArray, total: float) -> FloatArray:
+    """The kernel rounded to a grid on which sums are exact, its centre set so that it sums to `total` exactly."""
+    half = len(kernel) // 2
+    side = _rounded(kernel[:half], kernel)
+    return np.concatenate([side, [total - 2 * side.sum()], side[::-1]])
+
+
+def _summing_to_one(kernel: FloatArray) -> FloatArray:
+    rounded = _rounded(kernel, kernel)
+    rounded[len(kernel) // 2] += 1.0 - rounded.sum()
+    return rounded
+
+
+def _rounded(part: FloatArray, kernel: FloatArray) -> FloatArray:
+    """Multiples of one power of two, coarse enough that no sum over the kernel needs rounding."""
+    grid = 2.0 ** (math.frexp(float(np.abs(kernel).sum()))[1] - 52)
+    return np.asarray(np.round(part / grid) * grid)
+
+
+def _locked(kernel: FloatArray) -> FloatArray:
+    kernel.setflags(write=False)
+    return kernel

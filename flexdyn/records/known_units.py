@@ -1,0 +1,95 @@
+"""Units that raw columns come in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from flexdyn.records.units import usual
+
+SI: Mapping[str, str] = {
+    "angle": "rad",
+    "angular velocity": "rad/s",
+    "torque": "N m",
+    "length": "m",
+    "velocity": "m/s",
+    "force": "N",
+    "temperature": "degC",
+    "current": "A",
+    "time": "s",
+}
+"""Quantities, and the unit that their values are converted to."""
+
+SLIDING: Mapping[str, str] = {"angle": "length", "angular velocity": "velocity", "torque": "force"}
+"""What a quantity of a revolute joint is at a prismatic one."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """SI value = raw * numerator / denominator + zero; two numbers, for 1/1000 is exact only as a division."""
+
+    quantity: str
+    numerator: float = 1.0
+    denominator: float = 1.0
+    zero: float = 0.0
+
+
+_ANGLES = {
+    "rad": (1.0, 1.0),
+    "mrad": (1.0, 1e3),
+    "deg": (math.pi, 180.0),
+    "arcmin": (math.pi, 180.0 * 60),
+    "arcsec": (math.pi, 180.0 * 3600),
+    "turn": (2 * math.pi, 1.0),
+    "counts": (2 * math.pi, 1.0),
+}
+_LENGTHS = {"m": (1.0, 1.0), "cm": (1.0, 1e2), "mm": (1.0, 1e3), "um": (1.0, 1e6)}
+_TORQUES = {"N m": (1.0, 1.0), "kN m": (1e3, 1.0), "N cm": (1.0, 1e2), "mN m": (1.0, 1e3), "N mm": (1.0, 1e3)}
+_TIMES = {"s": (1.0, 1.0), "ms": (1.0, 1e3), "us": (1.0, 1e6), "ns": (1.0, 1e9), "min": (60.0, 1.0), "h": (3600.0, 1.0)}
+
+
+def _known_units() -> dict[str, Unit]:
+    units = {"rpm": Unit("angular velocity", 2 * math.pi, 60.0), "kN": Unit("force", 1e3), "N": Unit("force")}
+    units |= {"A": Unit("current"), "mA": Unit("current", 1.0, 1e3)}
+    units |= {"degC": Unit("temperature"), "K": Unit("temperature", zero=-273.15)}
+    units |= {"degF": Unit("temperature", 5.0, 9.0, -160.0 / 9.0)}
+    for quantity, names in (("angle", _ANGLES), ("length", _LENGTHS), ("torque", _TORQUES), ("time", _TIMES)):
+        units |= {name: Unit(quantity, *scale) for name, scale in names.items()}
+    for quantity, names in (("angular velocity", _ANGLES), ("velocity", _LENGTHS)):
+        for name, (numerator, denominator) in names.items():
+            units[f"{name}/s"] = Unit(quantity, numerator, denominator)
+            units[f"{name}/min"] = Unit(quantity, numerator, denominator * 60.0)
+    return units
+
+
+UNITS: Mapping[str, Unit] = _known_units()
+"""Units that are converted; ``counts`` are divided by the counts per turn as well."""
+
+_SPELLINGS = {
+    "deg": ("°", "degree", "degrees"),
+    "turn": ("turns", "rev", "revs", "revolution", "revolutions"),
+    "counts": ("count", "cts", "ticks", "inc", "increments"),
+    "um": ("µm", "micron", "microns"),
+    "us": ("µs",),
+    "degF": ("°F", "fahrenheit", "deg F"),
+    "K": ("kelvin", "Kelvin"),
+    "A": ("amp", "amps", "ampere", "amperes"),
+    "min": ("minute", "minutes"),
+    "rpm": ("RPM", "r/min", "1/min", "min-1"),
+    "mN m": ("mNm",),
+    "kN m": ("kNm",),
+    "N cm": ("Ncm",),
+    "N mm": ("Nmm",),
+}
+_PLAIN = {other: unit for unit, others in _SPELLINGS.items() for other in others}
+
+
+def plain_unit(text: str) -> str:
+    """The spelling used here of a unit that has several: ``degrees/sec`` is ``deg/s``."""
+    text = usual(text)
+    if text in _PLAIN or text in UNITS:
+        return _PLAIN.get(text, text)
+    top, per, bottom = text.partition("/")
+    top, bottom = usual(top), {"sec": "s", "second": "s", "minute": "min"}.get(bottom.strip(), bottom.strip())
+    return f"{_PLAIN.get(top, top)}{per}{bottom}"

@@ -1,0 +1,182 @@
+"""Columns out of the variables of a MATLAB workspace.
+
+A column is named as MATLAB writes it: a dot leads into a struct, brackets take a row or column of a two-dimensional
+array, counted from 1: ``t``, ``q.elbow``, ``rec.act_pos(1,:)``, ``ref.phi(:,3)``.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.records.meta import from_json
+from flexdyn.records.request import Request
+from flexdyn.records.table import Rows, Table, as_floats, check_name
+
+KEY = "flexdyn"
+"""Variable of text that says which channel lies where, in order, and keeps meta."""
+
+_COLUMN = re.compile(r"(?P<path>[^()]+?)\s*(?:\(\s*(?P<row>:|[0-9]{1,9})\s*,\s*(?P<column>:|[0-9]{1,9})\s*\))?")
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """A variable, or a field of a struct, that is no struct itself.
+
+    Attributes:
+        name: as MATLAB writes it.
+        kind: ``numbers``, ``text``, or what else it is, in words.
+        shape: as MATLAB says it.
+        values: reads it: an array of that shape, or a string.
+    """
+
+    name: str
+    kind: str
+    shape: tuple[int, ...]
+    values: Callable[[], Any]
+
+    def __str__(self) -> str:
+        """As MATLAB's `whos` lists it, whatever letters the file has for a name."""
+        name = "".join(letter for letter in self.name[:80] if letter.isprintable())
+        return f"{name} ({'x'.join(map(str, self.shape))})" if self.kind == "numbers" else name
+
+
+class Columns:
+    """Takes leaves one by one and keeps what was asked for; without a map, every vector of numbers."""
+
+    def __init__(self, request: Request) -> None:
+        self._table = Table(rows=Rows(first=1))
+        self._asked = None if request.columns is None else _by_path(request.columns)
+        self._mapped = request.mapped
+        self._seen: list[str] = []
+        self._misfit: InputError | None = None
+        self._text = ""
+
+    def wants(self, variable: str) -> bool:
+        """Whether a variable is or holds something that is to be read; one that does not is remembered by its name."""
+        if self._asked is None or any(path.split(".")[0] == variable for path in self._asked):
+            return True
+        self._seen.append(variable)
+        return False
+
+    def take(self, leaves: Iterable[Leaf]) -> None:
+        """Read what is wanted of these."""
+        for leaf in leaves:
+            self._seen.append(str(leaf))
+            if self._asked is not None:
+                self._take_asked(leaf, self._asked)
+            elif leaf.name == KEY and leaf.kind == "text":
+                self._text = leaf.values()
+            elif leaf.kind == "numbers":
+                self._take_channel(leaf)
+
+    def table(self) -> Table:
+        """The columns, in the order in which they were written if the file tells it.
+
+        Raises:
+            InputError: something that was asked for is not there; without a map, something is no channel.
+        """
+        table = self._table
+        if self._asked is None:
+            if not self._mapped:
+                self._check_convention()
+            return _as_written(table, self._text) if self._text else table
+        for wanted in self._asked.values():
+            for key, _ in wanted:
+                if key not in table.columns:
+                    names = [seen.split(" (")[0] for seen in self._seen]
+                    raise InputError("no such column", key=key, remedy=did_you_mean(key, names), channel=key)
+        return table
+
+    def _check_convention(self) -> None:
+        table = self._table
+        if "t" not in table.columns:
+            there = ", ".join(self._seen[:12]) + (", ..." if len(self._seen) > 12 else "")
+            remedy = f"name the column of time [s] t, or say in a channel map where it is; there are {there or 'none'}"
+            raise InputError("no column t", key="t", remedy=remedy, channel="t")
+        if self._misfit is not None:
+            raise self._misfit
+        samples = len(table.columns["t"])
+        for name, values in table.columns.items():
+            if len(values) != samples:
+                problem = f"{len(values)} values where t has {samples}"
+                remedy = "say in a channel map which columns to read"
+                raise InputError(problem, key=name, remedy=remedy, channel=name)
+
+    def _take_channel(self, leaf: Leaf) -> None:
+        if leaf.name != "t" and not self._mapped:
+            check_name(leaf.name)
+        if max(leaf.shape, default=0) != np.prod(leaf.shape, dtype=object):
+            remedy = f"a channel map takes its rows or columns, such as {leaf.name}(:,1)"
+            self._misfit = self._misfit or InputError(f"an array, not a column: {leaf}", key=leaf.name, remedy=remedy)
+            return
+        self._add(leaf.name, leaf.values().reshape(-1))
+
+    def _take_asked(self, leaf: Leaf, asked: dict[str, list[tuple[str, str]]]) -> None:
+        for path, wanted in asked.items():
+            if leaf.kind != "numbers" and (path == leaf.name or path.startswith(f"{leaf.name}.")):
+                key = wanted[0][0]
+                remedy = "in MATLAB, save plain arrays of doubles"
+                raise InputError(f"{leaf.name} is {leaf.kind}, not numbers", key=key, remedy=remedy, channel=key)
+        if leaf.name in asked:
+            values = leaf.values()
+            for key, index in asked[leaf.name]:
+                self._add(key, _part(leaf, values, key, index))
+
+    def _add(self, key: str, values: npt.NDArray[Any]) -> None:
+        # A copy of its own, so that the variable's bytes can go.
+        self._table.add(key, as_floats(values, key, copy=True))
+
+
+def _by_path(columns: frozenset[str | int]) -> dict[str, list[tuple[str, str]]]:
+    """Path of a leaf -> keys asked for, each with its index: "", "3,:" or ":,3"."""
+    asked: dict[str, list[tuple[str, str]]] = {}
+    for key in sorted(columns, key=str):
+        match = _COLUMN.fullmatch(key) if isinstance(key, str) else None
+        if match is None or (match["row"] and (match["row"] == ":") == (match["column"] == ":")):
+            remedy = "write it as MATLAB does: t, q.elbow, q(1,:) or q(:,1)"
+            raise InputError("not the name of a column in a MAT file", key=str(key), remedy=remedy, channel=str(key))
+        index = f"{match['row']},{match['column']}" if match["row"] else ""
+        asked.setdefault(match["path"].strip(), []).append((str(key), index))
+    return asked
+
+
+def _part(leaf: Leaf, values: npt.NDArray[Any], key: str, index: str) -> npt.NDArray[Any]:
+    """A vector, or the row or column asked for."""
+    if not index:
+        if max(leaf.shape, default=0) != values.size:
+            remedy = f"take a row or column, such as {leaf.name}(1,:) or {leaf.name}(:,1)"
+            raise InputError(f"an array, not a column: {leaf}", key=key, remedy=remedy, channel=key)
+        return values.reshape(-1)
+    row, column = index.split(",")
+    number, axis = (int(column), 1) if row == ":" else (int(row), 0)
+    if values.ndim != 2 or not 1 <= number <= values.shape[axis]:
+        remedy = f"it is {leaf}; rows and columns count from 1"
+        raise InputError("no such row or column", key=key, remedy=remedy, channel=key)
+    part: npt.NDArray[Any] = np.take(values, number - 1, axis)
+    return part
+
+
+def _as_written(table: Table, text: str) -> Table:
+    """Channels under their own names and in their order; columns that came later follow."""
+    try:
+        content = json.loads(text)
+        pairs = {str(place): str(name) for name, place in content["channels"]}
+        meta = from_json(json.dumps(content["meta"]))
+    except (ValueError, TypeError, KeyError, RecursionError):
+        remedy = "leave it as it was written, or delete it"
+        raise InputError("not the text that belongs there", key=KEY, value=text, remedy=remedy) from None
+    known = Table(meta=meta, rows=table.rows)
+    for place in (*pairs, *(name for name in table.columns if name not in pairs)):
+        if place not in table.columns:
+            remedy = f"copy the file again; if you removed the column, remove {KEY} too"
+            raise InputError(f"the column is not there, and {KEY} lists it", key=place, remedy=remedy, channel=place)
+        known.add(pairs.get(place, place), table.columns[place])
+    return known

@@ -1,0 +1,107 @@
+"""MATLAB's MAT-files: version 5 through SciPy, version 7.3 (HDF5) where a variable is too large for that.
+
+Written are ``t``, a struct per signal with a field per joint (``q.elbow``), and plain variables for other channels;
+names that MATLAB could not have stand in a struct ``other`` as ``c1``, ``c2``, ... The text ``flexdyn`` tells which
+channel lies where, in order, and keeps meta (MATLAB: ``jsondecode(flexdyn)``).
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexdyn.records import mat5_file, mat73_file
+from flexdyn.records.mat_columns import KEY, Columns
+from flexdyn.records.meta import as_plain
+from flexdyn.records.request import Request
+from flexdyn.records.table import Table, damage_named
+from flexdyn.records.units import SIGNALS, split_name
+
+if TYPE_CHECKING:
+    from flexdyn.records.recording import Recording
+
+LARGEST_V5 = 2**31 - 2**20
+"""Bytes that a variable of version 5 may have; MATLAB itself writes no more than 2 GB."""
+
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+_OTHER = "other"
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
+_KEYWORDS: tuple[str, ...] = (
+    "break",
+    "case",
+    "catch",
+    "classdef",
+    "continue",
+    "else",
+    "elseif",
+    "end",
+    "for",
+    "function",
+    "global",
+)
+_KEYWORDS += ("if", "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while")
+
+
+def write(rec: Recording, path: Path) -> None:
+    """Write version 5, or 7.3 if a variable has 2 GB or more."""
+    places = _places(list(rec.channels))
+    # The list comes first, so that a file that was cut lacks something that it lists.
+    listed = json.dumps({"channels": list(places.items()), "meta": as_plain(rec.meta)})
+    variables: dict[str, Any] = {KEY: listed, "t": rec.t}
+    for name, place in places.items():
+        variable, _, field = place.partition(".")
+        if field:
+            variables.setdefault(variable, {})[field] = rec.channels[name]
+        else:
+            variables[variable] = rec.channels[name]
+    columns = max((len(value) for value in variables.values() if isinstance(value, dict)), default=1)
+    if rec.t.nbytes * columns < LARGEST_V5:
+        _write_v5(variables, path)
+    else:
+        mat73_file.write(variables, path)
+
+
+def read(path: Path, request: Request) -> Table:
+    """Read what is asked for; without a map, every vector of numbers is a channel, and other things are left out.
+
+    Rows count from 1, as MATLAB counts.
+
+    Raises:
+        InputError: not a MAT-file, cut, a column that is not there or is no column of numbers.
+        MissingExtra: version 7.3 needs h5py.
+    """
+    columns = Columns(request)
+    with open(path, "rb") as stream:
+        head = stream.read(1024)
+    reader = mat73_file if _HDF5 in (head[:8], head[512:520]) else mat5_file
+    with damage_named("not a MAT-file, or cut"):
+        reader.read(path, request, columns)
+        return columns.table()
+
+
+def _write_v5(variables: dict[str, Any], path: Path) -> None:
+    from scipy.io import savemat
+
+    with open(path, "xb") as stream:
+        savemat(stream, variables, long_field_names=True, oned_as="column")
+
+
+def _places(names: list[str]) -> dict[str, str]:
+    """Where each channel stands: ``q.elbow``, ``power``, or ``other.c1``."""
+    places: dict[str, str] = {}
+    odd = 0
+    for name in names:
+        parts = split_name(name)
+        if (parts and _is_name(parts[1])) or (_is_name(name) and name not in (*SIGNALS, KEY, _OTHER)):
+            places[name] = name
+        else:
+            odd += 1
+            places[name] = f"{_OTHER}.c{odd}"
+    return places
+
+
+def _is_name(text: str) -> bool:
+    """Whether MATLAB takes it as the name of a variable or field."""
+    return _NAME.fullmatch(text) is not None and text not in _KEYWORDS

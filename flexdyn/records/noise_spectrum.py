@@ -1,0 +1,166 @@
+"""Contrasts that no smooth motion survives, and the spectrum of the noise that is left in them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.records.table import FloatArray
+
+Mask = npt.NDArray[np.bool_]
+
+LENGTHS = (256, 128, 64, 32, 16)
+_FEWEST_SEGMENTS = 24
+_CLIP = 4.0
+_STEEP = 25.0
+"""Power over that an octave above, from which on a spectrum is motion's: 14 dB."""
+_TOP = 0.85
+"""Share of the band above which bins are judged together: drives that average two readings have a null at its end."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Noise power by frequency, of one channel.
+
+    Attributes:
+        power: mean square per bin of k/(2 (len - 1)) cycles per sample; their mean (ends by half) is the variance.
+        seen: first bin in which the noise stands clear of the motion; those below continue it.
+    """
+
+    power: FloatArray
+    seen: int
+
+    @property
+    def flatness(self) -> float:
+        """Geometric over arithmetic mean of what was seen: 1 for white noise, less for coloured."""
+        power = self.power[self.seen :]
+        return float(np.exp(np.mean(np.log(power))) / np.mean(power))
+
+    @property
+    def autocovariance(self) -> FloatArray:
+        """At lags 0, 1, ... samples."""
+        return np.asarray(np.fft.irfft(self.power)[: len(self.power)])
+
+
+def contrasts(t: FloatArray, x: FloatArray, order: int) -> FloatArray:
+    """Weighted sums of order + 1 neighbours that vanish on every polynomial below that order, whatever the times.
+
+    Divided differences, c_i = 1/prod_(j != i) (t_i - t_j), scaled to unit length (Czesla et al. 2018): white noise
+    keeps its standard deviation in them. On uniform times they are the differences of that order over sqrt(C(2p, p)).
+
+    Args:
+        t: times (samples,) [s].
+        x: samples.
+        order: p.
+
+    Returns:
+        (samples - order,).
+    """
+    count = len(x) - order
+    scaled = (t - t[0]) / float(np.median(np.diff(t)))
+    weights = np.ones((order + 1, count))
+    for i in range(order + 1):
+        for j in range(order + 1):
+            if i != j:
+                weights[i] /= scaled[i : i + count] - scaled[j : j + count]
+    total = np.zeros(count)
+    for i in range(order + 1):
+        total += weights[i] * (x[i : i + count] - x[:count])
+    return np.asarray(total / np.sqrt(np.sum(weights**2, axis=0)))
+
+
+def clipped(values: FloatArray, moves: Mask) -> tuple[float, Mask]:
+    """Standard deviation of the bulk, and which values belong to it.
+
+    Kinks of the motion (reversals, breakaway, shocks) and spikes stand out of the bulk by more than 4 of its standard
+    deviations; they and two neighbours on either side are left out, until that changes nothing.
+
+    Args:
+        values: contrasts.
+        moves: those in which the channel changes at all.
+
+    Returns:
+        Standard deviation and mask.
+    """
+    if not moves.any():
+        return 0.0, moves
+    size = np.abs(values)
+    std, good = 1.4826 * float(np.median(size[moves])), moves
+    for _ in range(20):
+        bad = np.convolve(size > _CLIP * std, np.ones(5), "same") > 0.5
+        now = moves & ~bad
+        if not now.any() or (now == good).all():
+            break
+        good, std = now, float(np.sqrt(np.mean(values[now] ** 2)))
+    return std, good
+
+
+def spectrum(values: FloatArray, good: Mask, order: int) -> Spectrum | None:
+    """Noise spectrum from the contrasts of that order, over segments in which nothing was left out.
+
+    Windows keep leakage 92 dB down; the mean power of the segments (Welch
+    1967) is divided by what white noise gives, near |2 sin(w/2)|^(2 p)/C(2p, p).
+
+    Args:
+        values: contrasts of uniform (or nearly uniform) samples.
+        good: mask of those to take.
+        order: p.
+
+    Returns:
+        The spectrum, or None where too few segments are free of kinks.
+    """
+    for length in LENGTHS:
+        starts = _segments(good, length)
+        if len(starts) >= _FEWEST_SEGMENTS:
+            break
+    else:
+        return None
+    window = blackman_harris(length)
+    pieces = values[starts[:, None] + np.arange(length)] * window
+    power = np.mean(np.abs(np.fft.rfft(pieces)) ** 2, axis=0)
+    return _above_motion(power / _of_white_noise(window, order))
+
+
+def blackman_harris(length: int) -> FloatArray:
+    """The four-term window of Harris (1978), whose side lobes lie 92 dB down."""
+    phase = 2 * np.pi * (np.arange(length) + 0.5) / length
+    return np.asarray(0.35875 - 0.48829 * np.cos(phase) + 0.14128 * np.cos(2 * phase) - 0.01168 * np.cos(3 * phase))
+
+
+def _of_white_noise(window: FloatArray, order: int) -> FloatArray:
+    """What white noise of variance 1 gives in each bin: the window's autocorrelation times the contrasts', transformed.
+
+    The contrasts' is (-1)^l C(2p, p + l)/C(2p, p). Dividing by the bare response at the bin instead would forget that
+    the window smears it, which is worth 7 % at order 4.
+    """
+    length = len(window)
+    both = np.correlate(window, window, "full")[length - 1 :]
+    lags = np.arange(order + 1)
+    weights = np.array([(-1) ** lag * math.comb(2 * order, order + lag) for lag in lags]) / math.comb(2 * order, order)
+    phase = 2 * np.pi * np.outer(np.arange(length // 2 + 1), lags) / length
+    twice = np.where(lags > 0, 2.0, 1.0)
+    return np.asarray(np.cos(phase) @ (twice * weights * both[: order + 1]))
+
+
+def _segments(good: Mask, length: int) -> npt.NDArray[np.intp]:
+    """Starts of segments, half overlapping, that are good throughout."""
+    starts = np.arange(0, len(good) - length + 1, length // 2)
+    total = np.concatenate([[0], np.cumsum(good)])
+    return np.asarray(starts[total[starts + length] - total[starts] == length])
+
+
+def _above_motion(power: FloatArray) -> Spectrum:
+    """The noise alone: from the top down to where the spectrum climbs as motion does, continued from there."""
+    last = len(power) - 1
+    top = int(_TOP * last)
+    bins = np.arange(5, top + 1)
+    above = np.array([np.max(power[min(2 * int(k), top) : min(2 * int(k) + 2, last) + 1]) for k in bins])
+    steep = bins[power[bins] > _STEEP * above]
+    seen = min(math.ceil(1.5 * int(steep.max())), last - 2) if len(steep) else 5
+    noise = power.copy()
+    noise[:seen] = np.mean(power[seen : max(seen + 3, min(2 * seen, last))])
+    noise.setflags(write=False)
+    return Spectrum(noise, seen)

@@ -1,0 +1,180 @@
+"""Repairs of what is wrong with a log: each happens only on request and says how many rows it touched."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.checks import as_number
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.records.table import FloatArray, Rows, Table, as_floats, check_lengths, check_time_named
+
+LONGEST = 0.1
+"""Gap that is filled unless a longer one is allowed [s]."""
+
+_Columns = dict[str, FloatArray]
+_Order = npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Repair:
+    """A repair that is asked for.
+
+    Attributes:
+        name: ``sort_time``, ``drop_duplicate_times``, ``drop_backwards``, ``drop_nan`` or ``fill_nan``.
+        longest: gap that ``fill_nan`` may bridge, from the sample before it to the one after it [s].
+    """
+
+    name: str
+    longest: float = LONGEST
+
+    def to_plain(self) -> str | dict[str, Any]:
+        """As a map file writes it."""
+        return self.name if self.longest == LONGEST else {self.name: {"longest": self.longest}}
+
+
+def repairs_of(entries: Any, key: str = "repair") -> tuple[Repair, ...]:
+    """The repairs that a list of names asks for; ``{fill_nan: {longest: 0.5}}`` is a name with its number.
+
+    Raises:
+        InputError: no such repair, or a number that does not fit.
+    """
+    if isinstance(entries, str | Mapping):
+        entries = [entries]
+    if not isinstance(entries, Iterable):
+        raise InputError("a list of repairs is needed", key=key, value=entries, remedy=f"known: {', '.join(KNOWN)}")
+    return tuple(_repair(entry, key) for entry in entries)
+
+
+def repaired(table: Table, repairs: Iterable[Repair]) -> Table:
+    """The table after the repairs, one after the other; ``meta["repairs"]`` tells how many rows each touched.
+
+    * ``sort_time`` puts the rows in order of time; rows at one time keep theirs.
+    * ``drop_duplicate_times`` keeps the first of the rows at one time.
+    * ``drop_backwards`` drops rows whose time lies before that of an earlier row.
+    * ``drop_nan`` drops rows in which some column is no finite number.
+    * ``fill_nan`` puts the straight line through its neighbours where a channel is no finite number.
+
+    Args:
+        table: with ``t``; its arrays are taken over.
+        repairs: in order.
+
+    Returns:
+        A table whose rows still know the numbers they had in the file.
+
+    Raises:
+        InputError: a gap that is too long to be filled, or no column that could be repaired.
+    """
+    repairs = tuple(repairs)
+    if not repairs:
+        return table
+    check_time_named(table.columns)
+    columns = {name: as_floats(values, name, copy=False) for name, values in table.columns.items()}
+    check_lengths(columns, table.rows)
+    rows, done = table.rows, []
+    for repair in repairs:
+        if repair.name == "fill_nan":
+            columns, touched = _filled(columns, rows, repair.longest)
+        else:
+            order = _ORDERS[repair.name](columns)
+            moved = order != np.arange(len(order))
+            touched = int(moved.sum()) if len(order) == len(columns["t"]) else len(columns["t"]) - len(order)
+            if touched:
+                columns = {name: values[order] for name, values in columns.items()}
+                rows = rows.taken(order)
+        done.append({"repair": repair.name, "rows": touched})
+    for values in columns.values():
+        values.setflags(write=False)
+    meta = {**table.meta, "repairs": [*table.meta.get("repairs", ()), *done]}
+    return replace(table, columns=dict(columns), meta=meta, rows=rows)
+
+
+def _repair(entry: Any, key: str) -> Repair:
+    name, numbers = entry, None
+    if isinstance(entry, Repair):
+        return entry
+    if isinstance(entry, Mapping) and len(entry) == 1:
+        name, numbers = next(iter(entry.items()))
+    if not isinstance(name, str) or name not in KNOWN:
+        raise InputError("no such repair", key=key, value=name, remedy=did_you_mean(str(name), KNOWN))
+    if numbers is None:
+        return Repair(name)
+    if name != "fill_nan" or not isinstance(numbers, Mapping) or set(numbers) != {"longest"}:
+        remedy = "write its name, or {fill_nan: {longest: 0.5}} to fill longer gaps"
+        raise InputError("the repair takes no such number", key=f"{key}.{name}", value=numbers, remedy=remedy)
+    longest = as_number(numbers["longest"])
+    if not (math.isfinite(longest) and longest > 0):
+        raise InputError("a time above zero is needed, in s", key=f"{key}.{name}.longest", value=numbers["longest"])
+    return Repair(name, longest)
+
+
+def _sorted(columns: _Columns) -> _Order:
+    return np.argsort(columns["t"], kind="stable")
+
+
+def _first_of_each_time(columns: _Columns) -> _Order:
+    return np.sort(np.unique(columns["t"], return_index=True, equal_nan=False)[1])
+
+
+def _forwards(columns: _Columns) -> _Order:
+    t = columns["t"]
+    return np.flatnonzero(~(t < np.fmax.accumulate(t)))  # a time that is no number lies before nothing
+
+
+def _finite(columns: _Columns) -> _Order:
+    whole = np.ones(len(columns["t"]), bool)
+    for values in columns.values():
+        whole &= np.isfinite(values)
+    return np.flatnonzero(whole)
+
+
+_ORDERS: Mapping[str, Callable[[_Columns], _Order]] = {
+    "sort_time": _sorted,
+    "drop_duplicate_times": _first_of_each_time,
+    "drop_backwards": _forwards,
+    "drop_nan": _finite,
+}
+KNOWN = (*_ORDERS, "fill_nan")
+"""Names of the repairs."""
+
+
+def _filled(columns: _Columns, rows: Rows, longest: float) -> tuple[_Columns, int]:
+    """The columns without gaps, and in how many rows something was filled in."""
+    t = columns["t"]
+    broken = ~np.isfinite(t)
+    if broken.any():
+        raise rows.error("no time to fill anything in at", index=int(np.argmax(broken)), channel="t", remedy="drop_nan")
+    touched = np.zeros(len(t), bool)
+    whole = {}
+    for name, values in columns.items():
+        good = np.isfinite(values)
+        if good.all():
+            whole[name] = values
+            continue
+        _check_gaps(t, good, name, rows, longest)
+        whole[name] = np.where(good, values, np.interp(t, t[good], values[good]))
+        touched |= ~good
+    return whole, int(touched.sum())
+
+
+def _check_gaps(t: FloatArray, good: npt.NDArray[np.bool_], name: str, rows: Rows, longest: float) -> None:
+    known = np.flatnonzero(good)
+    if not len(known) or not good[0] or not good[-1]:
+        at = 0 if not good[0] else int(known[-1]) + 1
+        remedy = "drop_nan drops such rows"
+        raise rows.error("nothing to fill the gap from at the end", index=at, channel=name, remedy=remedy)
+    gaps = np.diff(t[known])
+    long = (np.diff(known) > 1) & ~(gaps <= longest) | (gaps <= 0)
+    if long.any():
+        at = int(np.argmax(long))
+        if gaps[at] <= 0:
+            remedy = "repair the times first: sort_time, drop_duplicate_times"
+            raise rows.error("times do not increase", index=int(known[at + 1]), channel="t", remedy=remedy)
+        remedy = f"allow it with {{fill_nan: {{longest: {math.ceil(gaps[at] * 100) / 100:g}}}}}, or drop_nan"
+        problem = f"a gap of {gaps[at]:.6g} s, longer than {longest:g} s"
+        raise rows.error(problem, index=int(known[at]) + 1, channel=name, remedy=remedy)

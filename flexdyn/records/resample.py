@@ -1,0 +1,178 @@
+"""A recording at other times: splines through what is sampled, steps for what is held."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.checks import as_number
+from flexdyn.errors import InputError
+from flexdyn.records.cut import made
+from flexdyn.records.smooth import Smoother
+from flexdyn.records.table import FloatArray
+from flexdyn.records.units import split_name
+
+if TYPE_CHECKING:
+    from flexdyn.records.recording import Recording
+
+METHODS = ("spline", "hermite", "linear")
+HELD = ("tau", "tau_applied")
+"""Signals that are held from each sample to the next (SPEC 4)."""
+
+_SMOOTH = ("q", "v", "theta", "omega", "tau_s")
+_RATES = {"q": "v", "theta": "omega"}
+_SAME = 1e-3
+_GAP = 10.0
+_PASSED = 0.4
+
+
+def resampled(
+    rec: Recording,
+    *,
+    rate: float | None = None,
+    times: npt.ArrayLike | None = None,
+    method: str = "spline",
+    filtered: bool = False,
+    longest_gap: float | None = None,
+) -> Recording:
+    """The recording on another time base; bit for bit the same wherever a new time is an old one.
+
+    Positions, velocities and tau_s follow `method`; tau and tau_applied keep the value of the last sample at or before
+    the new time (a new time up to a thousandth of a period early counts as that sample's: clocks round); temperature
+    and channels that are no signals are interpolated linearly, so that they never leave the range measured.
+
+    As with SciPy's and xarray's interpolation, nothing is filtered unless asked for: at a lower rate what vibrates
+    faster than half of it then folds down. With `filtered`, what is sampled is smoothed first with a cut-off of 0.4
+    times the new rate, and what is held takes its mean from each new time to the next, which keeps its impulse;
+    times at which the filter does not fit are dropped.
+
+    Args:
+        rec: the recording.
+        rate: new rate [Hz]: times t[0] + k/rate as far as the recording goes.
+        times: or the new times themselves [s], increasing, within the recording.
+        method: ``"spline"`` (cubic, continuous second derivative), ``"hermite"`` (cubic through positions and measured
+            velocities; a spline where the velocity is not measured), or ``"linear"``.
+        filtered: smooth before sampling more slowly.
+        longest_gap: longest time between samples to interpolate over [s]; 10 median periods if left out.
+
+    Raises:
+        InputError: a longer gap (row and remedy), times outside the recording, or contradictory arguments.
+    """
+    if method not in METHODS:
+        raise InputError("no such method", key="method", value=method, remedy="known: " + ", ".join(METHODS))
+    if (rate is None) == (times is None):
+        raise InputError("one time base is needed", key="rate", remedy="give either rate=Hz or times=[seconds]")
+    _check_gaps(rec, longest_gap)
+    wanted = _grid(rec, rate) if times is None else _times(rec, times)
+    if filtered:
+        return _filtered(rec, wanted, method)
+    return made(rec, {"t": wanted, **{name: _column(rec, name, wanted, method) for name in rec.channels}})
+
+
+def _column(rec: Recording, name: str, times: FloatArray, method: str) -> FloatArray:
+    """One channel at new times; old times keep their samples bit for bit."""
+    signal, joint = split_name(name) or ("", "")
+    row = np.clip(np.searchsorted(rec.t, times, "right") - 1, 0, None)
+    if signal in HELD:
+        return rec[name][_row_held(rec.t, times)]
+    rates = f"{_RATES.get(signal)}.{joint}"
+    if signal not in _SMOOTH or method == "linear":
+        out = np.interp(times, rec.t, rec[name])
+    elif method == "hermite" and rates in rec:
+        from scipy.interpolate import CubicHermiteSpline
+
+        out = CubicHermiteSpline(rec.t, rec[name], rec[rates])(times)
+    else:
+        from scipy.interpolate import CubicSpline
+
+        out = CubicSpline(rec.t, rec[name])(times)
+    return np.where(rec.t[row] == times, rec[name][row], out)
+
+
+def _row_held(t: FloatArray, times: FloatArray) -> npt.NDArray[np.intp]:
+    """Last sample at or before each time, within a thousandth of a period."""
+    slack = _SAME * float(np.median(np.diff(t)))
+    return np.asarray(np.clip(np.searchsorted(t, times + slack, "right") - 1, 0, None))
+
+
+def _filtered(rec: Recording, wanted: FloatArray, method: str) -> Recording:
+    """Smoothed on a uniform grid of the old rate, then taken at the new times; torques averaged."""
+    old, new = 1 / float(np.median(np.diff(rec.t))), 1 / float(np.median(np.diff(wanted)))
+    narrow = Smoother(5, old).cutoff
+    if _PASSED * new >= narrow:
+        problem, remedy = "the new rate is not low enough to need a filter", f"give at most {narrow / _PASSED:.4g} Hz"
+        raise InputError(problem, key="filtered", value=new, remedy=remedy)
+    smoother = Smoother.at_cutoff(_PASSED * new, old)
+    even = resampled(rec, rate=old, method=method, longest_gap=math.inf)
+    if len(even) < 2 * smoother.reach + 4:
+        problem = f"{len(rec)} samples are too few for a filter over {2 * smoother.reach + 1}"
+        raise InputError(problem, key="filtered", remedy="resample without filtered=True")
+    inner = even.t[smoother.valid]
+    kept = wanted[(wanted >= inner[0]) & (wanted <= inner[-1])]
+    if len(kept) < 2:
+        raise InputError("no two new times are left inside the filter's reach", key="filtered", remedy="filtered=False")
+    columns = {"t": kept}
+    smoothed = {n: smoother.value(values) for n, values in even.channels.items() if not _is_held(n)}
+    for name in rec.channels:
+        if _is_held(name):
+            columns[name] = _means(rec, name, kept)
+        else:
+            inside = made(rec, {"t": inner, name: smoothed[name]}, meta=False)
+            columns[name] = _column(inside, name, kept, "linear" if method == "linear" else "spline")
+    return made(rec, columns)
+
+
+def _is_held(name: str) -> bool:
+    return (split_name(name) or ("",))[0] in HELD
+
+
+def _means(rec: Recording, name: str, times: FloatArray) -> FloatArray:
+    """Mean of a held channel from each time to the next; the last interval is as long as the one before."""
+    ends = np.append(times, 2 * times[-1] - times[-2])
+    row = np.clip(np.searchsorted(rec.t, ends, "right") - 1, 0, None)
+    before = np.concatenate([[0.0], np.cumsum(np.diff(rec.t) * rec[name][:-1])])
+    impulse = before[row] + (ends - rec.t[row]) * rec[name][row]
+    return np.asarray(np.diff(impulse) / np.diff(ends))
+
+
+def _grid(rec: Recording, rate: float | None) -> FloatArray:
+    value = as_number(rate)
+    if not 0 < value < math.inf:
+        raise InputError("not a sample rate", key="rate", value=rate, remedy="give samples per second [Hz]")
+    count = math.floor(rec.duration * value + 1e-6) + 1
+    if not 2 <= count <= 1e9:
+        problem = f"{count} samples would come out of {rec.duration:g} s"
+        raise InputError(problem, key="rate", value=rate, remedy="give another rate")
+    return np.asarray(np.minimum(rec.t[0] + np.arange(count) / value, rec.t[-1]))
+
+
+def _times(rec: Recording, times: npt.ArrayLike) -> FloatArray:
+    values = np.array(times, float)
+    if values.ndim != 1 or len(values) < 2:
+        raise InputError("no column of two times or more", key="times", value=values.shape, remedy="give (samples,)")
+    bad = ~np.isfinite(values) | (values < rec.t[0]) | (values > rec.t[-1])
+    if bad.any():
+        row = int(np.argmax(bad))
+        remedy = f"the recording runs from {float(rec.t[0])!r} to {float(rec.t[-1])!r} s"
+        problem = f"row {row}: outside the recording"
+        raise InputError(problem, key="times", value=float(values[row]), remedy=remedy, row=row)
+    if not (np.diff(values) > 0).all():
+        row = int(np.argmin(np.diff(values) > 0)) + 1
+        problem = f"row {row}: times must increase"
+        raise InputError(problem, key="times", value=float(values[row]), remedy="sort them", row=row)
+    return values
+
+
+def _check_gaps(rec: Recording, longest_gap: float | None) -> None:
+    steps = np.diff(rec.t)
+    limit = _GAP * float(np.median(steps)) if longest_gap is None else as_number(longest_gap)
+    if not limit > 0:
+        raise InputError("not a length of time", key="longest_gap", value=longest_gap, remedy="give seconds")
+    if (steps > limit).any():
+        row = int(np.argmax(steps > limit))
+        problem = f"row {row}: a gap of {steps[row]:.4g} s follows, longer than {limit:.4g} s"
+        remedy = f"split the recording there, .split(gaps={limit:.4g}), or give longest_gap="
+        raise InputError(problem, key="t", value=float(rec.t[row]), remedy=remedy, row=row, channel="t")

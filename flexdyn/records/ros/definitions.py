@@ -1,0 +1,112 @@
+"""Fields of message types: as the bag defines them, else as ROS does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+
+from flexdyn.errors import InputError
+from flexdyn.records.ros.walk import Fields
+from flexdyn.records.table import damage_named
+
+_LONGEST = 2**17
+_POINTS = "\n".join(
+    f"trajectory_msgs/JointTrajectoryPoint {name}" for name in ("reference", "feedback", "error", "output")
+)
+_HEAD = "std_msgs/Header header\nstring[] joint_names\n"
+_OLD_POINTS = "trajectory_msgs/JointTrajectoryPoint desired\ntrajectory_msgs/JointTrajectoryPoint actual\n"
+_MULTI = "\n".join(
+    f"trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_{name}"
+    for name in ("reference", "feedback", "error", "output")
+)
+_OLD_MULTI = _MULTI.replace("reference", "desired").replace("feedback", "actual").split("\n")[:2]
+_JTC = "control_msgs/msg/JointTrajectoryControllerState"
+_NEW = f"{_HEAD}{_POINTS}\nstring[] multi_dof_joint_names\n{_MULTI}\n"
+
+DYNAMIC_JOINT_STATE = "control_msgs/msg/DynamicJointState"
+INTERFACE_VALUE = "control_msgs/msg/InterfaceValue"
+
+# control_msgs is not among the types that rosbags brings; its fields changed over the years.
+_CONTROL: dict[str, tuple[str, ...]] = {
+    _JTC: (
+        f"{_HEAD}{_OLD_POINTS}trajectory_msgs/JointTrajectoryPoint error\n",
+        f"{_HEAD}{_POINTS}\n{_OLD_POINTS}string[] multi_dof_joint_names\n{_MULTI}\n" + "\n".join(_OLD_MULTI) + "\n",
+        _NEW,
+        f"{_NEW}float64 speed_scaling_factor\n",
+    ),
+    "control_msgs/msg/JointControllerState": (
+        "std_msgs/Header header\n"
+        + "".join(
+            f"float64 {name}\n"
+            for name in (
+                *("set_point", "process_value", "process_value_dot", "error", "time_step", "command"),
+                *("p", "i", "d", "i_clamp"),
+            )
+        )
+        + "bool antiwindup\n",
+    ),
+    DYNAMIC_JOINT_STATE: (f"{_HEAD}control_msgs/InterfaceValue[] interface_values\n",),
+    INTERFACE_VALUE: ("string[] interface_names\nfloat64[] values\n",),
+}
+
+
+def stored(definition: MessageDefinition, msgtype: str, *, cdr: bool) -> Iterator[Fields]:
+    """Fields of a message type and all it is made of: one answer if the bag defines it, else all that it may have been.
+
+    Args:
+        definition: as the bag holds it, perhaps none.
+        msgtype: such as ``sensor_msgs/msg/JointState``.
+        cdr: whether the bag is one of ROS 2.
+
+    Raises:
+        InputError: the definition cannot be parsed, or there is none and ROS has no such type.
+    """
+    fields: dict[str, Any] = {}
+    if definition.format != MessageDefinitionFormat.NONE:
+        if len(definition.data) > _LONGEST:
+            raise InputError("a message definition is longer than 128 KiB", value=msgtype)
+        with damage_named(f"the definition of {msgtype} cannot be read"):
+            fields = _parsed(definition, msgtype)
+        yield {**_plain(get_typestore(Stores.EMPTY).fielddefs), **_plain(fields)}
+        return
+    known = _plain(get_typestore(Stores.ROS2_HUMBLE if cdr else Stores.ROS1_NOETIC).fielddefs)
+    for name, texts in _CONTROL.items():
+        known.update(_plain(get_types_from_msg(texts[0], name)))
+    if msgtype not in known:
+        raise InputError(
+            "the bag does not hold the definition of its messages, and ROS has no such type",
+            value=msgtype,
+            remedy="convert the bag to MCAP where the type is installed",
+        )
+    if msgtype not in _CONTROL:
+        yield known
+    for text in _CONTROL.get(msgtype, ()):
+        yield {**known, **_plain(get_types_from_msg(text, msgtype))}
+
+
+def control_types() -> dict[str, Any]:
+    """The parsed definitions that `DynamicJointState` needs beyond those of rosbags, to be registered for writing."""
+    return {
+        name: parsed
+        for msgtype in (INTERFACE_VALUE, DYNAMIC_JOINT_STATE)
+        for name, parsed in get_types_from_msg(_CONTROL[msgtype][0], msgtype).items()
+    }
+
+
+def _parsed(definition: MessageDefinition, msgtype: str) -> dict[str, Any]:
+    if definition.format == MessageDefinitionFormat.MSG:
+        return dict(get_types_from_msg(definition.data, msgtype))
+    fields: dict[str, Any] = {}
+    line = "=" * 80 + "\n"
+    parts = definition.data.split(line)[1:] if definition.data.startswith(f"{line}IDL: ") else [f"\n{definition.data}"]
+    for part in parts:
+        fields.update(get_types_from_idl(part.split("\n", 1)[1]))
+    return fields
+
+
+def _plain(types: Any) -> dict[str, Any]:
+    """Fields by type, without the constants."""
+    return {name: parsed[1] for name, parsed in types.items()}

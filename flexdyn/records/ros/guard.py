@@ -1,0 +1,170 @@
+"""What a bag unpacks to is measured before rosbags unpacks it: rosbags itself sets no bounds.
+
+Honest bags come nowhere near these limits; a file of kilobytes that unpacks to gigabytes is stopped here.
+"""
+
+from __future__ import annotations
+
+import struct
+import sys
+from bz2 import BZ2Decompressor
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import lz4.frame  # type: ignore[import-untyped]
+from rosbags.rosbag1 import Reader
+from rosbags.rosbag1.reader import decompressors
+
+from flexdyn.errors import InputError
+from flexdyn.records.table import MOST_EXPANSION
+
+if sys.version_info >= (3, 14):
+    from compression import zstd
+else:
+    from backports import zstd
+
+MOST_MESSAGE = 16 * 2**20
+"""Bytes of the longest message that is read."""
+
+_LARGEST_CHUNK = 2**30
+_MOST_OPEN = 2**31
+_PIECE = 2**20
+_UNPACK = {
+    "zstd": zstd.ZstdDecompressor,
+    "lz4": lz4.frame.LZ4FrameDecompressor,
+    "bz2": BZ2Decompressor,
+}
+
+
+def unpacked(data: bytes, compression: str, most: int) -> bytes:
+    """Unpack all frames of compressed data, unless they come to more than `most` bytes.
+
+    Raises:
+        InputError: they do.
+    """
+    whole = bytearray()
+    while data:
+        frame = _UNPACK[compression]()
+        whole += frame.decompress(data, most + 1 - len(whole))
+        if len(whole) > most:
+            raise InputError(f"{compression} data unpack to more than {most} bytes", remedy="the file is damaged")
+        if not frame.eof:
+            raise InputError(f"{compression} data are cut", remedy="copy the file again")
+        data = frame.unused_data
+    return bytes(whole)
+
+
+def unpack_file(source: Path, target: Path) -> None:
+    """Unpack a file of zstd in bounded memory, and onto bounded disk space."""
+    left = MOST_EXPANSION * source.stat().st_size
+    with zstd.open(source, "rb") as packed, open(target, "xb") as plain:
+        while piece := packed.read(_PIECE):
+            left -= len(piece)
+            if left < 0:
+                remedy = "unpack it with zstd -d, and read what comes out"
+                raise InputError(f"the file unpacks to more than {MOST_EXPANSION} times its size", remedy=remedy)
+            plain.write(piece)
+
+
+class Chunk(NamedTuple):
+    """A chunk of an MCAP file as its own header tells."""
+
+    offset: int
+    compression: str
+    packed: int
+    plain: int
+
+
+def check_mcap(path: Path) -> dict[int, Chunk]:
+    """Unpack every compressed chunk once, within the size that it declares.
+
+    Returns:
+        The chunks by offset.
+
+    Raises:
+        InputError: a chunk is too large, or larger than it says.
+    """
+    chunks = {}
+    with open(path, "rb") as file:
+        size = file.seek(0, 2)
+        for chunk, data in _chunks(file, size):
+            most = min(_LARGEST_CHUNK, MOST_EXPANSION * size)
+            if chunk.plain > most:
+                raise InputError(f"a chunk announces {chunk.plain} bytes", remedy=f"at most {most} are unpacked")
+            if chunk.compression in _UNPACK:
+                unpacked(data, chunk.compression, chunk.plain)
+            chunks[chunk.offset] = chunk
+    return chunks
+
+
+def _chunks(file: Any, size: int) -> Iterator[tuple[Chunk, bytes]]:
+    offset = 8
+    while offset + 9 <= size:
+        file.seek(offset)
+        kind, length = struct.unpack("<BQ", file.read(9))
+        if kind == 0x06 and offset + 9 + length <= size and length >= 40:
+            _, _, plain, _, name = struct.unpack("<QQQII", file.read(32))
+            compression = file.read(min(name, 8)).decode("ascii", "replace")
+            if name > 8 or name + 40 > length:
+                raise InputError("a chunk's header is damaged", remedy="copy the file again")
+            (packed,) = struct.unpack("<Q", file.read(8))
+            if packed > length - 40 - name:
+                raise InputError("a chunk's header is damaged", remedy="copy the file again")
+            data = file.read(packed) if compression in _UNPACK else b""
+            yield Chunk(offset, compression, packed, plain), data
+        offset += 9 + length
+
+
+def check_index(index: Iterable[Any], chunks: dict[int, Chunk]) -> None:
+    """Refuse an index (rosbags' ChunkInfo) of other chunks than there are, or of too many at one time.
+
+    rosbags holds all chunks unpacked that overlap in time.
+    """
+    seen = set()
+    events: list[tuple[int, int]] = []
+    for info in index:
+        told = Chunk(info.chunk_start_offset, info.compression, info.compressed_size, info.uncompressed_size)
+        if told.offset in seen or chunks.get(told.offset) != told:
+            raise InputError("the index disagrees with the chunks", remedy="the file is damaged; recover or reindex it")
+        seen.add(told.offset)
+        events += [(info.message_start_time, told.plain), (info.message_end_time + 1, -told.plain)]
+    held = 0
+    for _, size in sorted(events):
+        held += size
+        if held > _MOST_OPEN:
+            raise InputError("chunks of more than 2 GiB overlap in time", remedy="sort the file by time first")
+
+
+class BoundedReader(Reader):  # type: ignore[misc]
+    """rosbags' reader of ROS 1 bags that reads no more index than the file is long, and unpacks within bounds."""
+
+    def open(self) -> None:
+        """Open the bag and read its index."""
+        size = self.path.stat().st_size
+        self.index_left = size
+        self.plain_left = MOST_EXPANSION * size
+        super().open()
+
+    def read_index_data(self, pos: int, indexes: dict[int, list[Any]]) -> None:
+        """Read one part of the index; parts that overlap come to more than the file in the end."""
+        begin = self.bio.tell()
+        super().read_index_data(pos, indexes)
+        self.index_left -= self.bio.tell() - begin
+        if self.index_left < 0:
+            raise InputError("the index is longer than the file", remedy="the bag is damaged: rosbag reindex")
+
+    def read_chunk(self) -> Any:
+        """Read a chunk's header; its data are unpacked later."""
+        chunk = super().read_chunk()
+        kind = next(name for name, unpack in decompressors.items() if unpack is chunk.decompressor)
+
+        def bounded(data: bytes) -> bytes:
+            most = min(_LARGEST_CHUNK, self.plain_left)
+            plain = unpacked(data, kind, most) if kind in _UNPACK else data
+            self.plain_left -= len(plain)
+            if self.plain_left < 0:
+                raise InputError("chunks are unpacked again and again", remedy="sort the bag by time first")
+            return plain
+
+        return chunk._replace(decompressor=bounded)

@@ -1,0 +1,185 @@
+"""A bag as a table: topics chosen, columns collected, times merged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexdyn.errors import InputError
+from flexdyn.records.meta import from_json
+from flexdyn.records.request import Request
+from flexdyn.records.ros.bag import Bag, Topic, opened
+from flexdyn.records.ros.clock import YEAR, seconds
+from flexdyn.records.ros.columns import CONVENTIONAL, is_own
+from flexdyn.records.ros.picks import Conventional, Pick, Wanted
+from flexdyn.records.ros.series import Series
+from flexdyn.records.ros.words import listed, near
+from flexdyn.records.table import Rows, Table
+
+META_TOPIC = "/flexdyn/meta"
+"""Topic of what ROS has no place for: order of channels, zero of time, meta; one text."""
+
+_STRING = "std_msgs/msg/String"
+_CLOCKS = ("message", "bag")
+
+
+def read(path: Path, request: Request) -> Table:
+    """Read the topics asked for; see the package's docstring."""
+    if request.layout.clock not in _CLOCKS:
+        remedy = near(request.layout.clock, _CLOCKS)
+        raise InputError("no such clock", key="source.clock", value=request.layout.clock, remedy=remedy)
+    with opened(path) as bag:
+        own = _own(bag, request)
+        every = [_series(bag, topic, pick, request) for topic, pick in _choice(bag, request, own)]
+        _collect(bag, every, request)
+    table = Table(rows=Rows("message"))
+    zero = own["zero_ns"] if own else _zero(every[0])
+    columns = {name: values for series in every for name, values in series.columns.items()}
+    stamps, exact = _merged(every), columns.pop("t", None)
+    table.add("t", seconds(stamps, zero) if exact is None else exact)
+    for name in own["channels"] if own else columns:
+        if name not in columns:
+            raise InputError("the channel is announced and not there", key=name, remedy="copy the whole bag")
+        if request.columns is None or not own or request.wants(name):
+            table.add(name, columns[name])
+    if own:
+        table.meta = own["meta"]
+    elif zero:
+        table.meta["start_ns"] = zero
+    if not own and request.columns is None and (notes := _notes(table, every[0])):
+        table.meta["notes"] = notes
+    return table
+
+
+def _own(bag: Bag, request: Request) -> dict[str, Any] | None:
+    """What flexdyn wrote about its bag; None for a bag of others, or if raw columns are asked for."""
+    topic = bag.topics.get(META_TOPIC)
+    raw = request.layout.topic or any(str(name).startswith("/") for name in request.columns or ())
+    if topic is None or topic.msgtype != _STRING or raw:
+        return None
+    texts = [text for _, _, raw in bag.messages([topic]) for text in bag.layout(topic, raw).texts.values()]
+    own = from_json(texts[0]) if len(texts) == 1 else {}
+    zero, channels, meta = own.get("zero_ns"), own.get("channels"), own.get("meta")
+    known = isinstance(zero, int) and abs(zero) < 2**62 and isinstance(channels, list) and isinstance(meta, dict)
+    if not known or not all(isinstance(name, str) for name in own["channels"]):
+        raise InputError("what flexdyn wrote about the bag is damaged", key=META_TOPIC, remedy="write the bag again")
+    return own
+
+
+def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tuple[Topic, Pick]]:
+    """The topics to read, and what of each."""
+    if own or request.columns is None:
+        names = [name for name in bag.topics if is_own(name)] if own else [_topic(bag, request)]
+        if not names:
+            raise InputError(
+                "no topic with the channels that flexdyn wrote", key=META_TOPIC, remedy="copy the whole bag"
+            )
+        topics = [bag.topics[name] for name in names]
+        if bad := [topic for topic in topics if topic.msgtype not in CONVENTIONAL]:
+            problem = f"messages of {bad[0].msgtype} make no recording by themselves"
+            raise InputError(problem, key=bad[0].name, remedy="name columns in a channel map")
+        return [(topic, Conventional(topic.name, topic.msgtype, own=bool(own))) for topic in topics]
+    wanted: dict[str, dict[str, str]] = {}
+    for column in sorted(str(column) for column in request.columns if column != "t"):
+        topic, name = _split(column)
+        wanted.setdefault(_known(bag, topic) if topic else _topic(bag, request), {})[name] = column
+    if not wanted:
+        raise InputError("no column of the bag is asked for", remedy="name columns in the channel map")
+    return [(bag.topics[topic], Wanted(topic, names)) for topic, names in wanted.items()]
+
+
+def _split(column: str) -> tuple[str, str]:
+    """Topic and column of ``/joint_states.position.elbow``; no topic if the column has none in front."""
+    if not column.startswith("/"):
+        return "", column
+    topic, _, name = column.partition(".")
+    return topic, name
+
+
+def _topic(bag: Bag, request: Request) -> str:
+    """The topic that is named, or the only one that can be meant."""
+    if request.layout.topic is not None:
+        return _known(bag, request.layout.topic)
+    filled = [topic for topic in bag.topics.values() if topic.count != 0]
+    able = [topic.name for topic in filled if topic.msgtype in CONVENTIONAL]
+    if not able and request.columns is not None:
+        able = [topic.name for topic in filled]
+    if len(able) == 1:
+        return able[0]
+    types = listed(f"{topic.name} ({topic.msgtype})" for topic in bag.topics.values()) or "none"
+    if able:
+        problem, remedy = (
+            "several topics could be read",
+            "choose one in a channel map, source: {topic: ...}, others: keep; there are ",
+        )
+    else:
+        problem, remedy = "no topic of joint states", "name topic and columns in a channel map; there are "
+    raise InputError(problem, remedy=remedy + (listed(able) if able else types))
+
+
+def _known(bag: Bag, name: str) -> str:
+    if name not in bag.topics:
+        raise InputError("the bag has no such topic", key=name, remedy=near(name, bag.topics))
+    if bag.topics[name].count == 0:
+        raise InputError("the topic has no messages", key=name, remedy="choose another topic")
+    return name
+
+
+def _series(bag: Bag, topic: Topic, pick: Pick, request: Request) -> Series:
+    return Series(
+        topic.name,
+        topic.msgtype,
+        lambda raw: bag.layout(topic, raw),
+        pick,
+        count=bag.total if topic.count is None else topic.count,
+        size=bag.size,
+        clock=request.layout.clock,
+    )
+
+
+def _collect(bag: Bag, every: Sequence[Series], request: Request) -> None:
+    by_topic: Mapping[str, Series] = {series.topic: series for series in every}
+    total = sum(series.count for series in every)
+    for topic, time, raw in bag.messages([bag.topics[name] for name in by_topic]):
+        if topic not in by_topic:
+            raise InputError("two topics have one number", key=topic, remedy="the bag is damaged; reindex it")
+        if by_topic[topic].add(time, raw):
+            request.report(sum(series.seen for series in every) / total)
+    for series in every:
+        series.finish()
+        announced = bag.topics[series.topic].count
+        if announced is not None and series.seen != announced:
+            problem = f"{series.seen} messages where the index announces {announced}"
+            raise InputError(problem, key=series.topic, remedy="the bag is cut or damaged; reindex or recover it")
+
+
+def _zero(series: Series) -> int:
+    """The stamp that is time 0: the first if it is a time of day."""
+    first = int(series.stamps[0]) if len(series.stamps) else 0
+    return first if first >= YEAR else 0
+
+
+def _merged(every: Sequence[Series]) -> Any:
+    """The stamps that all topics share."""
+    first = every[0]
+    for other in every[1:]:
+        if not np.array_equal(first.stamps, other.stamps):
+            problem = f"{first.topic} and {other.topic} have different times"
+            raise InputError(problem, key="t", remedy="read one topic at a time: choose columns of one", channel="t")
+    return first.stamps
+
+
+def _notes(table: Table, series: Series) -> list[str]:
+    """Leave out what was never measured, and say what was assumed."""
+    notes = []
+    for name in [name for name, values in table.columns.items() if np.isnan(values).all() and len(values)]:
+        del table.columns[name]
+        notes.append(f"{name} of {series.topic} is NaN in every message and was left out")
+    if any(name.startswith("tau.") for name in table.columns):
+        notes.append(
+            f"effort of {series.topic} was taken as tau, the torque asked for; map it to tau_s if it is measured"
+        )
+    return notes

@@ -1,0 +1,156 @@
+"""The messages of one topic, collected in blocks and turned into columns with NumPy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.errors import InputError
+from flexdyn.records.ros.columns import columns_of, stamp_of
+from flexdyn.records.ros.picks import Pick
+from flexdyn.records.ros.walk import Bytes, Layout, Number
+from flexdyn.records.table import check_size
+
+Integers = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+_BLOCK_MESSAGES = 4096
+_BLOCK_BYTES = 8 * 2**20
+_EXACT = 2**53
+
+
+class Series:
+    """Columns of one topic, growing.
+
+    Args:
+        topic: name, for messages.
+        msgtype: of its messages.
+        describe: gives the layout of a message.
+        pick: chooses the columns.
+        count: messages that the index announces, at most.
+        size: bytes of the bag on disk, for the check that it can hold so much.
+        clock: ``message`` or ``bag``.
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        msgtype: str,
+        describe: Callable[[bytes], Layout],
+        pick: Pick,
+        *,
+        count: int,
+        size: int,
+        clock: str,
+    ) -> None:
+        self.topic, self.msgtype, self.pick, self.clock = topic, msgtype, pick, clock
+        self.describe, self.count, self.size = describe, count, size
+        self.columns: dict[str, Floats] = {}
+        self.stamps: Integers = np.empty(0, np.int64)
+        self.filled = self.seen = 0
+        self._raws: list[bytes] = []
+        self._times: list[int] = []
+        self._bytes = 0
+
+    def add(self, time: int, raw: bytes) -> bool:
+        """Take one message; true if a block was worked off."""
+        self._times.append(time)
+        self._raws.append(raw)
+        self._bytes += len(raw)
+        if len(self._raws) < _BLOCK_MESSAGES and self._bytes < _BLOCK_BYTES:
+            return False
+        self.flush()
+        return True
+
+    def flush(self) -> None:
+        """Work off what was collected."""
+        raws, times = self._raws, self._times
+        self._raws, self._times, self._bytes = [], [], 0
+        if not raws:
+            return
+        if self.seen + len(raws) > self.count:
+            problem = f"more messages than the {self.count} that the index announces"
+            raise InputError(problem, key=self.topic, remedy="the bag is damaged; reindex it")
+        stamps = self._stamps(times)
+        keep = np.zeros(len(raws), bool)
+        values: Floats = np.empty((len(self.columns), len(raws)))
+        lengths = np.fromiter(map(len, raws), np.int64, len(raws))
+        for length in dict.fromkeys(lengths.tolist()):
+            rows = np.flatnonzero(lengths == length)
+            block = np.frombuffer(b"".join([raws[row] for row in rows]), np.uint8).reshape(len(rows), length)
+            while len(rows):
+                layout = self.describe(raws[rows[0]])
+                same = layout.matches(block)
+                numbers = self._picked(layout, int(rows[0]))
+                if numbers is not None:
+                    if not len(values):
+                        values = np.empty((len(self.columns), len(raws)))
+                    self._take(layout, numbers, block[same], rows[same], values, stamps)
+                    keep[rows[same]] = True
+                rows, block = rows[~same], block[~same]
+        self._append(values, stamps, keep)
+        self.seen += len(raws)
+
+    def finish(self) -> None:
+        """Work off the rest and give back the memory that was not needed."""
+        self.flush()
+        self.pick.check()
+        if self.filled < len(self.stamps):
+            self.stamps = self.stamps[: self.filled].copy()
+            for name in self.columns:
+                self.columns[name] = self.columns[name][: self.filled].copy()
+        if self.clock == "message" and self.filled and not self.stamps.any():
+            remedy = "take the time of recording: source: {clock: bag} in a channel map"
+            raise InputError("every stamp is zero", key=self.topic, remedy=remedy, channel="t")
+
+    def _stamps(self, times: list[int]) -> Integers:
+        if self.clock == "message":
+            return np.empty(len(times), np.int64)
+        if not all(isinstance(time, int) and -(2**62) < time < 2**62 for time in times):
+            raise InputError("a time of recording is no number of nanoseconds", key=self.topic, channel="t")
+        return np.array(times, np.int64)
+
+    def _picked(self, layout: Layout, row: int) -> dict[str, Number] | None:
+        numbers = self.pick(columns_of(layout, self.msgtype), self.seen + row)
+        if numbers is not None and not self.columns:
+            check_size(8 * self.count * (len(numbers) + 1), self.size)
+            self.columns = {name: np.empty(self.count) for name in numbers}
+            self.stamps = np.empty(self.count, np.int64)
+        return numbers
+
+    def _take(
+        self,
+        layout: Layout,
+        numbers: dict[str, Number],
+        block: Bytes,
+        rows: npt.NDArray[np.intp],
+        values: Floats,
+        stamps: Integers,
+    ) -> None:
+        for index, name in enumerate(self.columns):
+            values[index, rows] = self._doubles(name, numbers[name].of(block))
+        if self.clock == "message":
+            stamp = stamp_of(layout)
+            if stamp is None:
+                remedy = "take the time of recording: source: {clock: bag} in a channel map"
+                raise InputError(f"messages of {self.msgtype} have no stamp", key=self.topic, remedy=remedy)
+            seconds, nanoseconds = (part.of(block).astype(np.int64) for part in stamp)
+            stamps[rows] = seconds * 10**9 + nanoseconds
+
+    def _doubles(self, name: str, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        if values.dtype.itemsize == 8 and values.dtype.kind in "iu" and (np.abs(values.astype(float)) > _EXACT).any():
+            remedy = "leave the column out"
+            raise InputError("integers beyond 2^53 are no exact doubles", key=name, remedy=remedy, channel=name)
+        return values
+
+    def _append(self, values: Floats, stamps: Integers, keep: npt.NDArray[np.bool_]) -> None:
+        if not keep.any():
+            return
+        end = self.filled + int(keep.sum())
+        for column, block in zip(self.columns.values(), values, strict=True):
+            column[self.filled : end] = block[keep]
+        self.stamps[self.filled : end] = stamps[keep]
+        self.filled = end

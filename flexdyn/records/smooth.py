@@ -1,0 +1,224 @@
+"""Smoothing and differentiating samples with one zero-phase filter, alike for every term of an equation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.checks import as_number
+from flexdyn.errors import InputError
+from flexdyn.records.kernels import DIFFERENCE_REACH, Kernels, kernels
+from flexdyn.records.table import FloatArray
+
+ORDERS = ("value", "first", "second", "held")
+_LONG_KERNEL = 300
+_WIDEST = 100_001
+_FINE = 4096
+
+
+@dataclass(frozen=True)
+class Smoother:
+    """A local polynomial filter on uniform samples: value, first and second derivative with the same low-pass.
+
+    The value at sample k is that of the polynomial of `degree` fitted to the `width` samples around k under the
+    weights (1 - (j/(half + 1))^2)^taper (Savitzky & Golay 1964 for taper 0; the taper lowers the side lobes). The
+    derivatives are differences of that same filter, so that with its frequency response H every term of an equation
+    of motion is multiplied by H alone: value H, first i w H, second -w^2 H. Savitzky and Golay's own derivatives have
+    other responses for other orders and would leave a residual where there is none.
+
+    Polynomials up to `degree` come out exactly. Where the kernel does not fit, samples are dropped: outputs are
+    shorter by ``2 * reach`` and stand at ``t[smoother.valid]``.
+
+    Args:
+        width: samples that the fit spans, odd, from 2*(degree//2) + 3, the narrowest that smooths at all.
+        rate: samples per second [Hz].
+        degree: of the polynomial, 1 to 7; an even degree equals the next odd one.
+        taper: exponent of the weights, 0 to 8.
+
+    Raises:
+        InputError: outside these limits.
+    """
+
+    width: int
+    rate: float
+    degree: int = 3
+    taper: int = 3
+
+    def __post_init__(self) -> None:
+        """Refuse what makes no filter."""
+        _whole("degree", self.degree, 1, 7)
+        _whole("taper", self.taper, 0, 8)
+        _whole("width", self.width, self._least(self.degree), _WIDEST)
+        if self.width % 2 == 0:
+            remedy = f"give {self.width - 1} or {self.width + 1}"
+            raise InputError("the width is even: no sample is its centre", key="width", value=self.width, remedy=remedy)
+        if not 0 < as_number(self.rate) < math.inf:
+            raise InputError("not a sample rate", key="rate", value=self.rate, remedy="give samples per second [Hz]")
+
+    @classmethod
+    def at_cutoff(cls, cutoff: float, rate: float, degree: int = 3, taper: int = 3) -> Smoother:
+        """The filter whose response falls to 1/sqrt(2) nearest to a frequency.
+
+        Args:
+            cutoff: [Hz].
+            rate: samples per second [Hz].
+            degree: of the polynomial.
+            taper: exponent of the weights.
+
+        Raises:
+            InputError: no filter of this degree has that cut-off at that rate.
+        """
+        narrowest = cls(cls._least(degree), rate, degree, taper)
+        wanted = as_number(cutoff)
+        if not 0 < wanted <= narrowest.cutoff:
+            remedy = f"give more than 0 and at most {narrowest.cutoff:.4g} Hz"
+            raise InputError("no such cut-off at this rate and degree", key="cutoff", value=cutoff, remedy=remedy)
+        width = cls._least(degree) * narrowest.cutoff / wanted
+        for _ in range(3):  # the cut-off is nearly, not exactly, as 1/width
+            now = cls(cls._odd(width, degree), rate, degree, taper)
+            width = now.width * now.cutoff / wanted
+        near = (cls(cls._odd(width + step, degree), rate, degree, taper) for step in (-2, 0, 2))
+        return min(near, key=lambda smoother: abs(smoother.cutoff - wanted))
+
+    @staticmethod
+    def _least(degree: int) -> int:
+        """The narrowest odd width that smooths: on fewer samples the polynomial would pass through all of them."""
+        return 2 * (degree // 2) + 3
+
+    @classmethod
+    def _odd(cls, width: float, degree: int) -> int:
+        return max(cls._least(degree), 2 * round((min(width, _WIDEST) - 1) / 2) + 1)
+
+    @property
+    def reach(self) -> int:
+        """Samples lost at each end."""
+        return self.width // 2 + DIFFERENCE_REACH
+
+    @property
+    def valid(self) -> slice:
+        """The samples of the input that the outputs stand at: ``t[smoother.valid]``."""
+        return slice(self.reach, -self.reach)
+
+    @property
+    def cutoff(self) -> float:
+        """Frequency at which the response has fallen to 1/sqrt(2) (-3 dB) [Hz]."""
+        kernel = self._kernels.value
+        points = 2 ** math.ceil(math.log2(max(_FINE, 32 * len(kernel))))
+        size = np.abs(np.fft.rfft(kernel, points))
+        below = np.flatnonzero(size < math.sqrt(0.5))
+        if not len(below):
+            return self.rate / 2
+        right = int(below[0])
+        share = (size[right - 1] - math.sqrt(0.5)) / (size[right - 1] - size[right])
+        return float((right - 1 + share) * self.rate / points)
+
+    def response(self, frequency: npt.ArrayLike) -> FloatArray:
+        """What a sine's amplitude is multiplied by, H(f); real, for the filter shifts no phase.
+
+        Args:
+            frequency: [Hz], any shape.
+        """
+        w = 2 * np.pi * np.asarray(frequency, float) / self.rate
+        side = self._kernels.value[self.reach :]
+        total = np.full(w.shape, side[0])
+        for j in np.flatnonzero(side[1:]) + 1:
+            total += 2 * side[j] * np.cos(j * w)
+        return np.asarray(total)
+
+    def value(self, x: npt.ArrayLike) -> FloatArray:
+        """Smoothed samples at `valid`; for signals sampled at an instant (q, v, tau_s)."""
+        return self._applied(x, self._kernels.value, 0)
+
+    def first(self, x: npt.ArrayLike) -> FloatArray:
+        """Smoothed first derivative at `valid` [unit of x per second]; exactly 0 for a constant."""
+        return self._applied(x, self._kernels.first, 1)
+
+    def second(self, x: npt.ArrayLike) -> FloatArray:
+        """Smoothed second derivative at `valid` [unit of x per second squared]; exactly 0 for a constant."""
+        return self._applied(x, self._kernels.second, 2)
+
+    def held(self, x: npt.ArrayLike) -> FloatArray:
+        """Smoothed samples of a signal held from each sample to the next (tau, tau_applied), at `valid`.
+
+        The holding is accounted for: what accelerates by a held u has ``second(x) == held(u)``, to rounding.
+        """
+        return self._applied(x, self._kernels.held, 0)
+
+    def noise_gain(self, order: str = "value") -> float:
+        """Standard deviation of an output where the input is white noise of standard deviation 1.
+
+        sqrt(sum of the kernel's squares) [1, 1/s, 1/s^2].
+
+        Args:
+            order: ``"value"``, ``"first"``, ``"second"`` or ``"held"``.
+        """
+        kernel, scale = self._weights(order)
+        return float(np.sqrt(kernel @ kernel)) * scale
+
+    def noise_std(self, order: str, autocovariance: npt.ArrayLike) -> float:
+        """Standard deviation of an output where the input is stationary noise of any colour.
+
+        Args:
+            order: as in `noise_gain`.
+            autocovariance: of the input at lags 0, 1, 2, ... samples; zero beyond those given.
+        """
+        kernel, scale = self._weights(order)
+        given = np.asarray(autocovariance, float)[: len(kernel)]
+        both = np.correlate(kernel, kernel, "full")[len(kernel) - 1 :][: len(given)]
+        variance = 2 * float(given @ both) - float(given[0] * both[0])
+        return math.sqrt(max(0.0, variance)) * scale
+
+    def noise_autocorrelation(self, order: str = "value") -> FloatArray:
+        """Autocorrelation of an output at lags 0, 1, ... where the input is white noise; zero beyond those returned."""
+        kernel, _ = self._weights(order)
+        both = np.correlate(kernel, kernel, "full")[len(kernel) - 1 :]
+        return np.asarray(both / both[0])
+
+    @property
+    def _kernels(self) -> Kernels:
+        return kernels(int(self.width) // 2, int(self.degree), int(self.taper))
+
+    def _weights(self, order: str) -> tuple[FloatArray, float]:
+        if order not in ORDERS:
+            raise InputError("no such output", key="order", value=order, remedy="known: " + ", ".join(ORDERS))
+        power = {"first": 1, "second": 2}.get(order, 0)
+        return getattr(self._kernels, order), float(self.rate) ** power
+
+    def _applied(self, x: npt.ArrayLike, kernel: FloatArray, power: int) -> FloatArray:
+        """Correlate columns with the kernel; the first sample is taken off, so that constants come out exactly."""
+        samples = np.asarray(x, float)
+        self._check(samples)
+        start = samples[:1]
+        moved = samples - start
+        if len(kernel) > _LONG_KERNEL:
+            from scipy.signal import oaconvolve
+
+            columns = kernel[::-1] if samples.ndim == 1 else kernel[::-1, None]
+            out = oaconvolve(moved, columns, mode="valid", axes=0)
+        elif samples.ndim == 1:
+            out = np.correlate(moved, kernel, "valid")
+        else:
+            out = np.empty((len(samples) - 2 * self.reach, samples.shape[1]))
+            for column in range(samples.shape[1]):
+                out[:, column] = np.correlate(moved[:, column], kernel, "valid")
+        return np.asarray(out * self.rate**power if power else out + start)
+
+    def _check(self, samples: FloatArray) -> None:
+        if samples.ndim not in (1, 2):
+            remedy = "give (samples,) or (samples, channels)"
+            raise InputError("the samples are no column or table", key="x", value=samples.shape, remedy=remedy)
+        if len(samples) <= 2 * self.reach:
+            problem = f"{len(samples)} samples, and the filter of width {self.width} needs {2 * self.reach + 1}"
+            raise InputError(problem, key="x", remedy="give more samples or a smaller width")
+        finite = np.isfinite(samples)
+        if not finite.all():
+            row = int(np.argmin(finite.reshape(len(samples), -1).all(axis=1)))
+            raise InputError(f"row {row}: not a finite number", key="x", remedy="remove or fill the gap", row=row)
+
+
+def _whole(key: str, value: object, least: int, most: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+        raise InputError("not a whole number in range", key=key, value=value, remedy=f"give {least} to {most}")

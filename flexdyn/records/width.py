@@ -1,0 +1,95 @@
+"""The filter that fits a signal: as wide as its noise asks for and as narrow as its motion needs."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.errors import InputError
+from flexdyn.records.kernels import DIFFERENCE_REACH, kernels
+from flexdyn.records.noise import Noise
+from flexdyn.records.noise_spectrum import blackman_harris
+from flexdyn.records.smooth import ORDERS, Smoother
+from flexdyn.records.table import FloatArray
+
+_LONGEST_SEGMENT = 8192
+_GROWTH = 1.15
+_AROUND = 15
+"""Bins averaged before the motion is looked for: one bin alone stands out of noise now and then."""
+
+
+def best_smoother(
+    x: npt.ArrayLike, rate: float, noise: Noise, *, order: str = "second", degree: int = 3, taper: int = 3
+) -> Smoother:
+    """The smoother with the smallest estimated error of one output.
+
+    Wiener's criterion (1949) over the widths of the family: with the motion's spectrum S (Welch's estimate of the
+    samples' less the noise's N, where that leaves anything significant) and the filter's response H,
+
+        error^2(width) = mean over frequency of w^(2 order) ((1 - H)^2 S + H^2 N).
+
+    Motion that lies below the noise at its frequency cannot be seen and is not counted.
+
+    Args:
+        x: uniform samples (samples,).
+        rate: samples per second [Hz].
+        noise: of the channel, as `estimate_noise` finds it.
+        order: the output that is to be best: ``"value"``, ``"first"`` or ``"second"``.
+        degree: of the polynomial.
+        taper: exponent of the weights.
+
+    Raises:
+        InputError: too few samples.
+    """
+    if order not in ORDERS:
+        raise InputError("no such output", key="order", value=order, remedy="known: " + ", ".join(ORDERS))
+    samples = np.asarray(x, float)
+    narrowest = Smoother(2 * (degree // 2) + 3, rate, degree, taper)
+    length = min(_LONGEST_SEGMENT, 2 ** int(np.log2(max(1, len(samples) // 3))))
+    if length < 4 * narrowest.reach:
+        problem, remedy = f"{len(samples)} samples are too few to choose a width", "give the smoother yourself"
+        raise InputError(problem, key="x", remedy=remedy)
+    motion, noisy = _spectra(samples, noise, length)
+    w = 2 * np.pi * np.arange(length // 2 + 1) / length
+    weight = w ** (2 * {"first": 1, "second": 2}.get(order, 0))
+    best, least = narrowest, np.inf
+    width = float(narrowest.width)
+    while width + 2 * DIFFERENCE_REACH <= length // 2:
+        smoother = Smoother(2 * round((width - 1) / 2) + 1, rate, degree, taper)
+        response = _response(smoother, length)
+        error = float(np.mean(weight * ((1 - response) ** 2 * motion + response**2 * noisy)))
+        if error < least:
+            best, least = smoother, error
+        width *= _GROWTH
+    return best
+
+
+def _response(smoother: Smoother, length: int) -> FloatArray:
+    """H at the bins of a segment, by one FFT."""
+    kernel = kernels(smoother.width // 2, smoother.degree, smoother.taper).value
+    padded = np.zeros(length)
+    padded[: len(kernel)] = kernel
+    return np.asarray(np.fft.rfft(np.roll(padded, -smoother.reach)).real)
+
+
+def _spectra(x: FloatArray, noise: Noise, length: int) -> tuple[FloatArray, FloatArray]:
+    """Power of motion and noise per bin, both from segments of second differences under Blackman-Harris windows."""
+    moved = np.diff(x, 2)
+    starts = np.arange(0, len(moved) - length + 1, length // 2)
+    window = blackman_harris(length)
+    power = np.mean([np.abs(np.fft.rfft(moved[k : k + length] * window)) ** 2 for k in starts], axis=0)
+    sine = 2 * np.sin(np.pi * np.arange(length // 2 + 1) / length)
+    sine[0] = sine[1]
+    total = power / float(np.sum(window**2)) / sine**4
+    noisy = _noise_power(noise, length)
+    around = np.convolve(total, np.full(_AROUND, 1 / _AROUND), "same")
+    significant = around > noisy * (1 + 4 / np.sqrt(len(starts) * _AROUND / 3))
+    return np.where(significant, total - noisy, 0.0), noisy
+
+
+def _noise_power(noise: Noise, length: int) -> FloatArray:
+    """Power per bin from the autocovariance: flat where the noise is white, else smoothed by triangular weights."""
+    lags = np.array(noise.autocovariance[:1] if noise.white else noise.autocovariance)
+    k = np.arange(len(lags))
+    weights = np.where(k > 0, 2.0, 1.0) * (1 - k / len(lags)) * lags
+    return np.asarray(np.cos(2 * np.pi * np.outer(np.arange(length // 2 + 1), k) / length) @ weights)

@@ -1,0 +1,78 @@
+"""The dial at an elastic joint: a face that turns with the link, its mark, and the needle of the rotor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from flexdyn.robot.tree import Tree
+from flexdyn.viewer.solids import polygon, sector
+
+Array = NDArray[np.float64]
+FACE, MARK, NEEDLE = "#ffffff", "#1f2937", "#d62728"
+RADIUS = 0.055
+"""Of a dial, as a share of the arm's size."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A flat shape of a dial.
+
+    Attributes:
+        name: of its place in the scene.
+        geometry: meshcat's, in the plane of x and y; on the needle it moves with the rotor.
+        color: of the web.
+        opacity: 0 to 1.
+        order: drawn in this order over everything else.
+    """
+
+    name: str
+    geometry: Any
+    color: str
+    opacity: float
+    order: int
+
+
+def dial_pose(tree: Tree, j: int) -> Array:
+    """Where a joint's dial sits in the joint's moving frame (4, 4).
+
+    Its z is the joint's axis, or, of a prismatic joint, its x is. It stands on the axis, half-way between the joint's
+    origin and the foot of the parent joint's, so that dials of joints that share an origin do not cover each other.
+    """
+    axis = tree.axis[j]
+    to_parent = -tree.rotation[j].T @ tree.translation[j]
+    along = pin.XAxis if tree.prismatic[j] else pin.ZAxis
+    pose = np.eye(4)
+    pose[:3, :3] = pin.Quaternion.FromTwoVectors(along, np.array(axis)).toRotationMatrix()
+    if not tree.prismatic[j]:
+        pose[:3, 3] = 0.5 * float(axis @ to_parent) * axis
+    return pose
+
+
+def face(prismatic: bool, size: float) -> Iterator[Part]:
+    """What stands still against the link: a disc with its mark at zero, or a rail."""
+    r = RADIUS * size
+    if prismatic:
+        rail = [(-2.2 * r, -0.12 * r), (2.2 * r, -0.12 * r), (2.2 * r, 0.12 * r), (-2.2 * r, 0.12 * r)]
+        yield Part("face", polygon(rail), FACE, 0.75, 10)
+        yield Part("mark", polygon(_bar(0.0, r, 0.09 * r)), MARK, 0.95, 12)
+        return
+    yield Part("face", sector(0.0, r, 0.0, 2.0 * np.pi), FACE, 0.5, 10)
+    yield Part("rim", sector(0.94 * r, r, 0.0, 2.0 * np.pi), MARK, 0.9, 11)
+    yield Part("mark", polygon([(0.0, -0.05 * r), (r, -0.05 * r), (r, 0.05 * r), (0.0, 0.05 * r)]), MARK, 0.95, 12)
+
+
+def needle(prismatic: bool, size: float) -> Part:
+    """What moves with the rotor."""
+    r = RADIUS * size
+    corners = _bar(0.0, 0.9 * r, 0.12 * r) if prismatic else [(0.0, -0.11 * r), (0.98 * r, 0.0), (0.0, 0.11 * r)]
+    return Part("shape", polygon(corners), NEEDLE, 0.95, 13)
+
+
+def _bar(x: float, half: float, width: float) -> list[tuple[float, float]]:
+    return [(x - width, -half), (x + width, -half), (x + width, half), (x - width, half)]

@@ -1,0 +1,106 @@
+"""What an arm did, as the viewer shows it: link positions and deflections over time, from a run or a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording
+from flexdyn.run import Run
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Positions of an arm over time.
+
+    Attributes:
+        label: what the page calls it.
+        t: times (samples,) [s]; one sample: the arm stands still.
+        q: link positions (samples, n) [rad or m].
+        deflection: theta - q (samples, n) [rad or m]; NaN where the rotor is rigid with its link or not known.
+        notes: what was assumed, one sentence each.
+    """
+
+    label: str
+    t: Array
+    q: Array
+    deflection: Array
+    notes: tuple[str, ...] = ()
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time [s]."""
+        return float(self.t[0]), float(self.t[-1])
+
+    def at(self, times: Array) -> Motion:
+        """The motion at other times, linear between its samples, standing still before the first and after the last."""
+        q, deflection = (
+            np.column_stack([np.interp(times, self.t, column) for column in table.T])
+            for table in (self.q, self.deflection)
+        )
+        return replace(self, t=times, q=q, deflection=deflection)
+
+
+def of_run(run: Run) -> Motion:
+    """A simulated motion; joints of a finite stiffness have a rotor to show."""
+    deflection = np.where(run.model.elastic, run.deflection, np.nan)
+    label = run.model.name if run.model.elastic.any() else f"{run.model.name}, rigid"
+    return Motion(label, run.t, run.q, deflection)
+
+
+def at_rest(model: FlexibleJointModel) -> Motion:
+    """The arm at its initial position."""
+    q = np.array([[model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names]])
+    notes = ("the arm stands at the model's initial position",)
+    return Motion(model.name, np.zeros(1), q, np.full_like(q, np.nan), notes)
+
+
+def of_recording(recording: Recording, model: FlexibleJointModel, missing: Motion, label: str = "") -> Motion:
+    """A recorded motion of the joints of a model.
+
+    Args:
+        recording: with q or theta of at least one joint; a joint that has theta alone is shown at theta.
+        model: of the arm.
+        missing: where joints stand that the recording does not hold.
+        label: default: the recording's name.
+
+    Raises:
+        InputError: no position of any joint of the model.
+    """
+    joints = model.joint_names
+    linked = [joint for joint in joints if recording.has("q", joint)]
+    driven = [joint for joint in joints if joint not in linked and recording.has("theta", joint)]
+    absent = [joint for joint in joints if joint not in linked and joint not in driven]
+    if len(absent) == len(joints):
+        has = ", ".join(list(recording.channels)[:6]) or "none"
+        remedy = f"channels named {' or '.join(f'{signal}.{joints[0]}' for signal in ('q', 'theta'))} are needed"
+        raise InputError("no position of any joint of the arm", key="channels", value=has, remedy=remedy)
+    q = missing.at(recording.t).q
+    deflection = np.full_like(q, np.nan)
+    for j, joint in enumerate(joints):
+        if joint in absent:
+            continue
+        q[:, j] = recording[f"q.{joint}" if joint in linked else f"theta.{joint}"]
+        if joint in linked and recording.has("theta", joint):
+            measured = recording[f"theta.{joint}"] - q[:, j]
+            # A rigid joint has no rotor of its own to show, unless the measurement says otherwise.
+            if model.elastic[j] or measured.any():
+                deflection[:, j] = measured
+    notes = _notes(driven, absent)
+    return Motion(label or recording.name or model.name, recording.t, q, deflection, notes)
+
+
+def _notes(driven: Sequence[str], absent: Sequence[str]) -> tuple[str, ...]:
+    notes = []
+    if driven:
+        notes.append(f"only theta was measured: the link is shown at its rotor's angle: {', '.join(driven)}")
+    if absent:
+        notes.append(f"not in the recording, held or as in the arm it is compared with: {', '.join(absent)}")
+    return tuple(notes)

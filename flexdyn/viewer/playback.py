@@ -1,0 +1,106 @@
+"""fd.play: a motion in the browser, or in one HTML file."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from flexdyn.files import write_text
+from flexdyn.viewer import sources
+from flexdyn.viewer.show import show
+from flexdyn.viewer.sources import Model, Source
+
+if TYPE_CHECKING:
+    from flexdyn.viewer.server import PageServer
+
+
+@dataclass(frozen=True, eq=False)
+class Playback:
+    """A page that is being served, or was written.
+
+    Attributes:
+        url: where a browser finds it.
+    """
+
+    url: str
+    _server: PageServer | None
+
+    def close(self) -> None:
+        """Stop serving; a file stays."""
+        if self._server is not None:
+            self._server.close()
+
+    def wait(self) -> None:
+        """Serve until Ctrl-C, then close."""
+        try:
+            threading.Event().wait()
+        except KeyboardInterrupt:
+            self.close()
+
+    def __enter__(self) -> Playback:
+        """Serve within a block."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        """Close at its end."""
+        self.close()
+
+
+def play(
+    run: Source,
+    compare: Source | None = None,
+    *,
+    model: Model | None = None,
+    html: str | Path | None = None,
+    magnify: float | None = None,
+    open_browser: bool = True,
+    block: bool | None = None,
+) -> Playback:
+    """Show a motion in the browser: the arm, the deflection of its joints magnified, the way of its tip, a time slider.
+
+    The page is served on 127.0.0.1 only, or written as one HTML file that works offline; it asks for nothing else.
+
+    Args:
+        run: a run, a recording, the path of one, or a model, which is shown at its initial position.
+        compare: what a translucent second arm does: another run of the arm, a rigid one, measured data.
+        model: of a recording that does not hold its own (CSV never does), or its path or name.
+        html: write the page there instead of serving it.
+        magnify: factor of theta - q on the dials; default: 1, 2, 5, 10, ..., so that the largest shows well.
+        open_browser: open the page in the user's browser.
+        block: return only after Ctrl-C; default: where Python is not interactive, as it would stop serving.
+
+    Returns:
+        The page's `url`, and `close()`.
+
+    Raises:
+        InputError: no model, no positions of its joints, another arm to compare with, or a file that cannot be written.
+    """
+    shown = sources.first(run, model)
+    ghost = None if compare is None else sources.second(compare, model, shown)
+    text = show(shown.model, shown.motion, ghost, magnify)
+    if html is not None:
+        write_text(Path(html), text)
+        return Playback(Path(html).resolve().as_uri(), None)
+    from flexdyn.viewer.server import PageServer
+
+    server = PageServer(text)
+    playback = Playback(server.url, server)
+    if open_browser and _has_screen():
+        import webbrowser
+
+        webbrowser.open(playback.url)
+    if not (hasattr(sys, "ps1") or sys.flags.interactive) if block is None else block:
+        playback.wait()
+    return playback
+
+
+def _has_screen() -> bool:
+    """Whether a browser would have a window; without one, Python would start a text browser in the terminal."""
+    if sys.platform != "linux":
+        return True
+    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))

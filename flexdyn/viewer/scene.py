@@ -1,0 +1,160 @@
+"""The scene in meshcat's own commands, gathered instead of being sent to a server."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.robot import Robot
+from flexdyn.robot.tree import Tree
+from flexdyn.viewer import dials
+from flexdyn.viewer.animation import Move, commands_of
+from flexdyn.viewer.bodies import Body
+from flexdyn.viewer.solids import tube
+
+Array = NDArray[np.float64]
+ARM, GHOST = "/arm", "/ghost"
+"""Where the arms stand in the scene's tree; the page makes the second out of the first."""
+BLUE, VIOLET, SILVER = "#1f4e9c", "#9b30c9", "#99a6ba"
+"""Of what belongs to the arm, and to the second one; and of an arm whose file states no colour."""
+
+
+class Window:
+    """Stands where meshcat has its connection to a server: takes commands and keeps them."""
+
+    def __init__(self) -> None:
+        self.commands: list[dict[str, Any]] = []
+
+    def send(self, command: Any) -> None:
+        """Keep a command."""
+        self.commands.append(command.lower())
+
+
+class Scene:
+    """An arm as a tree of meshcat nodes: joints are nested, and a joint's node ``moved`` turns or slides alone.
+
+    Args:
+        robot: the arm.
+        size: its size [m].
+
+    Attributes:
+        dials: nodes of the dials.
+    """
+
+    def __init__(self, robot: Robot, size: float) -> None:
+        from meshcat import Visualizer
+
+        self._window = Window()
+        self._view = Visualizer(window=self._window)
+        self._tree = robot.tree
+        self._size = size
+        self.dials: list[str] = []
+        for j in range(robot.tree.m):
+            self._view[joint_path(ARM, robot.tree, j)].set_transform(_pose(robot.tree, j))
+
+    @property
+    def commands(self) -> list[dict[str, Any]]:
+        """What makes the scene, in order."""
+        return self._window.commands
+
+    def add_bodies(self, bodies: Sequence[Body]) -> None:
+        """Put every body on its joint."""
+        from meshcat.geometry import MeshPhongMaterial
+
+        for k, body in enumerate(bodies):
+            node = self._view[f"{moved_path(ARM, self._tree, body.joint)}/body{k}"]
+            color = "#" + "".join(f"{round(255 * part):02x}" for part in body.color[:3])
+            opacity = body.color[3] if len(body.color) > 3 else 1.0
+            # Shapes of a URDF often share a plane: there the first one is seen, instead of a flicker of both.
+            apart = {"polygonOffset": True, "polygonOffsetFactor": 0.2 * k, "polygonOffsetUnits": 16 * k}
+            material = MeshPhongMaterial(
+                color=_number(color), opacity=opacity, shininess=15, flatShading=body.faceted, **apart
+            )
+            node.set_object(body.geometry, material)
+            node.set_transform(body.pose)
+
+    def add_dial(self, j: int, shown: Array) -> Move:
+        """Put a dial on a joint of the tree.
+
+        Args:
+            j: the joint.
+            shown: where its needle stands against the link's mark (frames,), magnified already [rad or m].
+
+        Returns:
+            How the needle moves.
+        """
+        prismatic = bool(self._tree.prismatic[j])
+        node = f"{moved_path(ARM, self._tree, j)}/dial"
+        self.dials.append(node)
+        self._view[node].set_transform(dials.dial_pose(self._tree, j))
+        for part in dials.face(prismatic, self._size):
+            self._flat(f"{node}/{part.name}", part)
+        self._flat(f"{node}/needle/shape", dials.needle(prismatic, self._size))
+        axis = np.array([1.0, 0.0, 0.0] if prismatic else [0.0, 0.0, 1.0])
+        return Move(f"{node}/needle", axis, prismatic, shown)
+
+    def add_tip(self, j: int, point: Array) -> None:
+        """Mark the point whose way is drawn."""
+        from meshcat.geometry import MeshBasicMaterial, Sphere
+
+        node = self._view[f"{moved_path(ARM, self._tree, j)}/tip"]
+        node.set_object(Sphere(0.011 * self._size), MeshBasicMaterial(color=_number(BLUE)))
+        node.set_transform(_at(point))
+
+    def add_trace(self, name: str, points: Array, color: str) -> None:
+        """Draw the way of a tip."""
+        from meshcat.geometry import MeshBasicMaterial
+
+        line = tube(points, 0.0032 * self._size)
+        if line is not None:
+            self._view[f"/{name}"].set_object(line, MeshBasicMaterial(color=_number(color)))
+
+    def arm_moves(self, arm: str, q_tree: Array) -> list[Move]:
+        """How the joints of one of the arms move through positions of the whole tree (frames, m)."""
+        tree = self._tree
+        return [
+            Move(moved_path(arm, tree, j), tree.axis[j], bool(tree.prismatic[j]), q_tree[:, j]) for j in range(tree.m)
+        ]
+
+    def animate(self, moves: Sequence[Move], rate: float) -> None:
+        """Put everything where it is first, and load what comes after that."""
+        self.commands.extend(commands_of(moves, rate))
+
+    def _flat(self, path: str, part: dials.Part) -> None:
+        from meshcat.geometry import MeshBasicMaterial
+
+        material = MeshBasicMaterial(
+            color=_number(part.color), opacity=part.opacity, transparent=True, depthTest=False, depthWrite=False
+        )
+        self._view[path].set_object(part.geometry, material)
+        # meshcat has no word for the order of drawing; three.js has.
+        self.commands[-1]["object"]["object"]["renderOrder"] = part.order
+
+
+def joint_path(arm: str, tree: Tree, j: int) -> str:
+    """The node at a joint's origin, as it stands in the parent's frame."""
+    return f"{moved_path(arm, tree, int(tree.parent[j]))}/joint{j}"
+
+
+def moved_path(arm: str, tree: Tree, j: int) -> str:
+    """The node that moves with a joint; of the base (-1): the arm's own."""
+    return arm if j < 0 else f"{joint_path(arm, tree, j)}/moved"
+
+
+def _pose(tree: Tree, j: int) -> Array:
+    pose = _at(tree.translation[j])
+    pose[:3, :3] = tree.rotation[j]
+    return pose
+
+
+def _at(point: Array) -> Array:
+    pose = np.eye(4)
+    pose[:3, 3] = point
+    return pose
+
+
+def _number(color: str) -> int:
+    return int(color[1:], 16)

@@ -1,0 +1,90 @@
+"""A server of one page, for this machine alone."""
+
+from __future__ import annotations
+
+import threading
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler
+from socketserver import TCPServer, ThreadingMixIn
+from typing import Any
+
+HOST = "127.0.0.1"
+
+
+class PageServer:
+    """Serves a page at http://127.0.0.1:PORT/ until closed, to this machine only.
+
+    Args:
+        page: its HTML.
+
+    Attributes:
+        url: of the page.
+    """
+
+    def __init__(self, page: str) -> None:
+        self._server = _Server((HOST, 0), _handler(page.encode()))
+        self.url = f"http://{HOST}:{self._server.port}/"
+        self._thread = threading.Thread(target=self._server.serve_forever, name="flexdyn viewer", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop; more than once does no harm."""
+        self._server.shutdown()
+        self._server.server_close()
+        self._thread.join()
+
+
+class _Server(ThreadingMixIn, TCPServer):
+    """TCPServer and not HTTPServer, which would ask a name server for the name of the address."""
+
+    daemon_threads = True
+
+    @property
+    def port(self) -> int:
+        """That it listens on."""
+        return int(self.socket.getsockname()[1])
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A browser that went away is no news."""
+
+
+def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
+    class Handler(BaseHTTPRequestHandler):
+        """Answers with the page, and only who asked for it by the address that it has."""
+
+        server_version, sys_version = "flexdyn", ""
+        timeout = 30
+
+        def do_GET(self) -> None:
+            """The page at /, nothing elsewhere."""
+            port = self.request.getsockname()[1]
+            # A foreign page whose host name was pointed at this machine sends that name: it is not to read anything.
+            if self.headers.get("Host") not in (f"{HOST}:{port}", f"localhost:{port}"):
+                self.send_error(HTTPStatus.FORBIDDEN)
+            elif self.path != "/":
+                self.send_error(HTTPStatus.NOT_FOUND)
+            else:
+                self._answer()
+
+        do_HEAD = do_GET
+
+        def _answer(self) -> None:
+            self.send_response(HTTPStatus.OK)
+            for name, value in (
+                ("Content-Type", "text/html; charset=utf-8"),
+                ("Content-Length", str(len(page))),
+                ("Cache-Control", "no-store"),
+                ("X-Content-Type-Options", "nosniff"),
+                ("X-Frame-Options", "DENY"),
+                ("Referrer-Policy", "no-referrer"),
+                ("Cross-Origin-Resource-Policy", "same-origin"),
+            ):
+                self.send_header(name, value)
+            self.end_headers()
+            if self.command == "GET":
+                self.wfile.write(page)
+
+        def log_message(self, format: str, *args: Any) -> None:
+            """A library writes nothing to the terminal."""
+
+    return Handler

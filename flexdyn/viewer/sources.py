@@ -1,0 +1,132 @@
+"""What the user wants to see: which arm it is, and what that arm did."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.modelfile import load_model, model_from_dict
+from flexdyn.records import Recording, read_recording
+from flexdyn.run import Run
+from flexdyn.viewer.motion import Motion, at_rest, of_recording, of_run
+from flexdyn.yamlfile import parse_yaml
+
+Model = FlexibleJointModel | str | Path
+Source = Run | Recording | Model
+NAME_IT = "name it: model=..., on the command line --model MODEL"
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An arm and its motion."""
+
+    model: FlexibleJointModel
+    motion: Motion
+
+
+def first(source: Source, model: Model | None) -> Shown:
+    """What is shown.
+
+    Args:
+        source: a run, a recording or its path, or a model.
+        model: of a recording, in place of the one that it holds.
+
+    Raises:
+        InputError: no model, or no positions of its joints.
+    """
+    given, file = _read(source, "run")
+    with _naming(file):
+        arm = _arm(given, model)
+        if arm is None:
+            raise InputError("the recording does not say which arm it is of", key="model", remedy=NAME_IT)
+        return Shown(arm, _motion(given, arm, at_rest(arm)))
+
+
+def second(source: Source, model: Model | None, shown: Shown) -> Motion:
+    """What it is compared with.
+
+    Args:
+        source: as of `first`.
+        model: likewise; a recording without a model is taken to be of the arm shown.
+        shown: what it is compared with.
+
+    Raises:
+        InputError: likewise, or it is of another arm.
+    """
+    given, file = _read(source, "compare")
+    with _naming(file, "compare"):
+        other = _arm(given, model) or shown.model
+        if not same_arm(shown.model, other):
+            problem = f"it is of another arm, {other.robot.name}, and not of {shown.model.robot.name}"
+            raise InputError(problem, remedy="joints and the frames between them must be the same")
+        return _motion(given, other, shown.motion)
+
+
+def same_arm(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
+    """Whether two models have the same joints in the same places, whatever their masses, springs and effects."""
+    mine, its = one.robot.tree, other.robot.tree
+    names = ("parent", "prismatic", "axis", "rotation", "translation", "gain", "offset")
+    return one.joint_names == other.joint_names and all(
+        getattr(mine, name).shape == getattr(its, name).shape
+        and np.allclose(getattr(mine, name), getattr(its, name), atol=1e-9)
+        for name in names
+    )
+
+
+def model_in(recording: Recording) -> FlexibleJointModel | None:
+    """The model that a run's recording holds in its meta; None if it holds none.
+
+    Raises:
+        InputError: it is no model, or its URDF is not there any more.
+    """
+    text = recording.meta.get("model")
+    if text is None:
+        return None
+    try:
+        if not isinstance(text, str):
+            raise InputError("the text of a model file is needed", value=text)
+        return model_from_dict(parse_yaml(text), Path.cwd(), name=recording.name)
+    except InputError as error:
+        problem = f"the model that the recording holds cannot be read: {error.problem}"
+        raise InputError(problem, **{**error.data, "remedy": NAME_IT}) from None
+
+
+def _read(source: Source, key: str) -> tuple[Run | Recording | FlexibleJointModel, Path | None]:
+    if isinstance(source, (str, Path)):
+        return read_recording(source), Path(source)
+    if not isinstance(source, (Run, Recording, FlexibleJointModel)):
+        raise InputError("nothing that moves", key=key, value=source, remedy="give a run, a recording or a model")
+    return source, None
+
+
+def _arm(given: Run | Recording | FlexibleJointModel, model: Model | None) -> FlexibleJointModel | None:
+    if isinstance(given, Run):
+        return given.model
+    if isinstance(given, FlexibleJointModel):
+        return given
+    if model is not None:
+        return model if isinstance(model, FlexibleJointModel) else load_model(model)
+    return model_in(given)
+
+
+def _motion(given: Run | Recording | FlexibleJointModel, arm: FlexibleJointModel, held: Motion) -> Motion:
+    if isinstance(given, Run):
+        return of_run(given)
+    return of_recording(given, arm, held) if isinstance(given, Recording) else at_rest(given)
+
+
+@contextmanager
+def _naming(file: Path | None, key: str | None = None) -> Iterator[None]:
+    """Errors of a file with its name; of an argument, with that before their key."""
+    try:
+        yield
+    except InputError as error:
+        if error.file:
+            raise
+        raise (error.at(key=key) if file is None else error.at(file=file)) from None

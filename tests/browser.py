@@ -1,0 +1,144 @@
+"""Chromium without a window, in which tests open the pages that flexdyn writes.
+
+    from tests.browser import open_page
+
+    with open_page(tmp_path / "run.html") as page:      # a file, or an address http://127.0.0.1:...
+        page.tab.click("text=Play")                     # the Playwright page itself
+        picture = page.screenshot()                     # (height, width, 3) uint8
+    # leaving the block asserts: no error in the page, no request but for the page itself
+
+Debian's chromium is used, never one that Playwright would download. Where it is absent the test is skipped, and fails
+if CI is set: there the script installs it.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NoReturn
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+Picture = NDArray[np.uint8]
+
+# WebGL is computed on the processor; nothing that a browser does of its own accord; and no name of any host resolves.
+FLAGS = (
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+)
+INSIDE = ("data", "blob")
+"""Kinds of addresses that are part of the page."""
+
+
+@dataclass
+class OpenPage:
+    """A page in the browser.
+
+    Attributes:
+        address: that was opened.
+        tab: Playwright's page.
+        errors: errors of its scripts, errors and warnings in its console, and requests that failed.
+        requests: addresses that it asked for, its own first; not those inside it (data:, blob:).
+    """
+
+    address: str
+    tab: Any
+    errors: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+    def screenshot(self, path: Path | None = None) -> Picture:
+        """What is to be seen, (height, width, 3); written to `path` as PNG too, if given."""
+        from matplotlib.image import imread
+
+        data = self.tab.screenshot() if path is None else self.tab.screenshot(path=str(path))
+        picture = imread(io.BytesIO(data), format="png")
+        return np.asarray(np.rint(picture[..., :3] * 255), dtype=np.uint8)
+
+    def wait_for(self, condition: str, argument: Any = None) -> None:
+        """Wait until a JavaScript expression or function holds; the test fails after half a minute.
+
+        Playwright's own waiting evaluates text inside the page, which a page's policy may forbid.
+        """
+        end = time.monotonic() + 30.0
+        while not self.tab.evaluate(condition, argument):
+            assert time.monotonic() < end, f"it never held: {condition}"
+            self.tab.wait_for_timeout(20)
+
+    def check(self) -> None:
+        """Nothing went wrong in the page, and it asked for nothing but itself."""
+        assert self.errors == []
+        assert self.requests == [self.address]
+
+
+@contextmanager
+def open_page(target: str | Path, *, width: int = 1280, height: int = 720, motion: bool = False) -> Iterator[OpenPage]:
+    """Open a file or an address; on the way out, assert that the page is sound and asked for nothing else.
+
+    Args:
+        target: path of an HTML file, or an address of this machine.
+        width: of the window [px].
+        height: of the window [px].
+        motion: let the page move by itself; otherwise it is told that the user wants none.
+    """
+    address = target if isinstance(target, str) and "://" in target else Path(target).resolve().as_uri()
+    with _browser() as browser:
+        wish = "no-preference" if motion else "reduce"
+        tab = browser.new_page(viewport={"width": width, "height": height}, reduced_motion=wish)
+        page = OpenPage(address, tab)
+        tab.on("pageerror", lambda error: page.errors.append(str(error)))
+        tab.on("console", lambda entry: _complaint(page, entry))
+        tab.on("requestfailed", lambda request: page.errors.append(f"{request.url}: {request.failure}"))
+        tab.on("request", lambda request: _note(page, request.url))
+        tab.goto(address)
+        yield page
+        page.check()
+
+
+def _complaint(page: OpenPage, entry: Any) -> None:
+    if entry.type in ("error", "warning"):
+        page.errors.append(entry.text)
+
+
+def _note(page: OpenPage, address: str) -> None:
+    if urlsplit(address).scheme not in INSIDE:
+        page.requests.append(address)
+
+
+@contextmanager
+def _browser() -> Iterator[Any]:
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if program is None:
+        _absent("no chromium here; Debian, Ubuntu: apt install chromium")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        _absent("playwright is not installed: pip install playwright")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=list(FLAGS))
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+def _absent(reason: str) -> NoReturn:
+    """A test that cannot run is skipped, where nobody relies on it."""
+    if os.environ.get("CI"):
+        pytest.fail(reason)
+    pytest.skip(reason)
