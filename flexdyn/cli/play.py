@@ -13,7 +13,7 @@ from flexdyn.cli.recordings import load
 from flexdyn.cli.target import find
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.records.files import SUFFIXES
+from flexdyn.records.files import is_recording
 
 NAMES = {"magnify": "--magnify"}
 
@@ -69,6 +69,6 @@ def play(
 
 
 def _source(run: str, map: Path | None) -> Recording | FlexibleJointModel:
-    """A recording by its suffix, else what the name means."""
+    """A recording, else what the name means."""
     path = Path(run)
-    return load(path, map=map) if path.suffix.lower() in SUFFIXES else find(run).model
+    return load(path, map=map) if is_recording(path) else find(run).model

@@ -8,7 +8,7 @@ from pathlib import Path
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model import FlexibleJointModel
 from flexdyn.modelfile import load_model, shipped_models
-from flexdyn.records.files import SUFFIXES
+from flexdyn.records.files import is_recording
 from flexdyn.robot import load_robot, robot_names
 
 MODEL_SUFFIXES = (".yaml", ".yml")
@@ -45,6 +45,7 @@ def find(name: str) -> Target:
     if name in robot_names():
         return Target(FlexibleJointModel(load_robot(name)), "robot")
     if path.is_dir():
+        _refuse_recording(path)
         raise InputError("it is a folder", file=path, remedy="give the path of a URDF or model.yaml")
     if path.suffix or path.name != name:
         raise InputError("there is no such file", file=name)
@@ -69,5 +70,5 @@ def model_file(name: str) -> FlexibleJointModel:
 
 
 def _refuse_recording(path: Path) -> None:
-    if path.suffix.lower() in SUFFIXES:
+    if is_recording(path):
         raise InputError("it is a recording", file=path, remedy="give a model file or a robot")

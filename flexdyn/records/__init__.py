@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from flexdyn.records.channelmap import ChannelMap
-from flexdyn.records.channelmap_file import read_map
-from flexdyn.records.derivatives import Derivatives, derivatives
+from flexdyn.records.channelmap.description import ChannelMap
+from flexdyn.records.channelmap.file import read_map
 from flexdyn.records.files import SUFFIXES, read_recording, write_recording
-from flexdyn.records.noise import Noise, estimate_noise
 from flexdyn.records.recording import Recording
-from flexdyn.records.smooth import Smoother
+from flexdyn.records.signals.derivatives import Derivatives, derivatives
+from flexdyn.records.signals.noise import Noise, estimate_noise
+from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.units import SIGNALS, unit_of
 
 __all__ = [

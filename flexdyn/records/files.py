@@ -11,10 +11,13 @@ from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.files import is_file, replacing
-from flexdyn.records import csv_file, hdf5_file, mat_file, npz_file, parquet_file
-from flexdyn.records.channelmap import ChannelMap
-from flexdyn.records.channelmap_apply import apply_map
-from flexdyn.records.channelmap_file import read_map
+from flexdyn.records import npz_file, parquet_file
+from flexdyn.records.channelmap.apply import apply_map
+from flexdyn.records.channelmap.description import ChannelMap
+from flexdyn.records.channelmap.file import read_map
+from flexdyn.records.csv import file as csv_file
+from flexdyn.records.hdf5 import file as hdf5_file
+from flexdyn.records.matlab import file as mat_file
 from flexdyn.records.recording import Recording
 from flexdyn.records.repairs import Repair, repaired, repairs_of
 from flexdyn.records.request import Request
@@ -103,6 +106,12 @@ def read_recording(
         raise InputError(f"cannot be read ({error.strerror or error})", file=path) from None
     except MemoryError:
         raise InputError("does not fit into memory", file=path, remedy="split the recording") from None
+
+
+def is_recording(path: str | os.PathLike[str]) -> bool:
+    """Whether a path has the suffix of a recording, or is the folder of a ROS 2 bag; nothing is read."""
+    path = Path(path)
+    return path.suffix.lower() in FORMATS or _is_bag_folder(path)
 
 
 def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:

@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.records.cut import shifted, split, trimmed
-from flexdyn.records.derivatives import noise_of, smoothed
 from flexdyn.records.meta import as_plain, locked
-from flexdyn.records.noise import Noise
-from flexdyn.records.resample import resampled
-from flexdyn.records.smooth import Smoother
+from flexdyn.records.signals.cut import shifted, split, trimmed
+from flexdyn.records.signals.derivatives import noise_of, smoothed
+from flexdyn.records.signals.noise import Noise
+from flexdyn.records.signals.resample import resampled
+from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.stated_units import settle_units
 from flexdyn.records.table import FloatArray, Rows, Table, checked
 from flexdyn.records.units import check_unit, split_name, unit_of

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.records import ChannelMap, Recording
-from flexdyn.records.channelmap_apply import apply_map
+from flexdyn.records.channelmap.apply import apply_map
 from flexdyn.records.table import Table
 
 

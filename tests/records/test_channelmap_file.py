@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import flexdyn as fd
 from flexdyn.errors import InputError
-from flexdyn.records import channelmap_file
+from flexdyn.records.channelmap import file as channelmap_file
 from flexdyn.records.repairs import Repair
 from flexdyn.yamlfile import dump_yaml, parse_yaml
 from tests.records.mapping import channel_map

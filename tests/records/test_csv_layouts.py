@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 
 from flexdyn.errors import InputError
-from flexdyn.records import Recording, csv_file, read_recording, write_recording
+from flexdyn.records import Recording, read_recording, write_recording
+from flexdyn.records.csv import file as csv_file
 from flexdyn.records.request import Layout, Request
 from flexdyn.records.table import Table
 

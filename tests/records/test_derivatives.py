@@ -9,8 +9,8 @@ import pytest
 
 from flexdyn.errors import InputError
 from flexdyn.records import Recording, Smoother, derivatives
-from flexdyn.records.noise import estimate_noise
-from flexdyn.records.width import best_smoother
+from flexdyn.records.signals.noise import estimate_noise
+from flexdyn.records.signals.width import best_smoother
 from tests.records.motions import sines
 
 RATE = 1000.0

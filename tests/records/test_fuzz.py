@@ -10,8 +10,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from flexdyn.errors import InputError
-from flexdyn.records import SUFFIXES, Recording, mat_file, read_recording, write_recording
+from flexdyn.records import SUFFIXES, Recording, read_recording, write_recording
 from flexdyn.records.files import FORMATS
+from flexdyn.records.matlab import file as mat_file
 from flexdyn.records.request import Request
 
 REC = Recording([0.0, 0.1, 0.3], {"q.a": [1.0, 2.0, 3.0], "tau.a/b": [0.1, 0.2, 0.3]}, meta={"a": 1})

@@ -14,7 +14,8 @@ import pytest
 import scipy.io
 
 from flexdyn.errors import InputError
-from flexdyn.records import Recording, mat_file, read_recording
+from flexdyn.records import Recording, read_recording
+from flexdyn.records.matlab import file as mat_file
 from flexdyn.records.request import Request
 
 T = np.array([0.0, 0.1, 0.2])

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter, savgol_coeffs
 
 from flexdyn.errors import InputError
-from flexdyn.records.kernels import kernels
-from flexdyn.records.smooth import ORDERS, Smoother
+from flexdyn.records.signals.kernels import kernels
+from flexdyn.records.signals.smooth import ORDERS, Smoother
 
 RATE = 500.0
 SMOOTHERS = [

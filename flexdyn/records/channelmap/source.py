@@ -7,9 +7,9 @@ from dataclasses import fields
 from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.records.channelmap import TIME, TimeSource
-from flexdyn.records.channelmap_values import as_choice, as_finite, as_source, as_text
-from flexdyn.records.known_units import UNITS, plain_unit
+from flexdyn.records.channelmap.description import TIME, TimeSource
+from flexdyn.records.channelmap.known_units import UNITS, plain_unit
+from flexdyn.records.channelmap.values import as_choice, as_finite, as_source, as_text
 from flexdyn.records.request import Layout
 from flexdyn.yamlfile import check_keys
 

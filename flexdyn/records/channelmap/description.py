@@ -121,7 +121,7 @@ class ChannelMap:
         Raises:
             InputError: a key or number that does not fit.
         """
-        from flexdyn.records.channelmap_file import map_from_dict
+        from flexdyn.records.channelmap.file import map_from_dict
 
         return map_from_dict(content)
 

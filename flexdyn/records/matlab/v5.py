@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError
-from flexdyn.records.mat5_elements import TEXTS, Cursor, cut
-from flexdyn.records.mat_columns import Columns, Leaf
+from flexdyn.records.matlab.columns import Columns, Leaf
+from flexdyn.records.matlab.v5_elements import TEXTS, Cursor, cut
 from flexdyn.records.request import Request
 from flexdyn.records.table import check_size
 

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexdyn.errors import InputError
-from flexdyn.records.cut import made
-from flexdyn.records.noise import Noise, estimate_noise
-from flexdyn.records.resample import HELD
-from flexdyn.records.smooth import Smoother
+from flexdyn.records.signals.cut import made
+from flexdyn.records.signals.noise import Noise, estimate_noise
+from flexdyn.records.signals.resample import HELD
+from flexdyn.records.signals.smooth import Smoother
+from flexdyn.records.signals.width import best_smoother
 from flexdyn.records.table import FloatArray
 from flexdyn.records.units import split_name
-from flexdyn.records.width import best_smoother
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from flexdyn.errors import InputError
-from flexdyn.records.channelmap import Channel, ChannelMap, column_name
-from flexdyn.records.convert import Conversion, conversion
-from flexdyn.records.known_units import SLIDING
+from flexdyn.records.channelmap.convert import Conversion, conversion
+from flexdyn.records.channelmap.description import Channel, ChannelMap, column_name
+from flexdyn.records.channelmap.known_units import SLIDING
 from flexdyn.records.table import Table
 from flexdyn.records.units import PRISMATIC, SIGNALS
 

@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError
-from flexdyn.records.kernels import DIFFERENCE_REACH, kernels
-from flexdyn.records.noise import Noise
-from flexdyn.records.noise_spectrum import blackman_harris
-from flexdyn.records.smooth import ORDERS, Smoother
+from flexdyn.records.signals.kernels import DIFFERENCE_REACH, kernels
+from flexdyn.records.signals.noise import Noise
+from flexdyn.records.signals.noise_spectrum import blackman_harris
+from flexdyn.records.signals.smooth import ORDERS, Smoother
 from flexdyn.records.table import FloatArray
 
 _LONGEST_SEGMENT = 8192

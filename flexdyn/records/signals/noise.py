@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError
-from flexdyn.records.noise_spectrum import Spectrum, clipped, contrasts, spectrum
-from flexdyn.records.quantisation import held_for, quantisation_step
+from flexdyn.records.signals.noise_spectrum import Spectrum, clipped, contrasts, spectrum
+from flexdyn.records.signals.quantisation import held_for, quantisation_step
 from flexdyn.records.table import FloatArray
 
 FEWEST = 64

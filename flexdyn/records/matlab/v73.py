@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from flexdyn.errors import InputError
-from flexdyn.records.hdf5_file import attribute, check_storage, library, member
-from flexdyn.records.mat_columns import Columns, Leaf
+from flexdyn.records.hdf5.file import attribute, check_storage, library, member
+from flexdyn.records.matlab.columns import Columns, Leaf
 from flexdyn.records.request import Request
 from flexdyn.records.table import FloatArray, check_size
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.records.csv_file_rows import Block, Dialect, Header
+from flexdyn.records.csv.rows import Block, Dialect, Header
 from flexdyn.records.request import Layout, Request
 from flexdyn.records.table import check_name, check_time_named
 

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError
-from flexdyn.records.cut import made
-from flexdyn.records.smooth import Smoother
+from flexdyn.records.signals.cut import made
+from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.table import FloatArray
 from flexdyn.records.units import split_name
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from flexdyn.errors import InputError, MissingExtra
 from flexdyn.records.array_columns import parts_of
-from flexdyn.records.hdf5_units import units_of_variable_length
+from flexdyn.records.hdf5.units import units_of_variable_length
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
 from flexdyn.records.table import RESERVED, Table, check_name, check_size, damage_named

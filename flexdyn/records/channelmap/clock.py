@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError
-from flexdyn.records.channelmap import TIME, TimeSource, column_name
-from flexdyn.records.known_units import UNITS, plain_unit
+from flexdyn.records.channelmap.description import TIME, TimeSource, column_name
+from flexdyn.records.channelmap.known_units import UNITS, plain_unit
 from flexdyn.records.stated_units import UNITLESS
 from flexdyn.records.table import FloatArray, Table, as_floats, check_finite, check_time
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError
-from flexdyn.records.kernels import DIFFERENCE_REACH, Kernels, kernels
+from flexdyn.records.signals.kernels import DIFFERENCE_REACH, Kernels, kernels
 from flexdyn.records.table import FloatArray
 
 ORDERS = ("value", "first", "second", "held")

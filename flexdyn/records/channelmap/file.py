@@ -31,12 +31,12 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError
-from flexdyn.records.channelmap import FORMAT, Channel, ChannelMap
-from flexdyn.records.channelmap_couplings import couplings_of
-from flexdyn.records.channelmap_source import layout_of, time_of
-from flexdyn.records.channelmap_units import conversions_of, units_of
-from flexdyn.records.channelmap_values import POSITIVE, as_choice, as_finite, as_source, as_text
-from flexdyn.records.known_units import UNITS, plain_unit
+from flexdyn.records.channelmap.couplings import couplings_of
+from flexdyn.records.channelmap.description import FORMAT, Channel, ChannelMap
+from flexdyn.records.channelmap.known_units import UNITS, plain_unit
+from flexdyn.records.channelmap.source import layout_of, time_of
+from flexdyn.records.channelmap.units import conversions_of, units_of
+from flexdyn.records.channelmap.values import POSITIVE, as_choice, as_finite, as_source, as_text
 from flexdyn.records.repairs import repairs_of
 from flexdyn.records.table import check_name
 from flexdyn.records.units import SIGNALS

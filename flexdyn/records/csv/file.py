@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, TextIO
 import numpy as np
 
 from flexdyn.errors import InputError
-from flexdyn.records.csv_file_header import header_of
-from flexdyn.records.csv_file_rows import Block, blocks_of_numbers
+from flexdyn.records.csv.header import header_of
+from flexdyn.records.csv.rows import Block, blocks_of_numbers
 from flexdyn.records.request import Request
 from flexdyn.records.table import FloatArray, Rows, Table
 

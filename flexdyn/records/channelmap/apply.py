@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.records.channelmap import TIME, ChannelMap, column_name
-from flexdyn.records.channelmap_clock import clocked, undelayed, with_times
-from flexdyn.records.channelmap_couplings import couple
-from flexdyn.records.channelmap_units import conversions_of, stated_units, units_of
+from flexdyn.records.channelmap.clock import clocked, undelayed, with_times
+from flexdyn.records.channelmap.couplings import couple
+from flexdyn.records.channelmap.description import TIME, ChannelMap, column_name
+from flexdyn.records.channelmap.units import conversions_of, stated_units, units_of
 from flexdyn.records.repairs import Repair, repaired
 from flexdyn.records.table import FloatArray, Table, as_floats, check_lengths
 

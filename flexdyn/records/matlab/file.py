@@ -12,8 +12,8 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexdyn.records import mat5_file, mat73_file
-from flexdyn.records.mat_columns import KEY, Columns
+from flexdyn.records.matlab import v5, v73
+from flexdyn.records.matlab.columns import KEY, Columns
 from flexdyn.records.meta import as_plain
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table, damage_named
@@ -60,7 +60,7 @@ def write(rec: Recording, path: Path) -> None:
     if rec.t.nbytes * columns < LARGEST_V5:
         _write_v5(variables, path)
     else:
-        mat73_file.write(variables, path)
+        v73.write(variables, path)
 
 
 def read(path: Path, request: Request) -> Table:
@@ -75,7 +75,7 @@ def read(path: Path, request: Request) -> Table:
     columns = Columns(request)
     with open(path, "rb") as stream:
         head = stream.read(1024)
-    reader = mat73_file if _HDF5 in (head[:8], head[512:520]) else mat5_file
+    reader = v73 if _HDF5 in (head[:8], head[512:520]) else v5
     with damage_named("not a MAT-file, or cut"):
         reader.read(path, request, columns)
         return columns.table()

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.records.channelmap import Channel, Coupling
+from flexdyn.records.channelmap.description import Channel, Coupling
 from flexdyn.records.table import FloatArray
 from flexdyn.yamlfile import check_keys
 

@@ -1,0 +1,1 @@
+"""What is done to the samples of a recording: cut, resampled, smoothed, differentiated, their noise estimated."""
