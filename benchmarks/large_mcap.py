@@ -107,7 +107,7 @@ def _python(code: str, *arguments: str) -> list[float]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Make the file, read it, print the table and check the bounds."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rows", type=int, default=1_000_000, help="messages; 10_000_000 makes a file of 2.8 GB")
+    parser.add_argument("--rows", type=int, default=1_000_000, help="messages; 10_000_000 makes a file of 3.2 GB")
     parser.add_argument("--zstd", action="store_true", help="compress the chunks")
     parser.add_argument("-o", type=Path, help="JSON file of the results")
     options = parser.parse_args(arguments)

@@ -4,7 +4,7 @@
     python scripts/readme_tables.py --check    exit code 1 if README.md is not what that would write
 
 A table stands between ``<!-- table:NAME -->`` and ``<!-- /table:NAME -->``; NAME is accuracy, peers, effects,
-effect_checks or robots.
+effect_checks, formats or robots.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 import flexdyn as fd
+from flexdyn.records.files import FORMATS
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
@@ -72,11 +73,43 @@ def robots() -> str:
     return markdown_table(["model", "what", "joints", "stiffness", "source of every number"], rows, text=5)
 
 
+_OF_FORMATS = {
+    ".csv": ("-", "any delimiter, decimal commas and preambles by a map", "csv"),
+    ".npz": ("-", "`numpy.savez`; two-dimensional arrays by a map", None),
+    ".h5": ("`hdf5`", "h5py, flat or grouped; any group and two-dimensional arrays by a map", "h5"),
+    ".parquet": ("`parquet`", "pandas", "parquet"),
+    ".mat": ("- (v7.3: `hdf5`)", "MATLAB v5 and v7.3, structs included", "mat"),
+    ".bag": (
+        "`ros`",
+        "ROS 1, ROS 2 (its folder too): JointState, controller states; any numbers by a map",
+        "mcap",
+    ),
+}
+"""By its first suffix: extra, what is read of others, and the large file that was measured."""
+
+
+def formats() -> str:
+    """What recordings are read from and written to, and the memory that reading a large file takes."""
+    peaks = {name: each["peak_over_numbers"] for name, each in _results("large_recordings")["formats"].items()}
+    peaks["mcap"] = _results("large_mcap")["bounds"][0]["value"]
+    suffixes: dict[str, list[str]] = {}
+    for suffix, fmt in FORMATS.items():
+        suffixes.setdefault(fmt.read.__module__, []).append(suffix)
+    rows = []
+    for group in suffixes.values():
+        extra, others, measured = _OF_FORMATS[group[0]]
+        peak = "-" if measured is None else f"{peaks[measured]:.2f}"
+        rows.append([" ".join(f"`{suffix}`" for suffix in group), extra, others, peak])
+    header = ["read and written", "extra", "of other programs", "peak memory / size of the numbers"]
+    return markdown_table(header, rows, text=3)
+
+
 TABLES: dict[str, Callable[[], str]] = {
     "accuracy": accuracy,
     "peers": peers,
     "effects": effects,
     "effect_checks": effect_checks,
+    "formats": formats,
     "robots": robots,
 }
 

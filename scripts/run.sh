@@ -11,6 +11,8 @@ cat <<'TEXT'
 
 Look at flexdyn_paper/summary.md and its figures. Then try:
   .venv/bin/flexdyn info scara_two_link
-  .venv/bin/flexdyn simulate panda --duration 1 -o run.csv
+  .venv/bin/flexdyn simulate scara_two_link --duration 5 --q0 0,1 --v0 1,-2 -o run.h5
+  .venv/bin/flexdyn play run.h5 --rigid
+  .venv/bin/flexdyn plot run.h5
   .venv/bin/flexdyn new path/to/your.urdf -o model.yaml
 TEXT

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
+import tomllib
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 import flexdyn as fd
+from flexdyn.records import SUFFIXES
 from flexdyn.solvers import SOLVERS
 
 ROOT = Path(__file__).parents[1]
@@ -35,7 +38,7 @@ def test_readme_shows_what_its_sources_give(script: ModuleType) -> None:
     assert script.filled(text) == text
 
 
-@pytest.mark.parametrize("name", ["accuracy", "peers", "effects", "effect_checks", "robots"])
+@pytest.mark.parametrize("name", ["accuracy", "peers", "effects", "effect_checks", "formats", "robots"])
 def test_filling_twice_changes_nothing_more(script: ModuleType, name: str) -> None:
     """A stale table is noticed, filled between its markers only, and then stays as it is."""
     text = f"before\n<!-- table:{name} -->\nold\n<!-- /table:{name} -->\nafter\n"
@@ -90,6 +93,17 @@ def test_the_robots_table_has_every_shipped_model(script: ModuleType) -> None:
     assert [row.split("`")[1] for row in rows] == list(fd.shipped_models())
     (paper,) = [row for row in rows if "scara_two_link" in row]
     assert "| 2 | 5.5 N m/rad |" in paper
+
+
+def test_the_formats_table_has_every_suffix(script: ModuleType) -> None:
+    """Each suffix once, with an extra that pip knows, and a peak below the bound of its benchmark."""
+    rows = [row.strip("| ").split(" | ") for row in script.formats().splitlines()[2:]]
+    assert sorted(suffix for row in rows for suffix in row[0].replace("`", "").split()) == sorted(SUFFIXES)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = {name for row in rows for name in re.findall("`(.*)`", row[1])}
+    assert extras == {"hdf5", "parquet", "ros"}
+    assert extras < project["optional-dependencies"].keys()
+    assert all(row[3] == "-" or 1.0 <= float(row[3]) < 3.0 for row in rows)
 
 
 @pytest.mark.parametrize("name", ["analytic_two_link", "effects", "peers"])

@@ -11,6 +11,7 @@ from flexdyn.cli.options import MapOption, decimal, naming, output_file
 from flexdyn.cli.output import note, show
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import find
+from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.files import is_recording
@@ -31,6 +32,12 @@ def play(
         typer.Option(metavar="MODEL", help="Whose motion it is, where a recording does not hold its model (CSV)."),
     ] = None,
     map: MapOption = None,
+    rigid: Annotated[
+        bool,
+        typer.Option(
+            "--rigid", metavar="", help="In place of OTHER: the same arm without elasticity under the tau of RUN."
+        ),
+    ] = False,
     html: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write one HTML file that plays offline, and serve nothing.")
     ] = None,
@@ -45,15 +52,19 @@ def play(
     magnified, and the path of the tip. A --map is that of OTHER, if there is one, else of RUN.
     """
     from flexdyn.viewer import play as watch
+    from flexdyn.viewer.rigid import RIGID
 
     if html is not None:
         output_file("--html", html, (".html", ".htm"), inputs=(Path(run), other))
+    if rigid and other is not None:
+        problem = "there is one translucent arm: OTHER or the rigid one"
+        raise InputError(problem, key="--rigid", value=str(other), remedy="leave one of them out")
     factor = None if magnify is None else decimal("--magnify", magnify)
     arm = None if model is None else find(model).model
-    with naming(NAMES, file=run, files={"compare": other}):
+    with naming(NAMES | ({"compare": "--rigid"} if rigid else {}), file=run, files={"compare": other}):
         playback = watch(
             _source(run, map if other is None else None),
-            None if other is None else load(other, map=map),
+            RIGID if rigid else None if other is None else load(other, map=map),
             model=arm,
             html=html,
             magnify=factor,

@@ -145,6 +145,10 @@ class Effect:
         fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}  # type: ignore[arg-type]
         return {"effect": self.name} | {key: value for key, value in fields.items() if value is not None}
 
+    def replace(self, **changes: Any) -> Self:
+        """The same effect with some of its fields changed, checked as new ones are."""
+        return dataclasses.replace(self, **changes)  # type: ignore[type-var]
+
     @classmethod
     def from_dict(cls, entry: Mapping[str, Any]) -> Self:
         """Of a model file's entry without its ``effect`` key.

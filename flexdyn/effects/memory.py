@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import ClassVar
 
 import numpy as np
@@ -47,7 +48,7 @@ class MemoryEffect(JointEffect, abstract=True):
         ways = np.sign(np.diff(path)[moved])
         turns = moved[1:][ways[1:] != ways[:-1]]
         corners = [0, *turns.tolist(), len(path) - 1]
-        for first, last in zip(corners, corners[1:], strict=False):
+        for first, last in itertools.pairwise(corners):
             piece = slice(first, last + 1)
             end = np.sign(path[last] - path[first]) * self.reach
             z[piece] = end + (z[first] - end) * np.exp(-np.abs(path[piece] - path[first]) / self.reach)

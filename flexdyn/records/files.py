@@ -64,19 +64,31 @@ def read_recording(
     name: str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Recording:
-    """Read a recording (SPEC 4); the suffix tells the format.
+    """Read a recording: the suffix tells the format, in any case; the folder of a ROS 2 bag is read as one.
 
-    CSV is a header ``t,q.elbow,...`` and numbers; semicolons, tabs and spaces, quotes, a byte-order mark, CRLF and
-    comment lines (#) before the header are taken too. Parquet is one column per channel and ``t``. MATLAB's .mat (v5
-    and v7.3) has ``t``, a struct per signal with a field per joint, and vectors. NPZ is one array per channel and
-    ``t``. HDF5 is one dataset per channel and ``t``, flat (``/q.elbow``) or grouped by signal (``/q/elbow``). Units
-    that a file states and that are not SI are refused, unless a map says what to make of them. Nothing in a file is
-    executed and no other file is opened.
+    Without a map a file holds ``t`` [s] and channels named ``<signal>.<joint>``:
+
+    * CSV (.csv, .txt, .tsv): a header ``t,q.elbow,...`` and numbers; semicolons, tabs and spaces, quotes, a byte-order
+      mark, CRLF and comment lines (#) before the header are taken too.
+    * NPZ: one array per channel and ``t``; no pickle is loaded.
+    * HDF5 (.h5, .hdf5): one dataset per channel and ``t``, flat (``/q.elbow``) or grouped by signal (``/q/elbow``).
+    * Parquet: one column per channel and ``t``, as pandas writes them.
+    * MAT (v5 and v7.3): ``t``, a struct per signal with a field per joint, and vectors.
+    * ROS 1 bags, ROS 2 bags, MCAP (.bag, .db3, .mcap): the only topic of joint states: position is q, velocity v,
+      effort tau; of a controller's state, feedback gives q and v, output tau. ``meta["notes"]`` says what was assumed,
+      ``meta["start_ns"]`` from when stamps of the time of day are counted.
+
+    With a map the file may have any columns; two-dimensional arrays are taken as ``q[:,0]`` (NPZ, HDF5) or
+    ``rec.pos(1,:)`` (MAT), fields of messages as ``position.elbow``, other topics as ``/left/states.position.elbow``.
+
+    Units that a file states and that are not SI are refused, unless a map says what to make of them. What is wrong
+    with the samples (numbers that are not finite, times that do not increase) is refused too, unless a repair is asked
+    for. Nothing in a file is executed and no other file is opened.
 
     Args:
-        path: the file.
+        path: the file, or the folder of a ROS 2 bag.
         map: a channel map or the path of one, for files that do not follow the convention by themselves: names, units,
-            gears, couplings and clocks of the raw columns; ``rec.meta["map"]`` keeps it.
+            gears, signs, couplings and clocks of the raw columns; ``rec.meta["map"]`` keeps it.
         repair: repairs to make, in order: ``sort_time``, ``drop_duplicate_times``, ``drop_backwards``, ``drop_nan``,
             ``fill_nan`` (gaps up to 0.1 s, else ``{"fill_nan": {"longest": 0.5}}``); those of the map come first.
             ``rec.meta["repairs"]`` tells how many rows each touched.
@@ -84,10 +96,11 @@ def read_recording(
         progress: called now and then with the share of the file that has been read, from 0 to 1.
 
     Returns:
-        The recording; without map and repair bit for bit as written.
+        The recording; what `write_recording` wrote comes back bit for bit without map and repair.
 
     Raises:
-        InputError: anything wrong with the file, in one line with row (the line, in CSV) and channel.
+        InputError: anything wrong with the file, the map or a repair, in one line with row (the line, in CSV) and
+            channel.
         MissingExtra: the suffix needs a library that is not installed.
     """
     path = Path(path)
@@ -117,16 +130,22 @@ def is_recording(path: str | os.PathLike[str]) -> bool:
 def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
     """Write a recording; whatever goes wrong, the path holds the old file or the whole new one.
 
-    Every double is kept bit for bit. NPZ, HDF5, Parquet and MAT keep `meta` as well, as JSON text; CSV is a plain table
-    and drops it. HDF5 datasets and Parquet columns carry their unit as ``units``. MAT is version 5, or 7.3 where a
-    variable has 2 GB.
+    Every double is kept bit for bit, and `meta` too but in CSV, which is a plain table.
+
+    * CSV: the shortest digits that give every double back; .tsv with tabs.
+    * NPZ, HDF5, Parquet: one array, dataset or column per channel; HDF5 and Parquet carry units.
+    * MAT: a struct per signal with a field per joint; version 5, or 7.3 where a variable has 2 GB.
+    * Bags (.bag, .mcap, .db3): JointState on ``/joint_states`` (q, v, tau), ``/motor_states`` (theta, omega,
+      tau_applied) and ``/transmission_states`` (tau_s); other channels on ``/flexdyn/channels``. Stamps are times
+      rounded to nanoseconds.
 
     Args:
         rec: the recording.
         path: where to; the suffix chooses the format.
 
     Raises:
-        InputError: unknown suffix, no such folder, or it cannot be written there.
+        InputError: unknown suffix, no such folder, it cannot be written there, or for a bag two samples within one
+            nanosecond.
         MissingExtra: the suffix needs a library that is not installed.
     """
     path = Path(path)

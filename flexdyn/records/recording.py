@@ -193,7 +193,7 @@ class Recording:
         filtered: bool = False,
         longest_gap: float | None = None,
     ) -> Recording:
-        """The recording at a uniform rate [Hz] or at other times [s]; see `flexdyn.records.resample.resampled`."""
+        """At a uniform rate [Hz] or at other times [s]; see `flexdyn.records.signals.resample.resampled`."""
         return resampled(self, rate=rate, times=times, method=method, filtered=filtered, longest_gap=longest_gap)
 
     def trim(self, start: float | None = None, end: float | None = None) -> Recording:
@@ -209,11 +209,11 @@ class Recording:
         return shifted(self, seconds)
 
     def smoothed(self, smoother: Smoother) -> Recording:
-        """Every channel through one filter, where it fits; see `flexdyn.records.derivatives.smoothed`."""
+        """Every channel through one filter, where it fits; see `flexdyn.records.signals.derivatives.smoothed`."""
         return smoothed(self, smoother)
 
     def noise(self, channel: str) -> Noise:
-        """The noise of one channel, estimated from its samples; see `flexdyn.records.noise.estimate_noise`."""
+        """The noise of one channel, estimated from its samples; see `flexdyn.records.signals.noise.estimate_noise`."""
         return noise_of(self, channel)
 
     def unit(self, channel: str) -> str:

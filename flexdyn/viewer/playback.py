@@ -67,7 +67,9 @@ def play(
 
     Args:
         run: a run, a recording, the path of one, or a model, which is shown at its initial position.
-        compare: what a translucent second arm does: another run of the arm, a rigid one, measured data.
+        compare: what a translucent second arm does: another run of the arm, measured data, or ``"rigid"``: the arm
+            without elasticity (`FlexibleJointModel.rigid`), simulated from the same first q and v under the tau of the
+            run, held from sample to sample.
         model: of a recording that does not hold its own (CSV never does), or its path or name.
         html: write the page there instead of serving it.
         magnify: factor of theta - q on the dials; default: 1, 2, 5, 10, ..., so that the largest shows well.
@@ -78,7 +80,9 @@ def play(
         The page's `url`, and `close()`.
 
     Raises:
-        InputError: no model, no positions of its joints, another arm to compare with, or a file that cannot be written.
+        InputError: no model, no positions of its joints, another arm to compare with, no tau for a rigid one, or a
+            file that cannot be written.
+        SimulationError: the rigid arm could not be simulated.
     """
     shown = sources.first(run, model)
     ghost = None if compare is None else sources.second(compare, model, shown)

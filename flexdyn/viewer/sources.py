@@ -15,6 +15,7 @@ from flexdyn.modelfile import load_model, model_from_dict
 from flexdyn.records import Recording, read_recording
 from flexdyn.run import Run
 from flexdyn.viewer.motion import Motion, at_rest, of_recording, of_run
+from flexdyn.viewer.rigid import RIGID, without_elasticity
 from flexdyn.yamlfile import parse_yaml
 
 Model = FlexibleJointModel | str | Path
@@ -24,10 +25,17 @@ NAME_IT = "name it: model=..., on the command line --model MODEL"
 
 @dataclass(frozen=True)
 class Shown:
-    """An arm and its motion."""
+    """An arm and its motion.
+
+    Attributes:
+        model: of the arm.
+        motion: what it did.
+        source: where that comes from.
+    """
 
     model: FlexibleJointModel
     motion: Motion
+    source: Run | Recording | FlexibleJointModel
 
 
 def first(source: Source, model: Model | None) -> Shown:
@@ -45,20 +53,23 @@ def first(source: Source, model: Model | None) -> Shown:
         arm = _arm(given, model)
         if arm is None:
             raise InputError("the recording does not say which arm it is of", key="model", remedy=NAME_IT)
-        return Shown(arm, _motion(given, arm, at_rest(arm)))
+        return Shown(arm, _motion(given, arm, at_rest(arm)), given)
 
 
 def second(source: Source, model: Model | None, shown: Shown) -> Motion:
     """What it is compared with.
 
     Args:
-        source: as of `first`.
+        source: as of `first`; or ``"rigid"``: the arm shown without elasticity, under the same torques.
         model: likewise; a recording without a model is taken to be of the arm shown.
         shown: what it is compared with.
 
     Raises:
-        InputError: likewise, or it is of another arm.
+        InputError: likewise, it is of another arm, or what is shown has no torques for a rigid one.
+        SimulationError: the rigid arm could not be simulated.
     """
+    if isinstance(source, str) and source == RIGID:
+        return without_elasticity(shown.source, shown.model, shown.motion)
     given, file = _read(source, "compare")
     with _naming(file, "compare"):
         other = _arm(given, model) or shown.model

@@ -23,6 +23,9 @@ def runs(flexdyn: Runner) -> None:
     run = fd.simulate(fd.load_model("scara_two_link"), duration=0.2, q0=[0.3, 0.4], v0=[1.0, -1.0])
     run.save("run.npz")
     run.save("run.csv")
+    rec = run.to_recording()
+    still = fd.Recording(rec.t, {name: rec[name] for name in rec.channels if name.startswith("q.")}, meta=rec.meta)
+    fd.write_recording(still, "still.npz")
     fd.simulate(fd.load_model("scara"), duration=0.01).save("other.npz")
 
 
@@ -32,6 +35,8 @@ def runs(flexdyn: Runner) -> None:
         ("run.npz",),
         ("run.csv", "--model", "scara_two_link"),
         ("run.npz", "run.csv"),
+        ("run.npz", "--rigid"),
+        ("run.csv", "--model", "scara_two_link", "--rigid"),
         ("run.npz", "--magnify", "50"),
         ("scara",),
         ("ur5",),
@@ -75,6 +80,9 @@ def test_a_map_is_that_of_the_measured_recording(flexdyn: Runner) -> None:
         (("run.npz", "gone.npz"), "gone.npz: no such file"),
         (("gone.npz",), "gone.npz: no such file"),
         (("gone",), "gone.*neither a file nor a known model or robot"),
+        (("run.npz", "run.csv", "--rigid"), "--rigid: there is one translucent arm.*run.csv.*leave one of them out"),
+        (("scara", "--rigid"), "--rigid: a model alone has no torques.*give a run or a recording"),
+        (("still.npz", "--rigid"), "still.npz: channels.*no tau of any joint.*tau.shoulder"),
         (("run.npz", "--html", "no/page.html"), "no/page.html: --html.*no such folder"),
         (("run.npz", "--html", "page.pdf"), "page.pdf: --html.*unknown suffix"),
         (("run.npz", "--html", "."), "--html.*unknown suffix"),
