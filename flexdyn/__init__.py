@@ -18,6 +18,7 @@ from flexdyn.analysis import (
 )
 from flexdyn.commands import PD, Controller, FrameWrench, Samples, State
 from flexdyn.compare import ChannelError, Comparison, compare
+from flexdyn.diagnose import Diagnosis, diagnose
 from flexdyn.energy import Energy, EnergyWarning
 from flexdyn.errors import FlexdynError, InputError, MissingExtra, SimulationError
 from flexdyn.joint import Joint
@@ -51,6 +52,7 @@ __all__ = [
     "Comparison",
     "Controller",
     "Derivatives",
+    "Diagnosis",
     "Energy",
     "EnergyWarning",
     "Equilibrium",
@@ -77,6 +79,7 @@ __all__ = [
     "State",
     "compare",
     "derivatives",
+    "diagnose",
     "effects",
     "equilibrium",
     "estimate_noise",

@@ -39,6 +39,7 @@ class Commands(TyperGroup):
 def build() -> Any:
     """The click command of the whole program."""
     from flexdyn.cli.compare import compare
+    from flexdyn.cli.diagnose import DiagnoseCommand, diagnose
     from flexdyn.cli.effects import effects
     from flexdyn.cli.info import info
     from flexdyn.cli.new import new
@@ -59,6 +60,7 @@ def build() -> Any:
     app.callback()(_program)
     for command in (info, new, effects, simulate, play, plot, compare, paper):
         app.command()(command)
+    app.command(cls=DiagnoseCommand)(diagnose)
     return typer.main.get_command(app)
 
 

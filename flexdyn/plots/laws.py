@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from flexdyn.effects import CommandDelay, DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect
+from flexdyn.effects import CommandDelay, DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect, unit_for
 from flexdyn.errors import InputError
 from flexdyn.plots import friction_curves, sensor_curves, torque_curves
 from flexdyn.plots.page import GREY, checked_path, dress, new_figure, save
@@ -45,15 +45,30 @@ def draw_law(kind: type[Effect], path: str | Path) -> None:
         MissingExtra: matplotlib is not installed.
     """
     file = checked_path(path)
-    draw = _drawing(kind)
     effect = kind.example()
+    figure = law_figure(effect)
+    _head(figure, effect)
+    save(figure, file)
+
+
+def law_figure(effect: Effect, *, prismatic: bool = False) -> Any:
+    """Matplotlib's figure of the law of an effect with its own parameters, without a title.
+
+    Args:
+        effect: to be drawn.
+        prismatic: its joint slides: N m reads N and rad reads m.
+
+    Raises:
+        InputError: the effect has no law to draw.
+        MissingExtra: matplotlib is not installed.
+    """
+    draw = _drawing(type(effect))
     figure = new_figure()
     axes = figure.add_axes((0.13, 0.13, 0.83, 0.68))
     axes.margins(x=0.0, y=0.12)
-    across, up = draw(axes, effect)
+    across, up = (unit_for(label, prismatic=prismatic) for label in draw(axes, effect))
     dress(axes, across, up)
-    _head(figure, effect)
-    save(figure, file)
+    return figure
 
 
 def _drawing(kind: type[Effect]) -> Drawing:

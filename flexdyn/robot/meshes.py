@@ -62,6 +62,17 @@ def resolve_meshes(links: Sequence[Link], urdf: Path, package_dirs: Sequence[Pat
     return tuple(shown)
 
 
+def mesh_path(address: str, urdf: Path, package_dirs: Sequence[Path]) -> Path | None:
+    """The file that a mesh address in a URDF means; None where it is not found.
+
+    Args:
+        address: as the URDF writes it.
+        urdf: the URDF file.
+        package_dirs: folders that hold packages, or are packages.
+    """
+    return find_mesh(address, urdf, _package_roots(urdf, package_dirs))
+
+
 def find_mesh(address: str, urdf: Path, roots: Iterable[tuple[Path, bool]]) -> Path | None:
     """The file that a mesh address means.
 

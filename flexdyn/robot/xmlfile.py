@@ -140,3 +140,10 @@ def _refuse_xacro(root: Any, path: Path) -> None:
                 remedy=f"expand it first: xacro {path.name} > {plain}",
                 line=element.sourceline,
             )
+
+
+def xml_text(root: Any) -> str:
+    """Text of a tree that `read_xml` gave, to be saved as UTF-8."""
+    from lxml import etree
+
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{etree.tostring(root, encoding="unicode")}\n'

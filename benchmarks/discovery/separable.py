@@ -1,0 +1,168 @@
+"""Whether a case can be answered at all: delta BIC of the true law to a rival, computed from the truth.
+
+    python benchmarks/discovery/separable.py CASES REPORTS
+
+For every report that says "A or B", each rival that it names takes the place of the true law in the simulator, its
+parameters and all known numbers of the arm (within their tolerance) fitted to the true motion. The least delta BIC
+goes to CASES.truth/<case>.rivals.json, where score.py reads it: it bounds that of the nearest rival from above.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from arm_draw import JOINTS, LINKS, TwoLinkArm
+from cases import Case, make_case, scale_of, true_plant
+from hidden import Hidden, Site, draw
+from layout import Array
+from model_text import known_effects
+from names import SENSORS, same, text
+from observer import DISC, DISC_HARMONIC, DISC_PHASE, LAG, SENSOR_GAIN, SENSOR_OFFSET, STEP, Filter, design, innovations
+from recording import Sensors, read
+from scipy.optimize import least_squares
+
+TOLERANCE = 0.03
+KNOWN = ("stiffness", "damping", "rotor_inertia", "viscous", "coulomb", "mass", "com", "inertia")
+STARTS, EVALUATIONS = 1, 10
+SENSOR_COLUMNS = {
+    "channel_lag": {"delay": LAG},
+    "encoder_eccentricity": {"amplitude": DISC, "harmonic": DISC_HARMONIC, "phase": DISC_PHASE},
+    "sensor_gain": {"gain": SENSOR_GAIN},
+    "sensor_offset": {"offset": SENSOR_OFFSET},
+}
+SIGNED = ("offset", "gain", "phase", "rest", "cos_1", "sin_1", "cos_2", "sin_2", "lower", "upper", "coefficient")
+
+
+def site_of(entry: Mapping[str, Any], given: TwoLinkArm) -> Site | None:
+    """The site of a report's finding, None if it has none in this arm."""
+    name = str(entry["effect"])
+    if name == "payload":
+        return name, 1, "link"
+    if name in SENSORS:
+        signal, _, joint = (text(entry, "channel") or "").partition(".")
+        return (name, JOINTS.index(joint), signal) if joint in JOINTS else None
+    if name == "parameter_error":
+        of, number = text(entry, "of") or "", text(entry, "parameter") or ""
+        if of.startswith("effects["):
+            _, j, wrong, _ = known_effects(given)[int(of[8:-1])]
+            return name, j, wrong
+        names = JOINTS if of in JOINTS else LINKS
+        return (name, names.index(of), number) if of in names else None
+    place = text(entry, "joint") or ""
+    return (name, JOINTS.index(place), str(entry["side"])) if place in JOINTS else None
+
+
+def calibrated(arm: TwoLinkArm, logs: Array) -> TwoLinkArm:
+    """The arm with its known numbers times exp(logs) (16,)."""
+    pairs = np.exp(logs).reshape(-1, 2)
+    old = {name: getattr(arm, name) for name in KNOWN}
+    return arm.replace(**{name: tuple(np.array(old[name]) * f) for name, f in zip(KNOWN, pairs, strict=True)})
+
+
+def written(case: Case) -> Array:
+    """Logarithms of the given over the true numbers (16,), zero where there is none."""
+    true = np.array([getattr(case.arm, name) for name in KNOWN])
+    given = np.array([getattr(case.given, name) for name in KNOWN])
+    fine = (true > 0.0) & (given > 0.0) & np.isfinite(given)
+    return np.asarray(np.where(fine, np.log(np.where(fine, given / np.where(fine, true, 1.0), 1.0)), 0.0).ravel())
+
+
+def sensor_table(hidden: list[Hidden]) -> Array:
+    """Errors of the encoders q1, q2, theta1, theta2 (4, 6)."""
+    table = np.zeros((4, 6))
+    for one in hidden:
+        for key, column in SENSOR_COLUMNS.get(one.effect, {}).items():
+            row = (one.joint or 0) + (2 if one.place["channel"].startswith("theta") else 0)
+            table[row, column] = one.parameters[key]
+    return table
+
+
+def make_filter(case: Case) -> tuple[Filter, Array]:
+    """The filter of a case, and what its encoders would report without steps (samples, m)."""
+    sensors: Sensors = case.sensors
+    seen = np.array({"both": [0, 1, 2, 3], "motor": [2, 3], "link": [0, 1]}[sensors.positions])
+    steps = np.array([sensors.link_step()] * 2 + [sensors.motor_step(N) for N in case.arm.gear_ratio])[seen]
+    peak = np.abs(case.fit.tau).max(axis=0)
+    columns = []
+    for i in seen:
+        name = f"{'q' if i < 2 else 'theta'}.{JOINTS[i % 2]}"
+        columns.append(read(case.fit.y[:, i], [e for e in case.hidden if e.place.get("channel") == name]))
+    arm = case.arm.plant()
+    return design(arm, np.array(case.arm.middle), steps, peak, sensors.noise, seen), np.stack(columns, axis=1)
+
+
+def delta_bic(case: Case, true: Hidden, site: Site) -> float:
+    """BIC of the rival at a site less that of the true law, on the fit's motion without noise."""
+    found, z = make_filter(case)
+    others = [one for one in case.hidden if one is not true]
+    prior = written(case)
+    best = np.inf
+    for start in range(STARTS):
+        scale = scale_of(np.random.default_rng(start), case.arm, case.fit, case.controls[0], site[1], 1.0)
+        rival = draw(site, scale)
+        keys = list(rival.parameters)
+        first = np.array([rival.parameters[key] for key in keys])
+        unit = np.where(first == 0.0, 1.0, np.abs(first))
+
+        def residual(x: Array, rival: Hidden = rival, keys: list[str] = keys, unit: Array = unit) -> Array:
+            free = [v if key in SIGNED else abs(v) + 1e-9 for key, v in zip(keys, x[16:] * unit, strict=True)]
+            one = Hidden(rival.effect, rival.joint, rival.side, dict(zip(keys, free, strict=True)), rival.place)
+            plant = true_plant(calibrated(case.arm, TOLERANCE * x[:16]), [*others, one])
+            table = sensor_table([*others, one])
+            run = innovations(case.fit.y[0], z, case.fit.tau, plant.P, plant.links, found.gain, found.seen, table, STEP)
+            errors = np.clip(np.nan_to_num(run @ found.whiten.T, nan=1e3), -1e3, 1e3)
+            return np.concatenate([errors.ravel(), x[:16] - prior / TOLERANCE])
+
+        x0 = np.concatenate([np.zeros(16), first / unit])
+        fit = least_squares(residual, x0, diff_step=1e-3, x_scale=1.0, max_nfev=EVALUATIONS)
+        best = min(best, 2.0 * fit.cost)
+    extra = len(keys) - len(true.parameters)
+    return float(best - ((prior / TOLERANCE) ** 2).sum() + extra * np.log(z.size))
+
+
+def nearest(truth: dict[str, Any], report: dict[str, Any]) -> dict[str, Any] | None:
+    """The closest of the rivals that a report names beside what was hidden; None if it names none or none fits."""
+    case = make_case(truth["family"], truth["seed"], truth["number"], truth["fit"], truth["check"])
+    found: dict[str, Any] | None = None
+    for one, entry in zip(case.hidden, truth["hidden"], strict=True):
+        for finding in report["findings"]:
+            names = [finding, *(finding.get("indistinguishable_from") or [])]
+            if not any(same(name, entry) for name in names) or one.effect == "joint_elasticity":
+                continue
+            for rival in (name for name in names if not same(name, entry)):
+                site = site_of(rival, case.given)
+                if site is not None and site[0] != "joint_elasticity":
+                    row = {"rival": list(site), "delta_bic": delta_bic(case, one, site)}
+                    found = row if found is None or row["delta_bic"] < found["delta_bic"] else found
+    return found
+
+
+def main() -> int:
+    """Compute what is missing for every report that says "A or B"."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("cases", type=Path)
+    parser.add_argument("reports", type=Path)
+    o = parser.parse_args()
+    secret = o.cases.parent / f"{o.cases.name}.truth"
+    for file in sorted(o.reports.glob("*/report.json")):
+        truth_file, result = secret / f"{file.parent.name}.json", secret / f"{file.parent.name}.rivals.json"
+        if result.exists() or not truth_file.exists():
+            continue
+        report, truth = json.loads(file.read_text("utf-8")), json.loads(truth_file.read_text("utf-8"))
+        if truth["family"] == "six" or not any(f.get("indistinguishable_from") for f in report["findings"]):
+            continue
+        row = nearest(truth, report)
+        if row is not None:
+            result.write_text(json.dumps(row) + "\n", encoding="utf-8")
+            print(f"{truth['case']}: {row['rival']} {row['delta_bic']:.1f}", file=sys.stderr)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,189 @@
+"""flexdyn diagnose: a model and measured motions in, what is missing in the model out."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperCommand
+
+from flexdyn.cli.failures import Interrupted
+from flexdyn.cli.options import JsonOption, MapOption, naming
+from flexdyn.cli.output import console, note, number, show, show_json, table
+from flexdyn.cli.recordings import load
+from flexdyn.cli.target import model_file
+from flexdyn.errors import InputError, MissingExtra
+
+if TYPE_CHECKING:
+    from flexdyn.diagnose.result import Diagnosis
+
+CHECK = "--check"
+Progress = Callable[[str, float], None]
+
+
+class DiagnoseCommand(TyperCommand):
+    """The command whose ``--check A B`` reads as ``--check A --check B``."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the arguments."""
+        takes = {name: 0 if getattr(entry, "is_flag", False) else 1 for entry in self.params for name in entry.opts}
+        parsed: list[str] = super().parse_args(ctx, spread(args, takes))
+        return parsed
+
+
+def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
+    """Arguments in which every recording after ``--check`` has that option to itself.
+
+    Only after MODEL and FIT: before them the second word is one of those.
+
+    Args:
+        args: as typed.
+        takes: values that each option takes.
+    """
+    found: list[str] = []
+    words, values, checking = 0, 0, False
+    for place, arg in enumerate(args):
+        if arg == "--":
+            return [*found, *args[place:]]
+        if values:
+            values -= 1
+        elif arg.startswith("-") and arg != "-":
+            name, sign, _ = arg.partition("=")
+            values = 0 if sign else takes.get(name, 0)
+            checking = name == CHECK
+        elif checking and words >= 2:
+            found.append(CHECK)
+        else:
+            words += 1
+        found.append(arg)
+    return found
+
+
+def diagnose(
+    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model file, or the name of a shipped model.")],
+    fit: Annotated[list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain.")],
+    check: Annotated[
+        list[Path] | None,
+        typer.Option(
+            CHECK,
+            metavar="CHECK...",
+            help="Recordings that take no part in the fit. Default: the last quarter of every one of FIT is withheld.",
+        ),
+    ] = None,
+    map: MapOption = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="DIR", help="Folder for report.html, report.json and model.yaml."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find where model and measurement disagree, and name what is missing in the model.
+
+    It writes a report, for people and for programs, and the corrected model. Ctrl-C writes what is known by then.
+    """
+    from flexdyn.diagnose.result import Interrupted as Partial
+
+    checks = check or []
+    folder = _folder(output, [Path(model), *fit, *checks])
+    _check_twice(fit, checks)
+    _check_pictures()
+    arm = model_file(model)
+    recordings = [[load(path, map=map) for path in paths] for paths in (fit, checks)]
+    from flexdyn.diagnose import diagnose as run
+
+    try:
+        with naming({"fit": "FIT", "check": CHECK}, file=_named(fit), files={}), _progress() as progress:
+            diagnosis = run(arm, recordings[0], recordings[1], progress=progress)
+    except Partial as stop:
+        if stop.diagnosis is not None:
+            replace(stop.diagnosis, notes=(*stop.diagnosis.notes, "interrupted")).save(folder)
+            note(f"what was known by then is in {folder / 'report.html'}")
+        raise Interrupted from None
+    diagnosis.save(folder)
+    if as_json:
+        show_json(diagnosis.to_dict())
+    else:
+        show(*_report(diagnosis, folder))
+
+
+def _report(diagnosis: Diagnosis, folder: Path) -> Iterator[Any]:
+    """The verdict, a table of findings, the gap, where the rest is."""
+    from flexdyn.diagnose.words import effect_name, estimate_text, gap_sentence, verdict_sentence, where_phrase
+
+    yield verdict_sentence(diagnosis)
+    if diagnosis.findings:
+        rows = []
+        for finding in diagnosis.findings:
+            gain = "-" if math.isnan(finding.check_gain) else f"{100.0 * finding.check_gain:.0f} %"
+            evidence = [(number(finding.delta_bic, 3), gain), *[("", "")] * len(finding.rivals)]
+            for place, suspect in enumerate((finding.suspect, *finding.rivals)):
+                numbers = "\n".join(f"{key} {estimate_text(entry)}" for key, entry in suspect.parameters.items())
+                name = f"{'or ' if place else ''}{effect_name(suspect.effect)}"
+                rows.append((name, where_phrase(diagnosis.model, suspect), numbers, *evidence[place]))
+        columns = ("finding", "where", "numbers", "delta BIC", "gain on check")
+        yield table("Findings", columns, rows, right=columns[3:])
+    yield gap_sentence(diagnosis)
+    yield from diagnosis.notes
+    yield f"The report is {folder / 'report.html'}, the corrected model {folder / 'model.yaml'}"
+
+
+def _folder(path: Path | None, inputs: Sequence[Path]) -> Path:
+    """The folder to write to, found fit before any work is done."""
+    if path is None:
+        raise InputError("say where to write", key="--output", remedy="give a folder for the report")
+    if path.exists() and not path.is_dir():
+        raise InputError("it is a file", file=path, key="--output", remedy="give a folder")
+    parent = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
+    if not parent.is_dir():
+        raise InputError("a folder cannot be made in a file", file=path, key="--output", value=str(parent))
+    if not os.access(parent, os.W_OK):
+        raise InputError("the folder cannot be written to", file=path, key="--output", value=str(parent))
+    for name in ("model.yaml", "report.json", "report.html"):
+        for given in inputs:
+            if (path / name).exists() and given.exists() and given.samefile(path / name):
+                remedy = "write to another folder"
+                raise InputError("the command reads this file", file=given, key="--output", remedy=remedy)
+    return path
+
+
+def _check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
+    """Data that check an answer may not have given it."""
+    for path in check:
+        if any(path.exists() and other.exists() and path.samefile(other) for other in fit):
+            remedy = "give another recording, or none: then the last quarter of every one is withheld"
+            raise InputError("it is one of FIT too", file=path, key=CHECK, remedy=remedy)
+
+
+def _check_pictures() -> None:
+    """What the report is drawn with is there: better said now than after minutes of work."""
+    from importlib.util import find_spec
+
+    for library in ("matplotlib", "plotly"):
+        if find_spec(library) is None:
+            raise MissingExtra(library, "plot")
+
+
+def _named(paths: Sequence[Path]) -> str:
+    return ", ".join(map(str, paths[:3])) + (f" and {len(paths) - 3} more" if len(paths) > 3 else "")
+
+
+@contextmanager
+def _progress() -> Iterator[Progress | None]:
+    """What is in work and how far it is, on stderr where that is a terminal."""
+    err = console(stderr=True)
+    if not err.is_terminal:
+        yield None
+        return
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bars
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
+    with Bars(*columns, console=err, transient=True) as bars:
+        task = bars.add_task("diagnosis", total=1.0)
+        yield lambda stage, share: bars.update(task, description=stage, completed=share)

@@ -1,0 +1,94 @@
+"""Derivatives of the residuals with respect to the numbers of a model and of its effects."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations import Equations
+from flexdyn.diagnose.measured import Measured
+from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.diagnose.sensors import true_channel
+from flexdyn.diagnose.terms import adds_up, own_torque
+from flexdyn.effects import ChannelLag, Effect, JointEffect, Payload, SensorEffect, TorqueConstantError
+from flexdyn.errors import InputError
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+STEP = 1e-3
+"""Relative step of the differences."""
+
+
+def of_number(equations: Equations, number: FileNumber) -> Array:
+    """Derivative of the residual (rows,) by the factor of a number of the file, at the factor it has in the model."""
+    model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + STEP)])
+    if number.joint is None:
+        return (equations.of_links(LinkSide(model.resolved())) - equations.of_links(equations.links)) / STEP
+    j = equations.true.index(number.joint)
+    moved, true = model.resolved(), equations.true
+    if number.parameter == "stiffness":  # the scale of the link's equation moves with it
+        there = equations.of(model)
+        return (there.residual - equations.residual) / STEP
+    change = equations.of_joint(j, moved, moved.all_effects) - equations.of_joint(j, true, true.all_effects)
+    if number.parameter == "rotor_inertia" and not true.elastic[j]:
+        change = equations.of_links(LinkSide(moved)) - equations.of_links(equations.links)
+    return change / STEP
+
+
+def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array:
+    """Change of the residual (rows,) where the model has an effect more, over `scale`."""
+    if isinstance(effect, SensorEffect):
+        return _of_sensor(equations, effect) / scale
+    if isinstance(effect, Payload):
+        model = equations.true.replace(effects=[*equations.true.effects, effect])
+        return (equations.of_links(LinkSide(model)) - equations.of_links(equations.links)) / scale
+    true, effect = equations.true, _on_joint(effect)
+    j = true.index(effect.joint)
+    if isinstance(effect, TorqueConstantError):
+        return equations.of_torque(j, lambda along: ("motor", effect.gain * equations.needed(along, j))) / scale
+    if adds_up(effect):
+        return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
+    with_it = equations.of_joint(j, true, [*true.all_effects, effect])
+    return (with_it - equations.of_joint(j, true, true.all_effects)) / scale
+
+
+def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -> Array:
+    """Derivative of the residual (rows,) by a parameter of an effect that the model holds.
+
+    Args:
+        equations: of the model with the effect.
+        effect: that is there.
+        name: of the parameter.
+        step: of the difference, in the parameter's unit.
+    """
+    moved = effect.replace(**{name: getattr(effect, name) + step})
+    if isinstance(effect, SensorEffect | Payload | TorqueConstantError):
+        return (of_effect(equations, moved) - of_effect(equations, effect)) / step
+    true = equations.true
+    j = true.index(_on_joint(effect).joint)
+    rest = [e for e in true.all_effects if e is not effect and e != effect]
+    return (equations.of_joint(j, true, [*rest, moved]) - equations.of_joint(j, true, [*rest, effect])) / step
+
+
+def _on_joint(effect: Effect) -> JointEffect:
+    """An effect with a torque along the motion.
+
+    Raises:
+        InputError: it has none.
+    """
+    if not isinstance(effect, JointEffect):
+        raise InputError("the effect has no torque along a motion", key="effect", value=effect.name)
+    return effect
+
+
+def _of_sensor(equations: Equations, effect: SensorEffect) -> Array:
+    """The measured channel holds what the sensor added: the true one is less by that."""
+    j = equations.true.index(effect.joint)
+
+    def error(data: Measured) -> Array:
+        seen = data.channel(effect.signal)[:, j]
+        if isinstance(effect, ChannelLag) and effect.signal == "tau":
+            return np.asarray(np.interp(data.t + effect.delay, data.t, seen)) - seen
+        return true_channel([effect], seen, data.dt) - seen
+
+    return equations.of_channel(effect.signal, j, error)

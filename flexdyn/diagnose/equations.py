@@ -1,0 +1,275 @@
+"""Residuals of the equations of motion along measured motions: what a model leaves unexplained, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.filters import Filters
+from flexdyn.diagnose.measured import Measured
+from flexdyn.diagnose.motion import Motion, Smoothed, motion, smoothed
+from flexdyn.diagnose.sensors import corrected
+from flexdyn.diagnose.terms import joint_terms
+from flexdyn.effects import Effect, Payload, SensorEffect, TorqueConstantError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+MOTOR, LINK, TOTAL, SENSOR = "motor", "link", "total", "sensor"
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The equations of a model along measured motions.
+
+    Rows of all recordings follow one another, time by time, and at each time stand the equations in the order of
+    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total.
+
+    Attributes:
+        model: whose equations they are.
+        data: the recordings, as measured.
+        filters: that every term passes.
+        stiffness: by which the links' equations are measured (n,) [N m/rad]; None: the model's own.
+    """
+
+    model: FlexibleJointModel
+    data: tuple[Measured, ...]
+    filters: Filters
+    stiffness: Array | None = None
+
+    @cached_property
+    def true(self) -> FlexibleJointModel:
+        """The model with parameter errors and elasticities folded in."""
+        return self.model.resolved()
+
+    @cached_property
+    def kinds(self) -> tuple[tuple[int, str], ...]:
+        """Joint and kind of every equation."""
+        first = self.data[0]
+        kinds: list[tuple[int, str]] = []
+        for j in range(self.true.n):
+            split = self.true.elastic[j] and first.has_q[j] and first.has_theta[j]
+            kinds += [(j, MOTOR), (j, LINK)] if split else [(j, TOTAL)]
+            if first.has_tau_s[j]:
+                kinds.append((j, SENSOR))
+        return tuple(kinds)
+
+    @cached_property
+    def links(self) -> LinkSide:
+        """M and h of the model."""
+        return LinkSide(self.true)
+
+    @cached_property
+    def motions(self) -> tuple[Motion, ...]:
+        """The smoothed motions, sensor effects of the model taken off."""
+        return tuple(motion(self.links, each) for each in self.smoothed)
+
+    @cached_property
+    def smoothed(self) -> tuple[Smoothed, ...]:
+        """The recordings behind the first filter, sensor effects of the model taken off."""
+        kernel = self.filters.first
+        return tuple(smoothed(self.true, self.links, corrected(each, self.model), kernel) for each in self.data)
+
+    @cached_property
+    def residual(self) -> Array:
+        """What the model leaves (rows,) [N m or N]: zero but for noise where it is right."""
+        return self._rows(self.true, self.motions, self.true.all_effects)
+
+    def of(self, model: FlexibleJointModel) -> Equations:
+        """The same data under another model; motions are shared where the model does not touch them."""
+        own = self.true.stiffness if self.stiffness is None else self.stiffness
+        other = replace(self, model=model, stiffness=own)
+        if _same_signals(self, other):
+            other.__dict__["smoothed"] = self.smoothed
+            if _same_links(self, other):
+                other.__dict__["links"] = self.links
+                other.__dict__["motions"] = self.motions
+        return other
+
+    def of_joint(self, j: int, model: FlexibleJointModel, effects: Sequence[Effect]) -> Array:
+        """What one joint's terms put into the rows (rows,), the links' inertia left out."""
+        parts = []
+        for along in self.motions:
+            terms = joint_terms(model, effects, along, j)
+            motor, link = np.zeros_like(along.q), np.zeros_like(along.q)
+            motor[:, j], link[:, j] = terms.motor, terms.link
+            if model.elastic[j]:
+                motor[:, j] -= model.rotor_inertia[j] * along.alpha[:, j]
+            tau_s = np.zeros_like(along.q)
+            tau_s[:, j] = -terms.tau_s
+            parts.append(self.combined(along, motor, link, tau_s, only=j).ravel())
+        return np.concatenate(parts)
+
+    def needed(self, along: Motion, j: int) -> Array:
+        """Motor torque (samples,) that the model needs for a motion.
+
+        It stands for the torque asked for in columns: that one's noise is in the residual as well, and would bias what
+        is multiplied with it.
+        """
+        effects = [e for e in self.true.all_effects if e.stage != "actuator"]
+        terms = joint_terms(self.true, effects, along, j)
+        left = along.tau[:, j] - terms.motor
+        if self.true.elastic[j]:
+            return np.asarray(left + self.true.rotor_inertia[j] * along.alpha[:, j])
+        return np.asarray(left + along.inverse_dynamics[:, j] - terms.link)
+
+    def of_torque(self, j: int, torque: Callable[[Motion], tuple[str, Array]]) -> Array:
+        """What one torque on the motor's or link's side of a joint puts into the rows (rows,)."""
+        parts = []
+        for along in self.motions:
+            side, values = torque(along)
+            motor, link, tau_s = (np.zeros_like(along.q) for _ in range(3))
+            (motor if side == MOTOR else link)[:, j] = values
+            if not self.true.elastic[j] and side == LINK:
+                tau_s[:, j] = values
+            parts.append(self.combined(along, motor, link, tau_s, only=j).ravel())
+        return np.concatenate(parts)
+
+    def of_links(self, links: LinkSide) -> Array:
+        """What another link side puts into the rows (rows,): -(M a + h)."""
+        parts = []
+        for along in self.motions:
+            total = np.einsum("tij,tj->ti", links.mass_matrix(along.q), along.a) + links.bias(along.q, along.v)
+            needed = np.where(self.true.elastic, 0.0, -total)
+            parts.append(self.combined(along, np.zeros_like(total), -total, needed).ravel())
+        return np.concatenate(parts)
+
+    def of_channel(self, signal: str, j: int, error: Callable[[Measured], Array]) -> Array:
+        """First-order change of the rows (rows,) where a true channel is the measured one plus `error` (samples,).
+
+        A position made up from the other encoder moves with it. What the change does to friction is left out.
+        """
+        parts = []
+        model = self.true
+        for along in self.motions:
+            d0, d1, d2 = (self._smoothed(along, error(along.data), k) for k in range(3))
+            motor, link, tau_s = (np.zeros_like(along.q) for _ in range(3))
+            if signal == "tau":
+                motor[:, j] = d0
+            elif signal == "tau_s":
+                tau_s[:, j] = d0
+            else:
+                both = not (along.data.has_q[j] and along.data.has_theta[j]) or not model.elastic[j]
+                if model.elastic[j] and (signal == "theta" or both):
+                    motor[:, j] -= model.rotor_inertia[j] * d2
+                if signal == "q" or both:
+                    link -= along.M[:, :, j] * d2[:, None] + self._stiffening(along, j) * d0[:, None]
+                if not both:
+                    bent = model.stiffness[j] * d0 + model.damping[j] * d1
+                    bent = bent if signal == "theta" else -bent
+                    motor[:, j] -= bent
+                    link[:, j] += bent
+                    tau_s[:, j] -= bent
+            parts.append(self.combined(along, motor, link, tau_s).ravel())
+        return np.concatenate(parts)
+
+    def _smoothed(self, along: Motion, x: Array, order: int) -> Array:
+        y = self.filters.first.apply(x, order)
+        twice = len(y) - len(along.t)
+        return self.filters.first.apply(y, 0) if twice else y
+
+    def _stiffening(self, along: Motion, j: int) -> Array:
+        """dh/dq_j (samples, n) [N m/rad], by differences."""
+        step = 1e-5
+        moved = along.q.copy()
+        moved[:, j] += step
+        return (self.links.bias(moved, along.v) - self.links.bias(along.q, along.v)) / step
+
+    def _rows(self, model: FlexibleJointModel, motions: Sequence[Motion], effects: Sequence[Effect]) -> Array:
+        return np.concatenate([self._of_motion(model, each, effects).ravel() for each in motions])
+
+    def _of_motion(self, model: FlexibleJointModel, along: Motion, effects: Sequence[Effect]) -> Array:
+        """Residuals of one recording (times, equations)."""
+        terms = [joint_terms(model, effects, along, j) for j in range(model.n)]
+        motor = np.stack([each.motor for each in terms], axis=1)
+        link = np.stack([each.link for each in terms], axis=1) - along.inverse_dynamics
+        elastic = model.elastic
+        motor[:, elastic] -= model.rotor_inertia[elastic] * along.alpha[:, elastic]
+        tau_s = along.tau_s - np.stack([each.tau_s for each in terms], axis=1)
+        return self.combined(along, motor, link, tau_s)
+
+    def combined(self, along: Motion, motor: Array, link: Array, tau_s: Array, only: int | None = None) -> Array:
+        """Rows (times, equations) of what stands in the motors', the links' and the sensors' equations (samples, n).
+
+        `only` says that every other joint's columns are zero.
+        """
+        rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
+        filtered = {}
+        for name, each in ((MOTOR, motor), (LINK, link), (SENSOR, tau_s)):
+            filtered[name] = np.zeros((len(rows), self.true.n))
+            columns = slice(None) if only is None else slice(only, only + 1)
+            filtered[name][:, columns] = self.filters.rows(each[:, columns])
+        motor_, link_, sensor_ = (filtered[name] for name in (MOTOR, LINK, SENSOR))
+        lifted = self._lifted(self.true, along, motor, link)
+        for place, (j, kind) in enumerate(self.kinds):
+            if kind == MOTOR:
+                rows[:, place] = motor_[:, j] / self.gains[j]
+            elif kind == SENSOR:
+                rows[:, place] = sensor_[:, j]
+            elif kind == LINK:
+                rows[:, place] = (link_[:, j] + lifted[:, j]) / self.softness[j]
+            else:
+                rows[:, place] = (link_[:, j] + lifted[:, j] + motor_[:, j]) / self.gains[j]
+        return rows
+
+    @cached_property
+    def softness(self) -> Array:
+        """Stiffness over that by which the links' equations are measured (n,).
+
+        They are in deflection, times a stiffness that no fit changes: else a soft spring on a light arm left less.
+        """
+        ratio = np.ones(self.true.n)
+        if self.stiffness is not None:
+            both = np.isfinite(self.stiffness) & self.true.elastic
+            ratio[both] = self.true.stiffness[both] / self.stiffness[both]
+        return ratio
+
+    @cached_property
+    def gains(self) -> Array:
+        """True torque over recorded torque (n,): the equations are in recorded torque, whose noise stays as it is.
+
+        Otherwise a motor that gives nothing would explain an arm that weighs nothing, and leave no noise at all.
+        """
+        gains = np.ones(self.true.n)
+        for effect in self.true.all_effects:
+            if isinstance(effect, TorqueConstantError):
+                gains[self.true.index(effect.joint)] += effect.gain
+        return np.where(np.abs(gains) < 0.05, np.copysign(0.05, gains), gains)
+
+    def _lifted(self, model: FlexibleJointModel, along: Motion, motor: Array, link: Array) -> Array:
+        """What made-up positions do to the equations (times, n).
+
+        A link position from the motor's equation is wrong by ``-motor/K``, whose acceleration loads every link; a rotor
+        position from the link's equation is wrong by ``-link/K``, whose acceleration loads the rotor.
+        """
+        first = along.data
+        lifted = np.zeros((self.filters.count(len(along.t)), model.n))
+        at = self.filters.instants(len(along.t))
+        for i in np.flatnonzero(model.elastic & ~(first.has_q & first.has_theta)):
+            wrong = motor[:, i] if not first.has_q[i] else link[:, i]
+            bent = self.filters.rows(wrong / model.stiffness[i], 2)
+            if first.has_q[i]:
+                lifted[:, i] += model.rotor_inertia[i] * bent
+            else:
+                lifted += along.M[at, :, i] * bent[:, None]
+        return lifted
+
+
+def _same_signals(one: Equations, other: Equations) -> bool:
+    """Whether two models leave the same signals behind the first filter: no position is made up, sensors agree."""
+    if (one.true.elastic & ~(one.data[0].has_q & one.data[0].has_theta)).any():
+        return False
+    mine, its = ([e for e in each.model.effects if isinstance(e, SensorEffect)] for each in (one, other))
+    return mine == its and np.array_equal(one.true.elastic, other.true.elastic)
+
+
+def _same_links(one: Equations, other: Equations) -> bool:
+    """Whether M and h agree: the same links, payloads, and rotors of rigid joints."""
+    rigid = ~one.true.elastic
+    mine, its = ([e for e in each.true.effects if isinstance(e, Payload)] for each in (one, other))
+    same = np.array_equal(one.true.rotor_inertia[rigid], other.true.rotor_inertia[rigid])
+    return same and mine == its and one.true.robot is other.true.robot

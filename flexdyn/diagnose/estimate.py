@@ -1,0 +1,219 @@
+"""A model with numbers moved and effects added, fitted to the equations by Gauss-Newton."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose import columns
+from flexdyn.diagnose.covariance import Whitener
+from flexdyn.diagnose.equations import Equations
+from flexdyn.diagnose.numbers import FileNumber, with_factors
+from flexdyn.diagnose.regression import Regression
+from flexdyn.effects import Effect
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+DISCRETE = ("harmonic", "exponent")
+"""Parameters that are counted and not measured."""
+POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
+"""Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
+SETTLED = 0.05
+"""Drop of chi^2 below which another step is not worth its time."""
+LOOSE = 1e3
+"""Relative width of the prior of a number that is out of its tolerance."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """What might be true: factors of the file's numbers, numbers that are out of tolerance, effects that are missing.
+
+    Attributes:
+        given: the model as it was given.
+        factors: by number of the file; 1 where it is as given.
+        freed: numbers that their tolerance does not hold.
+        effects: added.
+    """
+
+    given: FlexibleJointModel
+    factors: Mapping[FileNumber, float]
+    freed: frozenset[FileNumber] = frozenset()
+    effects: tuple[Effect, ...] = ()
+
+    def model(self) -> FlexibleJointModel:
+        """The model that this makes."""
+        return with_factors(self.given, self.factors, self.effects)
+
+    def unknowns(self) -> list[tuple[Effect, str]]:
+        """Parameters of the added effects that are estimated."""
+        return [
+            (effect, entry.name)
+            for effect in self.effects
+            for entry in effect.parameters()
+            if entry.name not in DISCRETE and math.isfinite(getattr(effect, entry.name))
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted hypothesis.
+
+    Attributes:
+        hypothesis: with its numbers at their best.
+        equations: of its model.
+        regression: at the last step; its columns are the file's numbers, then the effects' unknowns.
+        scales: of the effects' unknowns.
+    """
+
+    hypothesis: Hypothesis
+    equations: Equations
+    regression: Regression
+    scales: tuple[float, ...] = field(default=())
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squares of white rows and priors."""
+        return self.regression.chi2
+
+    @property
+    def reduced(self) -> float:
+        """Mean square of the white rows: 1 where only noise is left."""
+        return self.regression.data_chi2 / self.regression.rows
+
+    def std(self) -> dict[tuple[Effect, str], float]:
+        """Standard deviations of the effects' unknowns."""
+        first = len(self.hypothesis.factors)
+        sigma = np.sqrt(np.diag(self.regression.covariance))[first : first + len(self.scales)]
+        return {
+            key: float(s) * scale for key, s, scale in zip(self.hypothesis.unknowns(), sigma, self.scales, strict=True)
+        }
+
+    def factor_std(self) -> dict[FileNumber, float]:
+        """Standard deviations of the file's numbers' factors."""
+        sigma = np.sqrt(np.diag(self.regression.covariance))
+        return {number: float(s) for number, s in zip(self.hypothesis.factors, sigma, strict=False)}
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """What all fits to the same data share.
+
+    Attributes:
+        equations: of the model as it was given.
+        whiten: of their rows.
+        numbers: whitened derivatives of the file's numbers (rows, numbers).
+        nuisance: whitened columns of what must be allowed for and is not reported (rows, k).
+        nuisance_sigma: how large those are (k,).
+    """
+
+    equations: Equations
+    whiten: Whitener
+    numbers: Array
+    nuisance: Array
+    nuisance_sigma: Array
+
+    @property
+    def rows(self) -> int:
+        """Rows that say something."""
+        return int((~self.whiten.mask).sum())
+
+
+def fit(start: Hypothesis, space: Workspace, steps: int = 6) -> Fit:
+    """Gauss-Newton from a hypothesis: every number of the file within its prior, every unknown of its effects.
+
+    Args:
+        start: where to begin.
+        space: data, weights and the derivatives that do not change.
+        steps: at most so many.
+    """
+    best = linearised(start, space)
+    current = moved(best.hypothesis, best.regression.values, best.scales)
+    for _ in range(steps - 1):
+        if best.regression.at_zero - best.chi2 < SETTLED:
+            break
+        made = linearised(current, space)
+        if made.regression.at_zero > best.regression.at_zero:
+            current = _between(best.hypothesis, current)
+            continue
+        best = made
+        current = moved(made.hypothesis, made.regression.values, made.scales)
+    return best
+
+
+def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
+    """The least-squares problem at a hypothesis; its step is not taken."""
+    at, whiten = space.equations.of(hypothesis.model()), space.whiten
+    unknowns = hypothesis.unknowns()
+    scales = tuple(_scale(effect, name) for effect, name in unknowns)
+    slopes = [space.numbers]
+    if unknowns:
+        raw = [s * columns.of_parameter(at, e, name, 0.1 * s) for (e, name), s in zip(unknowns, scales, strict=True)]
+        slopes.append(whiten(np.stack(raw, axis=1)))
+    centre, sigma = _priors(hypothesis, len(unknowns))
+    regression = Regression(
+        y=whiten(at.residual),
+        X=np.hstack([*slopes, space.nuisance]),
+        centre=np.concatenate([centre, np.zeros(space.nuisance.shape[1])]),
+        sigma=np.concatenate([sigma, space.nuisance_sigma]),
+        rows=space.rows,
+        nuisances=space.nuisance.shape[1],
+    )
+    return Fit(hypothesis, at, regression, scales)
+
+
+def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
+    """The hypothesis after a step of its numbers; what has bounds stays within them."""
+    factors = {n: max(f + float(dx), 0.02) for (n, f), dx in zip(hypothesis.factors.items(), step, strict=False)}
+    changes: dict[Effect, dict[str, float]] = {}
+    for (effect, name), dx, scale in zip(hypothesis.unknowns(), step[len(factors) :], scales, strict=False):
+        changes.setdefault(effect, {})[name] = _bounded(effect, name, float(dx) * scale)
+    effects = tuple(e.replace(**changes.get(e, {})) for e in hypothesis.effects)
+    return dataclasses.replace(hypothesis, factors=factors, effects=effects)
+
+
+def _bounded(effect: Effect, name: str, step: float) -> float:
+    """A value after a step that neither leaves its bound nor more than halves or triples what must stay positive."""
+    entry = next(f for f in effect.parameters() if f.name == name)
+    value, lower = getattr(effect, name), entry.metadata["lower"]
+    if name in POSITIVE and value > 0.0:
+        return float(np.clip(value + step, value / 2.5, value * 2.5))
+    return float(max(value + step, lower))
+
+
+def _between(last: Hypothesis, now: Hypothesis) -> Hypothesis:
+    """A third of the way from the last hypothesis to one that went too far."""
+    share = 0.3
+    factors = {n: f + share * (now.factors[n] - f) for n, f in last.factors.items()}
+    effects = []
+    for mine, its in zip(last.effects, now.effects, strict=True):
+        names = [entry.name for entry in mine.parameters()]
+        blended = {
+            k: getattr(mine, k) + share * (getattr(its, k) - getattr(mine, k))
+            for k in names
+            if math.isfinite(getattr(mine, k))
+        }
+        effects.append(mine.replace(**blended))
+    return dataclasses.replace(last, factors=factors, effects=tuple(effects))
+
+
+def _scale(effect: Effect, name: str) -> float:
+    """A size of a parameter by which steps and columns are measured."""
+    value = abs(getattr(effect, name))
+    if name in ("phase",):
+        return 1e-2
+    if name in ("rest", "lower", "upper"):
+        return 1e-3
+    return 0.01 * value if value > 0.0 else {"damping": 1e-3, "offset": 1e-4}.get(name, 1e-4)
+
+
+def _priors(hypothesis: Hypothesis, unknowns: int) -> tuple[Array, Array]:
+    centre = [1.0 - factor for factor in hypothesis.factors.values()] + [0.0] * unknowns
+    sigma = [LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors] + [
+        math.inf
+    ] * unknowns
+    return np.array(centre), np.array(sigma)

@@ -1,0 +1,102 @@
+"""From a fitted hypothesis to findings in the words of the report."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from flexdyn.diagnose.nesting import is_nested
+from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.diagnose.refine import Refined
+from flexdyn.diagnose.result import Calibration, Finding, Number, Suspect
+from flexdyn.diagnose.search import Candidate
+from flexdyn.effects import Effect, unit_for
+from flexdyn.model import FlexibleJointModel
+
+PLACES = ("channel", "other", "frame", "of", "parameter")
+IN_TOLERANCE = 3.0
+"""Standard deviations of its tolerance within which a number of the file is calibrated and not wrong."""
+SIDES = {"rotor_inertia": "motor", "stiffness": "transmission", "damping": "transmission"}
+
+
+def finding(
+    model: FlexibleJointModel, added: Candidate | None, rivals: Sequence[Candidate], last: Refined, gain: float
+) -> Finding | None:
+    """One confirmed candidate with its final numbers; None where the last fit left nothing of it."""
+    if added is None:
+        return None
+    if added.number is not None:
+        suspect = wrong_number(model, added.number, last)
+    else:
+        effect = last.matching(added.effect)
+        suspect = None if effect is None else named(model, effect, last.effect_std())
+    if suspect is None:
+        return None
+    others = tuple(
+        rival
+        for rival in (_rival(model, each) for each in rivals)
+        if not (rival.joint == suspect.joint and rival.side == suspect.side and is_nested(rival.effect, suspect.effect))
+        and (rival.effect, rival.joint, rival.side, rival.place)
+        != (suspect.effect, suspect.joint, suspect.side, suspect.place)
+    )
+    return Finding(suspect, float(added.drop), float(gain), others, "" if not others else _experiment(suspect, others))
+
+
+def named(model: FlexibleJointModel, effect: Effect, std: Mapping[tuple[Effect, str], float]) -> Suspect:
+    """An effect with its numbers and their units."""
+    joint = getattr(effect, "joint", None)
+    prismatic = joint is not None and model.robot.kinds[model.index(joint)] == "prismatic"
+    numbers = {}
+    for entry in effect.parameters():
+        unit = unit_for(str(entry.metadata["unit"]), prismatic=prismatic)
+        numbers[entry.name] = Number(float(getattr(effect, entry.name)), std.get((effect, entry.name), 0.0), unit)
+    return Suspect(effect.name, joint, getattr(effect, "side", None), numbers, _place(effect))
+
+
+def wrong_number(model: FlexibleJointModel, number: FileNumber, last: Refined) -> Suspect | None:
+    """A number of the file that is off by more than its tolerance allows; None where it is not after all."""
+    factor, std = last.hypothesis.factors[number], last.factor_std()[number]
+    if abs(factor - 1.0) - 2.0 * std <= IN_TOLERANCE * number.tolerance:
+        return None
+    place = {"of": number.of, "parameter": number.parameter}
+    return Suspect("parameter_error", number.joint, side_of(model, number), {"factor": Number(factor, std, "1")}, place)
+
+
+def side_of(model: FlexibleJointModel, number: FileNumber) -> str | None:
+    """Where a number acts: a joint's by its kind, an effect's own side."""
+    match = re.fullmatch(r"effects\[(\d+)\]", number.of)
+    return getattr(model.effects[int(match[1])], "side", None) if match else SIDES.get(number.parameter)
+
+
+def calibrations(model: FlexibleJointModel, last: Refined) -> tuple[Calibration, ...]:
+    """Numbers of the file that moved within their tolerance."""
+    std = last.factor_std()
+    return tuple(
+        Calibration(number.of, number.parameter, float(factor), std[number], number.tolerance)
+        for number, factor in last.hypothesis.factors.items()
+        if number not in last.hypothesis.freed or abs(factor - 1.0) <= IN_TOLERANCE * number.tolerance
+    )
+
+
+def _rival(model: FlexibleJointModel, candidate: Candidate) -> Suspect:
+    if candidate.number is not None:
+        number = candidate.number
+        place = {"of": number.of, "parameter": number.parameter}
+        return Suspect("parameter_error", number.joint, side_of(model, number), {}, place)
+    effect = candidate.effect
+    name = effect.name if effect is not None else ""
+    return Suspect(name, getattr(effect, "joint", None), getattr(effect, "side", None), {}, _place(effect))
+
+
+def _place(effect: Effect | None) -> dict[str, str]:
+    return {key: str(getattr(effect, key)) for key in PLACES if getattr(effect, key, None) is not None}
+
+
+def _experiment(suspect: Suspect, others: Sequence[Suspect]) -> str:
+    """What would be seen differently; the regimes in which laws part."""
+    names = " or ".join(dict.fromkeys(each.effect.replace("_", " ") for each in (suspect, *others)))
+    joint = suspect.joint or "the arm"
+    return (
+        f"to tell {names} apart, move {joint} slowly through its range at several constant speeds in both directions, "
+        "stop and reverse often, and repeat it with another load"
+    )

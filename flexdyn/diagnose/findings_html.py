@@ -1,0 +1,107 @@
+"""A finding in report.html: its numbers, its law, and why it has this name."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+
+from flexdyn.diagnose.pictures import law_picture
+from flexdyn.diagnose.result import Finding, Number, Suspect
+from flexdyn.diagnose.words import (
+    capital,
+    effect_name,
+    estimate_text,
+    interval_text,
+    relative,
+    suspect_phrase,
+    unit_text,
+    value_text,
+    where_phrase,
+)
+from flexdyn.effects import catalogue
+from flexdyn.model import FlexibleJointModel
+
+
+def finding_article(model: FlexibleJointModel, place: int, finding: Finding) -> str:
+    """Everything about one finding.
+
+    Args:
+        model: the corrected one.
+        place: of the finding, counted from 1.
+        finding: to be told.
+    """
+    suspect = finding.suspect
+    picture = law_picture(suspect, model)
+    drawn = ""
+    if picture is not None:
+        what = f"The law of {effect_name(suspect.effect)} with the numbers found"
+        drawn = f'<figure><img src="{picture}" alt="{escape(what)}"><figcaption>{escape(what)}.</figcaption></figure>'
+    told = f"{_title(model, place, finding)}{_numbers(finding)}<h4>Why this name</h4>{_evidence(finding)}"
+    told += _rivals(model, finding)
+    return f"<article{'' if drawn else ' class=plain'}><div>{told}</div>{drawn}</article>"
+
+
+def _title(model: FlexibleJointModel, place: int, finding: Finding) -> str:
+    suspect = finding.suspect
+    kind = catalogue().get(suspect.effect)
+    where = where_phrase(model, suspect)
+    wrong = suspect.effect == "parameter_error"
+    names = [f"wrong {where}" if wrong else effect_name(suspect.effect)]
+    names += [effect_name(rival.effect) for rival in finding.rivals]
+    name = " or ".join(dict.fromkeys(names))
+    law = f"<p><code>{escape(kind.law)}</code></p>" if kind is not None and kind.law else ""
+    return f"<h3>{place}. {escape(capital(name))}</h3>{'' if wrong else f'<p>{escape(where)}</p>'}{law}"
+
+
+def _numbers(finding: Finding) -> str:
+    suspect = finding.suspect
+    if not suspect.parameters:
+        return ""
+    rows = "".join(_number(name, number) for name, number in suspect.parameters.items())
+    top = '<tr><th>parameter</th><th class="n">value</th><th>95 % interval</th></tr>'
+    assumed = f"<h4>If it is {escape(effect_name(suspect.effect))}</h4>" if finding.rivals else ""
+    return f'{assumed}<div class="wide"><table>{top}{rows}</table></div>'
+
+
+def _number(name: str, number: Number) -> str:
+    unit = escape(unit_text(number.unit))
+    said = f' <span class="soft">({escape(relative(number.value))})</span>' if name == "factor" else ""
+    return (
+        f'<tr><td>{escape(name)}</td><td class="n"><b>{value_text(number.value, number.std)}</b> {unit}{said}</td>'
+        f"<td>{escape(interval_text(number))}</td></tr>"
+    )
+
+
+def _evidence(finding: Finding) -> str:
+    told = []
+    if math.isfinite(finding.delta_bic):
+        strength = "10 is strong evidence already" if finding.delta_bic >= 10.0 else "less than 10, which is weak"
+        told.append(
+            f"Without it the model explains the data of the fit worse by &Delta;BIC = {_grouped(finding.delta_bic)}"
+            f" ({strength})."
+        )
+    if math.isfinite(finding.check_gain):
+        told.append(
+            f"On data that took no part in the fit, {100.0 * finding.check_gain:.0f} % of the gap goes with it."
+        )
+    if not finding.rivals:
+        told.append("No other effect of the catalogue explains these data as well.")
+    return f"<ul>{''.join(f'<li>{text}</li>' for text in told)}</ul>"
+
+
+def _grouped(value: float) -> str:
+    """A large number in groups of three digits."""
+    return f"{value:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
+def _rivals(model: FlexibleJointModel, finding: Finding) -> str:
+    if not finding.rivals:
+        return ""
+    rows = "".join(f"<li>{escape(_rival(model, rival))}</li>" for rival in finding.rivals)
+    apart = finding.experiment and f"<p><b>What would tell them apart:</b> {escape(finding.experiment)}</p>"
+    return f'<div class="or"><p><b>These data allow as well:</b></p><ul>{rows}</ul>{apart}</div>'
+
+
+def _rival(model: FlexibleJointModel, rival: Suspect) -> str:
+    numbers = ", ".join(f"{name} {estimate_text(number)}" for name, number in rival.parameters.items())
+    return f"{suspect_phrase(model, rival)}{f' ({numbers})' if numbers else ''}"

@@ -1,0 +1,279 @@
+"""The gap: simulated against measured positions over windows, in units of what noise alone makes there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.diagnose.shooting import Motion, Shooter
+from flexdyn.diagnose.spread import spread
+from flexdyn.diagnose.starts import Starts, first_states
+from flexdyn.diagnose.whiten import Filter
+from flexdyn.diagnose.windows import Windows
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+ROUNDS = 6
+"""Corrections of the first states at most, each with a new linear response."""
+SETTLED = 0.8
+"""Another correction is worth its time if the last one left less than this of the squared residual."""
+STRAY = 4.0
+"""A window so many times as far off as the median one may still be on the wrong side of a stick: it is tried on."""
+SHORTER = 0.3
+"""A correction that made it worse is tried again, this much shorter."""
+FRAGILE = 3.0
+"""A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
+FAILED = 3.0
+"""A sample that the simulation did not reach counts as off by so many times what its channel moves (plus 1 rad)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A model simulated over windows, each from the first state that suits it best.
+
+    The first state of a window is a nuisance with a loose Gaussian prior: with S its sensitivities, P its prior
+    covariance, G Q G^T the torque noise carried through the simulation and R the sensors' noise, the residual r at the
+    loose start has the covariance C = R + G Q G^T + S P S^T. The start is moved by P S^T C^-1 r and the window is
+    simulated again; what is left then has the covariance R + G Q G^T - S P+ S^T, P+ = P - P S^T C^-1 S P, of which
+    `std` is the diagonal's root.
+
+    Attributes:
+        model: that was simulated.
+        windows: over which.
+        x0: first states (windows, nx).
+        residual: simulated - measured (windows, rows, channels), 0 where nothing was measured.
+        std: what noise alone makes of it, likewise.
+        used: samples that count, likewise.
+        states: simulated, [q, theta, v, omega, internal] at the first sample of every block (windows, blocks, nx).
+        fragile: factor on `std` of windows in which drawn noise does more than it does in the linear response, because
+            it decides whether a joint sticks (windows,) [1].
+    """
+
+    model: FlexibleJointModel
+    windows: Windows
+    x0: Array
+    residual: Array
+    std: Array
+    used: NDArray[np.bool_]
+    states: Array
+    fragile: Array
+    _filter: Filter
+    _moved: Array
+
+    @property
+    def scaled(self) -> Array:
+        """Residual in units of noise (windows, rows, channels)."""
+        return self.residual / self.std
+
+    @property
+    def gap(self) -> float:
+        """Root mean square of `scaled` over all that was measured [1]."""
+        return float(np.sqrt((self.scaled[self.used] ** 2).mean()))
+
+    @property
+    def by_window(self) -> Array:
+        """The gap of every window (windows,) [1]."""
+        count = np.maximum(self.used.sum(axis=(1, 2)), 1)
+        return np.asarray(np.sqrt((self.scaled**2 * self.used).sum(axis=(1, 2)) / count))
+
+    @property
+    def surprises(self) -> Array:
+        """Where the model goes wrong: what every block adds to the misfit, whitened (windows, blocks, channels).
+
+        Other than `scaled`, an error shows where it happens and not in all that comes after.
+        """
+        return self._filter.surprises(self.residual, self._moved) / self.fragile[:, None, None]
+
+    def share(self, which: ArrayLike = True) -> dict[str, float]:
+        """What part of the excess of `surprises` over noise every joint has; over all blocks they add up to 1.
+
+        Args:
+            which: blocks to look at, a regime (windows, blocks); `states` says where the arm is.
+        """
+        squares = np.maximum(self.surprises**2 - self._filter.counted, 0.0)
+        total = squares.sum()
+        part = (squares * np.broadcast_to(which, squares.shape[:2])[:, :, None]).sum(axis=(0, 1))
+        shares = dict.fromkeys(self.windows.joints, 0.0)
+        for name, size in zip(self.windows.channels, part, strict=True):
+            shares[name.partition(".")[2]] += float(size / total) if total > 0 else 0.0
+        return shares
+
+    @property
+    def misfit(self) -> Array:
+        """Chi squared of every window: the squared length of its whitened residual (windows,)."""
+        return self._filter.misfit(self.residual, self._moved) / self.fragile**2
+
+    def whitened(self, model: FlexibleJointModel | None = None) -> Array:
+        """Residuals made white: of unit variance and uncorrelated if the model is right (windows, rows of each).
+
+        Samples are averaged over blocks; rows are their one-step surprises to a Kalman filter on the linear response,
+        by its spread. The sum of squares is r^T C^-1 r, linear in r.
+
+        Args:
+            model: another one, simulated from this shot's first states under its weights; None: this one. Differences
+                between such models over a step in a parameter are the Jacobian for Gauss and Newton.
+        """
+        residual = self.residual if model is None else self.residual_of(model)
+        return self._filter.whitened(residual, self._moved) / self.fragile[:, None]
+
+    def jacobian(self, models: Sequence[FlexibleJointModel], steps: ArrayLike) -> Array:
+        """Slopes of `whitened`, all windows in one column (windows * rows of each, parameters).
+
+        Args:
+            models: one a parameter, that parameter moved by its step.
+            steps: how far (parameters,).
+        """
+        now = self.whitened()
+        moved = [(self.whitened(model) - now).ravel() for model in models]
+        return np.asarray(np.stack(moved, axis=1) / np.asarray(steps, dtype=float))
+
+    def residual_of(self, model: FlexibleJointModel) -> Array:
+        """Simulated - measured of another model from this shot's first states (windows, rows, channels)."""
+        shooter = Shooter(model, self.windows)
+        x0 = _fitting(self.x0, self.model, shooter)
+        return _residual(shooter, shooter.run(x0), self.used)
+
+    def floor(self, seed: int = 1) -> float:
+        """The gap that a perfect model has: torques and sensors with drawn noise, simulated by the model itself."""
+        shooter, used = Shooter(self.model, self.windows), self.used
+        residual = _drawn(shooter, self.x0, self.residual, used, seed)
+        wanted = -self._filter.first_error(residual, np.zeros_like(self._moved))
+        left = residual + _residual(shooter, shooter.run(self.x0 + wanted), used) - self.residual
+        better = self._filter.scaled(left) < self._filter.scaled(residual)
+        residual[better] = left[better]
+        return float(np.sqrt(((residual / self.std)[used] ** 2).mean()))
+
+
+def shoot(model: FlexibleJointModel, windows: Windows) -> Shot:
+    """Simulate every window open loop and find the first state that suits it best.
+
+    A window that cannot be simulated to its end counts with a bounded residual: three times what the channel moves in
+    the recordings plus 1 rad, for every sample that was not reached or is further off than that.
+
+    Args:
+        model: with any effects; those of sensors act on what is simulated before it is compared.
+        windows: with noise levels.
+    """
+    shooter = Shooter(model, windows)
+    starts = first_states(shooter)
+    used = _used(shooter)
+    fit = _fitted(shooter, starts, used, np.zeros_like(starts.x))
+    if starts.stuck is not None and fit.stray(used).any():
+        fit = _better(shooter, starts, used, fit, _fitted(shooter, starts, used, starts.stuck - starts.x))
+    x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
+    std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
+    drawn = _drawn(shooter, x0, residual, used, seed=0)
+    expected = np.repeat(filter_.unfitted, windows.block, axis=1)
+    size = np.sqrt((drawn**2 / expected).sum(axis=(1, 2)) / np.maximum(used.sum(axis=(1, 2)), 1))
+    fragile = np.where(size > FRAGILE, size, 1.0)
+    std *= fragile[:, None, None]
+    return Shot(model, windows, x0, residual, std, used, motion.x, fragile, filter_, moved)
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """Windows from the first states that suit them best: how far these are moved, what is left, and its units."""
+
+    moved: Array
+    residual: Array
+    motion: Motion
+    filter: Filter
+
+    def stray(self, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Windows that are much further off than the others (windows,)."""
+        size = self.filter.scaled(self.residual)
+        return np.asarray(size > STRAY**2 * max(float(np.median(size)), float(used[0].sum())))
+
+
+def _fitted(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Array) -> _Fit:
+    """Correct the first states by linear responses until it does not pay any more; moved: where to begin."""
+    motion = shooter.run(starts.x + moved)
+    residual = _residual(shooter, motion, used)
+    fit = _Fit(moved, residual, motion, Filter.of(shooter.windows, spread(shooter, motion), starts.std, used))
+    factor = np.ones(len(moved))
+    for _ in range(ROUNDS):
+        wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
+        again = shooter.run(starts.x + wanted)
+        left = _residual(shooter, again, used)
+        before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
+        better = after < before
+        factor = np.where(better, 1.0, SHORTER * factor)
+        motion = _chosen(better, again, fit.motion)
+        moved = np.where(better[:, None], wanted, fit.moved)
+        fit = _Fit(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
+        if np.minimum(before, after).sum() > SETTLED * before.sum() and not fit.stray(used).any():
+            break
+        response = spread(shooter, motion)
+        fit = _Fit(fit.moved, fit.residual, motion, Filter.of(shooter.windows, response, starts.std, used))
+    return fit
+
+
+def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: _Fit, other: _Fit) -> _Fit:
+    """Window by window the fit that leaves less."""
+    wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
+    motion = _chosen(wins, other.motion, one.motion)
+    filter_ = Filter.of(shooter.windows, spread(shooter, motion), starts.std, used)
+    moved = np.where(wins[:, None], other.moved, one.moved)
+    return _Fit(moved, np.where(wins[:, None, None], other.residual, one.residual), motion, filter_)
+
+
+def gap(model: FlexibleJointModel, windows: Windows) -> float:
+    """The gap of SPEC 8: about 1 for a perfect model."""
+    return shoot(model, windows).gap
+
+
+def _used(shooter: Shooter) -> NDArray[np.bool_]:
+    """Samples that were measured, by whole blocks.
+
+    A window into which torques of before the recording arrive does not count, unless there is no other.
+    """
+    windows = shooter.windows
+    measured = np.isfinite(shooter.measured).reshape(len(windows), windows.blocks, windows.block, -1)
+    used = np.repeat(measured.all(axis=2), windows.block, axis=1)
+    unknown = ~shooter.torques_known
+    if not unknown.all():
+        used[unknown] = False
+    return used
+
+
+def _drawn(shooter: Shooter, x0: Array, residual: Array, used: NDArray[np.bool_], seed: int) -> Array:
+    """What drawn noise of torques and sensors makes of the residual, if the model is right."""
+    windows, draw = shooter.windows, np.random.default_rng(seed)
+    noisy = Shooter(
+        shooter.given, windows, draw.standard_normal((*used.shape[:2], shooter.model.n)) * windows.noise.tau
+    )
+    sensor = draw.standard_normal(used.shape) * windows.sensor_noise
+    return np.where(used, residual - _residual(noisy, noisy.run(x0), used) - sensor, 0.0)
+
+
+def _residual(shooter: Shooter, motion: Motion, used: NDArray[np.bool_]) -> Array:
+    """Simulated - measured, bounded also where the simulation failed."""
+    windows = shooter.windows
+    measured = windows.measured
+    limit = 1.0 + FAILED * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
+    with np.errstate(invalid="ignore", over="ignore"):
+        difference = shooter.reported(motion) - shooter.measured
+    reached = np.arange(windows.rows) < motion.written[:, None]
+    difference = np.where(reached[:, :, None] & np.isfinite(difference), difference, limit)
+    return np.where(used & np.isfinite(shooter.measured), np.clip(difference, -limit, limit), 0.0)
+
+
+def _chosen(better: NDArray[np.bool_], one: Motion, other: Motion) -> Motion:
+    """Window by window the better of two."""
+
+    def pick(name: str) -> Any:
+        a, b = getattr(one, name), getattr(other, name)
+        return np.where(better.reshape(-1, *[1] * (a.ndim - 1)), a, b)
+
+    return Motion(pick("q"), pick("theta"), pick("x"), pick("written"))
+
+
+def _fitting(x0: Array, model: FlexibleJointModel, shooter: Shooter) -> Array:
+    """First states of one model as another one takes them; what the other alone has is made up for by it."""
+    if x0.shape[1] == shooter.size and (model.elastic == shooter.model.elastic).all():
+        return x0
+    return first_states(shooter).x

@@ -1,0 +1,54 @@
+"""Gaussian kernels and their derivatives: one filter for every term of an equation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+REACH = 5.0
+"""Half length of a kernel in standard deviations: what is cut off is below 1e-6."""
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """A Gaussian smoother and its first two derivatives, sampled.
+
+    ``y_k(t) = sum_m taps[k, m] x(t + m dt)``. Derivative taps sum to zero and reproduce straight lines and parabolas
+    exactly, so that no position leaks into a velocity and no velocity into an acceleration.
+
+    Attributes:
+        taps: (3, 2 half + 1) [1, 1/s, 1/s^2].
+    """
+
+    taps: Array
+
+    @classmethod
+    def gaussian(cls, sigma: float, dt: float) -> Kernel:
+        """The kernel of standard deviation `sigma` [s] at the sample time `dt` [s]."""
+        width = sigma / dt
+        half = max(4, math.ceil(REACH * width))
+        m = np.arange(-half, half + 1.0)
+        weight = np.exp(-0.5 * (m / width) ** 2)
+        value = weight / weight.sum()
+        first = m * weight
+        first /= m @ first
+        second = (m * m - m @ (m * weight) / weight.sum()) * weight
+        second -= second.sum() * value
+        second *= 2.0 / ((m * m) @ second)
+        return cls(np.array([value, first / dt, second / dt**2]))
+
+    @property
+    def half(self) -> int:
+        """Samples lost at either end."""
+        return int(self.taps.shape[1]) // 2
+
+    def apply(self, x: Array, order: int) -> Array:
+        """The smoothed derivative of that order (samples - 2 half, ...) of x (samples, ...)."""
+        from scipy.signal import oaconvolve
+
+        taps = self.taps[order][::-1].reshape((-1,) + (1,) * (x.ndim - 1))
+        return np.asarray(oaconvolve(x, taps, mode="valid", axes=0))

@@ -1,0 +1,100 @@
+"""Recordings as the diagnosis takes them: on a uniform clock, joint by joint, with what is missing marked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording
+
+Array = NDArray[np.float64]
+JITTER = 0.02
+"""Share of a sample by which stamps may stray from a uniform clock before they are resampled."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """One recording, one column a joint of the model; columns that were not measured are zero.
+
+    Attributes:
+        name: of the recording.
+        t: uniform times since the start of the run (samples,) [s].
+        dt: between samples [s].
+        q: link positions (samples, n) [rad or m].
+        theta: rotor positions, reflected (samples, n).
+        tau: torques asked for, held (samples, n) [N m or N].
+        tau_s: torques measured in the transmission (samples, n).
+        has_q: joints with a link encoder (n,).
+        has_theta: joints with a motor encoder (n,).
+        has_tau_s: joints with a torque sensor (n,).
+    """
+
+    name: str
+    t: Array
+    dt: float
+    q: Array
+    theta: Array
+    tau: Array
+    tau_s: Array
+    has_q: NDArray[np.bool_]
+    has_theta: NDArray[np.bool_]
+    has_tau_s: NDArray[np.bool_]
+
+    def channel(self, signal: str) -> Array:
+        """One signal of all joints (samples, n)."""
+        return {"q": self.q, "theta": self.theta, "tau": self.tau, "tau_s": self.tau_s}[signal]
+
+    def part(self, first: int, last: int) -> Measured:
+        """Samples from `first` up to and without `last`; time goes on counting from the start of the run."""
+        cut = slice(first, last)
+        columns = (self.q[cut], self.theta[cut], self.tau[cut], self.tau_s[cut])
+        return Measured(self.name, self.t[cut], self.dt, *columns, self.has_q, self.has_theta, self.has_tau_s)
+
+
+def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
+    """A recording made ready.
+
+    Raises:
+        InputError: a joint that the model lacks, or one without torque or without any position.
+    """
+    _check_joints(model, recording)
+    recording = _uniform(recording)
+    names = model.joint_names
+    columns, has = {}, {}
+    for signal in ("q", "theta", "tau", "tau_s"):
+        there = np.array([recording.has(signal, joint) for joint in names])
+        column = np.zeros((len(recording), len(names)))
+        for j in np.flatnonzero(there):
+            column[:, j] = recording[f"{signal}.{names[j]}"]
+        columns[signal], has[signal] = column, there
+    t = recording.t - recording.t[0]
+    dt = float(t[-1]) / (len(t) - 1)
+    return Measured(recording.name, t, dt, **columns, has_q=has["q"], has_theta=has["theta"], has_tau_s=has["tau_s"])
+
+
+def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
+    for joint in recording.joints:
+        if joint not in model.joint_names:
+            problem = "the recording has a joint that the model lacks"
+            raise InputError(problem, key=joint, remedy=did_you_mean(joint, model.joint_names))
+    for joint in model.joint_names:
+        if not recording.has("tau", joint):
+            remedy = f"record the torque asked for as tau.{joint}, or lock the joint in the model"
+            raise InputError("no torque of the joint was recorded", key=f"tau.{joint}", remedy=remedy)
+        if not recording.has("q", joint) and not recording.has("theta", joint):
+            remedy = f"record q.{joint} or theta.{joint}"
+            raise InputError("no position of the joint was recorded", key=joint, remedy=remedy)
+
+
+def _uniform(recording: Recording) -> Recording:
+    """The recording on a uniform clock; as it is where its own is uniform."""
+    steps = np.diff(recording.t)
+    dt = float(recording.t[-1] - recording.t[0]) / len(steps)
+    grid = recording.t[0] + dt * np.arange(len(recording.t))
+    if float(np.abs(recording.t - grid).max()) <= JITTER * dt:
+        return recording
+    return recording.resample(rate=1.0 / float(np.median(steps)))

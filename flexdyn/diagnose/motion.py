@@ -1,0 +1,152 @@
+"""The smoothed motion of one recording, and the link encoders or motor encoders that are missing made up for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.kernel import Kernel
+from flexdyn.diagnose.measured import Measured
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothed:
+    """Signals behind the first filter, at the full rate, one column a joint.
+
+    Attributes:
+        t: times since the start of the run (samples,) [s].
+        dt: between samples [s].
+        q, v, a: of the links (samples, n).
+        theta, omega, alpha: of the rotors (samples, n); those of the links on a rigid joint.
+        tau: torque asked for (samples, n), the mean over each instant's two halves of held samples.
+        tau_s: measured in the transmission (samples, n); zero where it was not.
+        data: the channels before the filter, sensor effects taken off.
+        lost: samples of `data` before the first one here.
+    """
+
+    t: Array
+    dt: float
+    q: Array
+    v: Array
+    a: Array
+    theta: Array
+    omega: Array
+    alpha: Array
+    tau: Array
+    tau_s: Array
+    data: Measured
+    lost: int
+
+    @property
+    def delta(self) -> Array:
+        """Deflection theta - q (samples, n) [rad or m]."""
+        return self.theta - self.q
+
+    @property
+    def ddelta(self) -> Array:
+        """Rate of the deflection (samples, n) [rad/s or m/s]."""
+        return self.omega - self.v
+
+
+@dataclass(frozen=True, eq=False)
+class Motion(Smoothed):
+    """Smoothed signals, and what the links' dynamics are along them.
+
+    Attributes:
+        M: mass matrices (samples, n, n) [kg m^2].
+        inverse_dynamics: M a + h (samples, n) [N m].
+    """
+
+    M: Array
+    inverse_dynamics: Array
+
+
+def motion(links: LinkSide, signals: Smoothed) -> Motion:
+    """The links' dynamics along smoothed signals."""
+    M = links.mass_matrix(signals.q)
+    total = np.einsum("tij,tj->ti", M, signals.a) + links.bias(signals.q, signals.v)
+    return Motion(**vars(signals), M=M, inverse_dynamics=total)
+
+
+def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel: Kernel) -> Smoothed:
+    """Smooth a recording.
+
+    Args:
+        model: resolved.
+        links: its link side.
+        data: channels with sensor effects taken off.
+        kernel: the first filter.
+
+    A joint with one encoder gets the other position from its own equation: behind the spring of K,
+    ``q = theta - (tau - J alpha)/K`` or ``theta = q + (M a + h)/K``; the whole motion is then filtered once more.
+    """
+    elastic = model.elastic
+    only_motor = elastic & ~data.has_q
+    only_link = elastic & ~data.has_theta
+    q = np.where(data.has_q, data.q, data.theta)
+    theta = np.where(data.has_theta & (elastic | ~data.has_q), data.theta, q)
+    tau = centred(data.tau)
+    lost = kernel.half
+    t = data.t
+    tau_s = data.tau_s
+    if only_motor.any() or only_link.any():
+        q, theta = _completed(model, links, q, theta, tau, kernel, only_motor, only_link)
+        tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
+        lost += kernel.half
+    q, v, a = (kernel.apply(q, k) for k in range(3))
+    theta, omega, alpha = (kernel.apply(theta, k) for k in range(3))
+    rigid = ~elastic
+    theta[:, rigid], omega[:, rigid], alpha[:, rigid] = q[:, rigid], v[:, rigid], a[:, rigid]
+    return Smoothed(
+        t=t[kernel.half : len(t) - kernel.half],
+        dt=data.dt,
+        q=q,
+        v=v,
+        a=a,
+        theta=theta,
+        omega=omega,
+        alpha=alpha,
+        tau=kernel.apply(tau, 0),
+        tau_s=kernel.apply(tau_s, 0),
+        data=data,
+        lost=lost,
+    )
+
+
+def centred(tau: Array) -> Array:
+    """A torque that is held from each sample to the next, at the samples: the mean of before and after."""
+    mean = tau.copy()
+    mean[1:] = 0.5 * (tau[1:] + tau[:-1])
+    return mean
+
+
+def _completed(
+    model: FlexibleJointModel,
+    links: LinkSide,
+    q: Array,
+    theta: Array,
+    tau: Array,
+    kernel: Kernel,
+    only_motor: NDArray[np.bool_],
+    only_link: NDArray[np.bool_],
+) -> tuple[Array, Array]:
+    """Link and rotor positions behind the filter, the missing ones from their joints' equations."""
+    J, K = model.rotor_inertia, model.stiffness
+    smooth_q, smooth_theta, smooth_tau = (kernel.apply(x, 0) for x in (q, theta, tau))
+    alpha = kernel.apply(theta, 2)
+    for j in np.flatnonzero(only_motor):
+        smooth_q[:, j] = smooth_theta[:, j] - (smooth_tau[:, j] - J[j] * alpha[:, j]) / K[j]
+    if only_link.any():
+        v, a = kernel.apply(q, 1), kernel.apply(q, 2)
+        for j in np.flatnonzero(only_motor):  # a joint without link encoder moves nearly as its rotor does
+            v[:, j], a[:, j] = kernel.apply(theta[:, j], 1), alpha[:, j]
+        total = np.einsum("tij,tj->ti", links.mass_matrix(smooth_q), a) + links.bias(smooth_q, v)
+        for j in np.flatnonzero(only_link):
+            smooth_theta[:, j] = smooth_q[:, j] + total[:, j] / K[j]
+    return smooth_q, smooth_theta

@@ -1,0 +1,171 @@
+"""The final fit: a hypothesis against simulated windows, and how far its numbers can be trusted."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.estimate import LOOSE, Fit, Hypothesis, moved
+from flexdyn.diagnose.gap import Shot, shoot
+from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.diagnose.windows import Windows
+from flexdyn.effects import Effect
+
+Array = NDArray[np.float64]
+ROBUST = 3.0
+"""Surprises of more standard deviations than this weigh less (Cauchy)."""
+STEP = 2e-3
+"""Relative step of the differences."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """A hypothesis fitted to windows.
+
+    Attributes:
+        hypothesis: with its numbers at their best.
+        std: of the file's numbers' factors, then of the effects' unknowns in their own unit.
+        became: names of effects that turned out to be simpler ones.
+    """
+
+    hypothesis: Hypothesis
+    std: Array
+    became: Mapping[str, str] = field(default_factory=dict)
+
+    def factor_std(self) -> dict[FileNumber, float]:
+        """Standard deviations of the file's numbers' factors."""
+        return {number: float(s) for number, s in zip(self.hypothesis.factors, self.std, strict=False)}
+
+    def matching(self, effect: Effect | None) -> Effect | None:
+        """The effect of the same name at the same place, or the simpler one that it became."""
+        places = ("joint", "side", "channel", "other", "frame")
+        name = getattr(effect, "name", "")
+        for each in self.hypothesis.effects:
+            there = all(getattr(each, key, None) == getattr(effect, key, None) for key in places)
+            if there and each.name in (name, self.became.get(name)):
+                return each
+        return None
+
+    def renamed(self, changes: Mapping[Effect, Effect]) -> Refined:
+        """The same fit with effects replaced; numbers of the same meaning keep their order and spread."""
+        old = self.effect_std()
+        effects = tuple(changes.get(e, e) for e in self.hypothesis.effects)
+        hypothesis = dataclasses.replace(self.hypothesis, effects=effects)
+        origin = {new: e for e, new in changes.items()}
+        own = []
+        for effect, name in hypothesis.unknowns():
+            source = origin.get(effect, effect)
+            spread = old.get((source, name))
+            own.append(
+                spread if spread is not None else max((s for (e, _), s in old.items() if e is source), default=0.0)
+            )
+        std = np.concatenate([self.std[: len(self.hypothesis.factors)], own])
+        became = {e.name: new.name for e, new in changes.items() if e.name != new.name}
+        return dataclasses.replace(self, hypothesis=hypothesis, std=std, became=became)
+
+    def effect_std(self) -> dict[tuple[Effect, str], float]:
+        """Standard deviations of the effects' unknowns."""
+        own = self.std[len(self.hypothesis.factors) :]
+        return {key: float(s) for key, s in zip(self.hypothesis.unknowns(), own, strict=True)}
+
+
+def of_fit(made: Fit) -> Refined:
+    """The numbers of a fit to the equations, with spreads for what is left there."""
+    wide = max(1.0, made.reduced) ** 0.5
+    std = [*made.factor_std().values(), *made.std().values()]
+    return Refined(made.hypothesis, wide * np.array(std))
+
+
+def refine(
+    start: Hypothesis, windows: Windows, rounds: int = 3, progress: Callable[[float], None] | None = None
+) -> Refined:
+    """Gauss-Newton on the whitened surprises of simulated windows, with the priors of the file's numbers.
+
+    Standard deviations come from a sandwich over windows, so that they hold for residuals that are coloured within one.
+    """
+    current = start
+    shot = shoot(current.model(), windows)
+    best = _cost(current, shot)
+    std = np.zeros(len(current.factors) + len(current.unknowns()))
+    for k in range(rounds):
+        J, scales = _slopes(current, shot, progress, k / rounds, (k + 1) / rounds)
+        step, std = _step(current, shot, J, scales)
+        accepted = False
+        for share in (1.0, 0.3):
+            trial = moved(current, share * step, scales)
+            after = shoot(trial.model(), windows)
+            cost = _cost(trial, after)
+            if cost < best:
+                gained, accepted = best - cost, True
+                current, shot, best = trial, after, cost
+                break
+        if not accepted or gained < 1e-3 * best:
+            break
+    return Refined(current, std)
+
+
+def _slopes(
+    hypothesis: Hypothesis, shot: Shot, progress: Callable[[float], None] | None, low: float, high: float
+) -> tuple[Array, tuple[float, ...]]:
+    """Slopes of the surprises: one column a factor, then one an unknown, in units of its scale."""
+    models, steps = [], []
+    for number, factor in hypothesis.factors.items():
+        factors = {**hypothesis.factors, number: factor + STEP}
+        models.append(dataclasses.replace(hypothesis, factors=factors).model())
+        steps.append(STEP)
+    scales = []
+    for effect, name in hypothesis.unknowns():
+        size = _size(effect, name)
+        stepped = effect.replace(**{name: getattr(effect, name) + STEP * size})
+        effects = tuple(stepped if e is effect else e for e in hypothesis.effects)
+        models.append(dataclasses.replace(hypothesis, effects=effects).model())
+        steps.append(STEP)
+        scales.append(size)
+    now = shot.whitened()
+    columns = []
+    for k, (model, step) in enumerate(zip(models, steps, strict=True)):
+        columns.append((shot.whitened(model) - now).ravel() / step)
+        if progress is not None:
+            progress(low + (high - low) * (k + 1) / len(models))
+    return np.stack(columns, axis=1), tuple(scales)
+
+
+def _size(effect: Effect, name: str) -> float:
+    """Of a parameter, by which its steps are measured."""
+    value = abs(getattr(effect, name))
+    if name in ("phase", "rest", "lower", "upper"):
+        return 1.0
+    return value if value > 0.0 else 1e-3
+
+
+def _step(hypothesis: Hypothesis, shot: Shot, J: Array, scales: tuple[float, ...]) -> tuple[Array, Array]:
+    """The step, and standard deviations from the sandwich of windows' gradients."""
+    surprises = shot.whitened()
+    r = surprises.ravel()
+    weight = 1.0 / (1.0 + (r / ROBUST) ** 2)
+    numbers = len(hypothesis.factors)
+    sigma = np.array([LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors])
+    prior = np.concatenate([1.0 / sigma**2, np.zeros(J.shape[1] - numbers)])
+    off = np.concatenate([np.array(list(hypothesis.factors.values())) - 1.0, np.zeros(J.shape[1] - numbers)])
+    H = (J * weight[:, None]).T @ J + np.diag(prior)
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
+    inverse = scale[:, None] * np.linalg.pinv(scale[:, None] * H * scale, rcond=1e-10) * scale
+    step = -inverse @ (J.T @ (weight * r) + prior * off)
+    by_window = (J * (weight * r)[:, None]).reshape(len(surprises), -1, J.shape[1]).sum(axis=1)
+    by_window -= by_window.mean(axis=0)
+    meat = by_window.T @ by_window + np.diag(prior)
+    std = np.sqrt(np.maximum(np.diag(inverse @ meat @ inverse), 0.0))
+    return step, std * np.concatenate([np.ones(numbers), np.array(scales)])
+
+
+def _cost(hypothesis: Hypothesis, shot: Shot) -> float:
+    """Robust sum of squares of surprises and priors."""
+    r = shot.whitened()
+    prior = sum(
+        ((f - 1.0) / max(n.tolerance, 1e-9)) ** 2 for n, f in hypothesis.factors.items() if n not in hypothesis.freed
+    )
+    return float((ROBUST**2 * np.log1p((r / ROBUST) ** 2)).sum() + prior)

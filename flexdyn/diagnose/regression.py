@@ -1,0 +1,158 @@
+"""Least squares over whitened rows with Gaussian priors, and what one more column would gain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+LEFT_OVER = 1e-5
+"""Share of a column's length that must be its own, outside what the others span."""
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What one more group of columns does.
+
+    Attributes:
+        chi2: drop of the sum of squares.
+        values: least-squares coefficients of the columns.
+    """
+
+    chi2: float
+    values: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """``min |y + X b|^2 + sum ((b_k - centre_k)/sigma_k)^2``.
+
+    The last columns may be nuisances: they are fitted anew every time and no step of them is kept.
+
+    Attributes:
+        y: whitened residual (rows,).
+        X: whitened derivatives (rows, columns).
+        centre: of the priors (columns,).
+        sigma: of the priors (columns,); inf: none.
+        rows: that say something.
+        nuisances: how many of the last columns are fitted anew every time.
+    """
+
+    y: Array
+    X: Array
+    centre: Array
+    sigma: Array
+    rows: int
+    nuisances: int = 0
+
+    @cached_property
+    def _whole(self) -> Array:
+        return np.vstack([self.X, np.diag(1.0 / self.sigma)])
+
+    @cached_property
+    def _scale(self) -> Array:
+        length = np.sqrt((self._whole**2).sum(axis=0))
+        return np.where(length > 0.0, length, 1.0)
+
+    @cached_property
+    def _qr(self) -> tuple[Array, Array]:
+        Q, R = np.linalg.qr(self._whole / self._scale)
+        return Q, R
+
+    @cached_property
+    def _target(self) -> Array:
+        return np.concatenate([self.y, -self.centre / self.sigma])
+
+    @cached_property
+    def values(self) -> Array:
+        """The coefficients b (columns,)."""
+        Q, R = self._qr
+        return np.asarray(-np.linalg.lstsq(R, Q.T @ self._target, rcond=1e-12)[0] / self._scale)
+
+    @cached_property
+    def left(self) -> Array:
+        """What is left of rows and priors (rows + columns,)."""
+        return np.asarray(self._target + self._whole @ self.values)
+
+    @property
+    def at_zero(self) -> float:
+        """Sum of squares where no step is taken, but for the nuisance columns, whose prior is centred on none."""
+        nuisance = slice(self.X.shape[1] - self.nuisances, self.X.shape[1])
+        if not self.nuisances:
+            return float(self._target @ self._target)
+        block = self._whole[:, nuisance] / self._scale[nuisance]
+        best = np.linalg.lstsq(block, self._target, rcond=1e-12)[0]
+        after = self._target - block @ best
+        return float(after @ after)
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squares of rows and priors."""
+        return float(self.left @ self.left)
+
+    @property
+    def data_chi2(self) -> float:
+        """Sum of squares of the rows alone."""
+        rows = self.left[: len(self.y)]
+        return float(rows @ rows)
+
+    @property
+    def prior_chi2(self) -> float:
+        """Sum of squares of the priors alone: how far the file's numbers had to be bent."""
+        return self.chi2 - self.data_chi2
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Of the coefficients (columns, columns), for white rows of unit variance."""
+        R = self._qr[1]
+        inverse = np.linalg.pinv(R, rcond=1e-12)
+        return np.asarray(inverse @ inverse.T / np.outer(self._scale, self._scale))
+
+    def gain(self, columns: Array, positive: Sequence[bool] = (), *, fixed: bool = False) -> Gain:
+        """What more columns (rows, k) would gain, everything else being fitted again.
+
+        Args:
+            columns: whitened derivatives.
+            positive: which coefficients may not be negative.
+            fixed: their coefficients are 1 and not fitted.
+        """
+        own, scale = self._own(columns)
+        if fixed:
+            after = self.left + own.sum(axis=1) if own.ndim == 2 else self.left + own
+            return Gain(self.chi2 - float(after @ after), np.ones(columns.shape[1]))
+        values = np.zeros(columns.shape[1])
+        length = np.sqrt((own**2).sum(axis=0))
+        free = [k for k in range(len(values)) if length[k] > LEFT_OVER * scale[k] > 0.0]
+        while free:
+            unit = own[:, free] / length[free]
+            fitted = -np.linalg.lstsq(unit, self.left, rcond=1e-9)[0]
+            wrong = {
+                k for k, value in zip(free, fitted, strict=True) if k < len(positive) and positive[k] and value < 0
+            }
+            if not wrong:
+                after = self.left + unit @ fitted
+                values[free] = fitted / length[free]
+                return Gain(self.chi2 - float(after @ after), values)
+            free = [k for k in free if k not in wrong]
+        return Gain(0.0, values)
+
+    def freed(self, k: int) -> float:
+        """What dropping the prior of one column would gain."""
+        unit = np.zeros(len(self.left))
+        unit[len(self.y) + k] = 1.0
+        Q = self._qr[0]
+        own = unit - Q @ (Q.T @ unit)
+        length = float(own @ own)
+        return 0.0 if length < 1e-10 else float(own @ self.left) ** 2 / length
+
+    def _own(self, columns: Array) -> tuple[Array, Array]:
+        """Columns outside the span of what is fitted, and their lengths before that."""
+        padded = np.vstack([columns, np.zeros((self.X.shape[1], columns.shape[1]))])
+        Q = self._qr[0]
+        own = padded - Q @ (Q.T @ padded)
+        own -= Q @ (Q.T @ own)
+        return own, np.sqrt((padded**2).sum(axis=0))

@@ -1,0 +1,257 @@
+"""What a diagnosis says: the verdict, the named effects, the numbers that moved, the gap before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+
+SCHEMA = "flexdyn.diagnosis/1"
+VERDICTS = ("no_discrepancy", "explained", "unexplained")
+
+
+@dataclass(frozen=True)
+class Number:
+    """An estimated number.
+
+    Attributes:
+        value: in `unit`.
+        std: its standard deviation, which holds for coloured residuals.
+        unit: as the effect's parameter has it on this kind of joint.
+    """
+
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An effect where it acts.
+
+    Attributes:
+        effect: its name in the catalogue.
+        joint: None where it has none (payload, a link's number).
+        side: link, motor, transmission or sensor; None where it has none.
+        parameters: its numbers by name; empty where they were not estimated.
+        place: what else says where it acts: ``channel`` of a sensor effect, ``of`` and ``parameter`` of a parameter
+            error, ``other`` of a coupling, ``frame`` of a payload.
+    """
+
+    effect: str
+    joint: str | None
+    side: str | None
+    parameters: Mapping[str, Number] = field(default_factory=dict)
+    place: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A named effect and why it has this name.
+
+    Attributes:
+        suspect: the effect with its numbers.
+        delta_bic: how much worse the model without it explains the data that it was fitted to.
+        check_gain: share of the gap on data that took no part in the fit that goes with it, from 0 to 1.
+        rivals: others that explain the data as well: then the answer is "this or one of those".
+        experiment: the motion that would tell them apart; empty where there is no rival.
+    """
+
+    suspect: Suspect
+    delta_bic: float
+    check_gain: float
+    rivals: tuple[Suspect, ...] = ()
+    experiment: str = ""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A number of the model file that moved within its tolerance: true = factor times given."""
+
+    of: str
+    parameter: str
+    factor: float
+    std: float
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Simulated against measured positions over windows of 0.5 s, in units of what noise alone makes there.
+
+    Attributes:
+        before: of the model as it was given.
+        calibrated: with its numbers moved within their tolerance.
+        after: with the findings added.
+        floor: of a perfect model: about 1.
+    """
+
+    before: float
+    calibrated: float
+    after: float
+    floor: float
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a part of the gap is: the share of a joint's equation, and the regime in which it stands out."""
+
+    joint: str
+    side: str
+    share: float
+    regime: str
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What the model leaves unexplained, before and after its correction, over what it may depend on.
+
+    Attributes:
+        title: joint and side, such as "elbow, motor side".
+        x_label: what it is drawn over, with its unit, such as "omega [rad/s]".
+        y_label: the residual, with its unit.
+        x: over which (points,); where it increases throughout a line is drawn, else dots.
+        before: residual of the model as it was given (points,); NaN leaves the line open.
+        after: residual of the corrected model (points,).
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    x: NDArray[np.float64]
+    before: NDArray[np.float64]
+    after: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        """Copy and lock.
+
+        Raises:
+            InputError: the columns are of different lengths, or x is not finite.
+        """
+        for name in ("x", "before", "after"):
+            column = np.array(getattr(self, name), dtype=float)
+            if column.ndim != 1 or len(column) != np.size(self.x):
+                raise InputError("columns of one length are needed", key=f"trace.{name}", value=column.shape)
+            column.setflags(write=False)
+            object.__setattr__(self, name, column)
+        if not np.isfinite(self.x).all():
+            raise InputError("finite numbers are needed", key="trace.x", value=self.title)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays are locked again."""
+        return (type(self), (self.title, self.x_label, self.y_label, self.x, self.before, self.after))
+
+    @classmethod
+    def thinned(
+        cls, title: str, x_label: str, y_label: str, x: ArrayLike, before: ArrayLike, after: ArrayLike
+    ) -> Trace:
+        """Of long columns only the points that the eye needs.
+
+        Over an x that increases throughout, the outline of both curves is kept; of a cloud, points evenly spread.
+        """
+        from flexdyn.plots.thinning import MOST, SLICES, outline
+
+        columns = [np.asarray(column, dtype=float) for column in (x, before, after)]
+        across, *up = columns
+        if (np.diff(across) > 0.0).all() and len(across):
+            open_ends = np.flatnonzero(np.isnan(up[0]) | np.isnan(up[1]))[:MOST]
+            kept = np.union1d(outline(across, *(np.nan_to_num(column) for column in up)), open_ends)
+        else:
+            kept = np.unique(np.linspace(0, len(across) - 1, min(len(across), SLICES)).round()).astype(np.intp)
+        return cls(title, x_label, y_label, *(column[kept] for column in columns))
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer to "where do model and measurement disagree, and what is missing?".
+
+    Attributes:
+        verdict: ``no_discrepancy``, ``explained`` or ``unexplained``.
+        findings: in the order of their share of the gap.
+        calibration: numbers that moved within three sigma of their tolerance.
+        fit: the gap on the data of the fit; None where it could not be simulated.
+        check: the gap on data that took no part in it.
+        where: where the gap was.
+        model: the corrected model.
+        notes: what the data cannot tell, and what was assumed; a sentence each.
+        seconds: that it took.
+        residuals: pictures of what the model left unexplained, before and after, for the report.
+    """
+
+    verdict: str
+    findings: tuple[Finding, ...]
+    calibration: tuple[Calibration, ...]
+    fit: Gap | None
+    check: Gap | None
+    where: tuple[Place, ...]
+    model: FlexibleJointModel
+    notes: tuple[str, ...] = ()
+    seconds: float = 0.0
+    residuals: tuple[Trace, ...] = ()
+
+    def save(self, folder: str | Path) -> None:
+        """Write report.html, report.json and model.yaml; all of them, or nothing.
+
+        model.yaml is the corrected model, ready to be simulated: calibration, parameter errors and elasticities are
+        folded into its numbers. Where numbers of links changed, a corrected URDF lies beside it.
+
+        Args:
+            folder: is made if it is not there; files of an earlier report in it are replaced.
+
+        Raises:
+            InputError: the folder cannot be made or written to.
+            MissingExtra: matplotlib or plotly is not installed.
+        """
+        from flexdyn.diagnose.report import write_report
+
+        write_report(self, Path(folder))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As report.json holds it (SPEC 8)."""
+        return {
+            "schema": SCHEMA,
+            "verdict": self.verdict,
+            "findings": [_finding(entry) for entry in self.findings],
+            "calibration": [vars(entry).copy() for entry in self.calibration],
+            "gap": {"fit": _gap(self.fit), "check": _gap(self.check)},
+            "where": [vars(entry).copy() for entry in self.where],
+            "notes": list(self.notes),
+            "seconds": self.seconds,
+        }
+
+
+def _finding(entry: Finding) -> dict[str, Any]:
+    return {
+        **_suspect(entry.suspect),
+        "evidence": {"delta_bic": entry.delta_bic, "check_gain": entry.check_gain},
+        "indistinguishable_from": [_suspect(rival) for rival in entry.rivals],
+        "experiment": entry.experiment,
+    }
+
+
+def _suspect(entry: Suspect) -> dict[str, Any]:
+    numbers = {name: vars(number).copy() for name, number in entry.parameters.items()}
+    return {"effect": entry.effect, "joint": entry.joint, "side": entry.side, **entry.place, "parameters": numbers}
+
+
+def _gap(gap: Gap | None) -> dict[str, float] | None:
+    return None if gap is None else vars(gap).copy()
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C in the middle of a diagnosis.
+
+    Attributes:
+        diagnosis: what was known by then; None where that was nothing.
+    """
+
+    def __init__(self, diagnosis: Diagnosis | None = None) -> None:
+        super().__init__("the diagnosis was interrupted")
+        self.diagnosis = diagnosis

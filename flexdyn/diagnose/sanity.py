@@ -1,0 +1,247 @@
+"""Recordings that cannot answer: one clear line says what is wrong or missing, before any name is given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.measured import Measured
+from flexdyn.diagnose.mistakes import (
+    AMBIGUOUS,
+    DEGREE,
+    GOOD,
+    Match,
+    Mistake,
+    far,
+    liveliest,
+    match,
+    mistakes,
+    reach,
+    wanted_share,
+)
+from flexdyn.diagnose.noise import encoder_noise
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+SHORTEST = 2.0
+"""Least time in which something moves [s]: three windows of 0.5 s to fit and one to check."""
+SLOWEST = 20.0
+"""Least rate [Hz]: below it no acceleration of an arm is seen, and a clock in ms is likely."""
+STILL = 10.0
+"""A joint moves where its positions range over more than so many standard deviations of the encoder's noise."""
+POOR = 0.7
+"""Mistakes are looked for where a model explains less of a torque's variance [1]."""
+LOOKED_AT = 12.0
+"""Length of the liveliest part of a recording, in which mistakes are looked for [s]."""
+BETTER = 0.2
+"""A mistake about several joints explains this much more of every one's torque, if not all of it [1]."""
+LOOSE = 0.5
+"""Less than this of its variance is worth a note."""
+ALSO = 5.0
+"""A mistake believed leaves this much less than the recording as it is given."""
+
+
+def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> tuple[str, ...]:
+    """Refuse what cannot be diagnosed.
+
+    A missing effect changes a torque by a share of it; a wrong unit, sign, joint or clock makes it another one. So a
+    recording is refused only where one such mistake explains the torque and the recording as given does not.
+
+    Args:
+        model: as given.
+        data: the recordings, on uniform clocks.
+
+    Returns:
+        Notes, a sentence each: what looks odd and could be told from nothing.
+
+    Raises:
+        InputError: the recording, channel and value, and what to do.
+    """
+    true = model.resolved()
+    for each in data:
+        _check_clock(each)
+        _check_encoders(true, each)
+    _check_torques(true, data)
+    _check_motion(true, data)
+    links = LinkSide(true)
+    notes = [note for each in data for note in _check_equations(true, links, each)]
+    return (*notes, *_passive(true, data))
+
+
+def _check_clock(data: Measured) -> None:
+    if data.dt > 1.0 / SLOWEST:
+        remedy = "times are in s: divide them by 1000 if they are in ms; else record at 100 Hz or more"
+        problem = f"samples {data.dt:g} s apart are too slow to see an arm accelerate"
+        raise InputError(problem, file=data.name, key="t", remedy=remedy)
+    length = data.dt * (len(data.t) - 1)
+    if length < SHORTEST or len(data.t) <= 2 * reach(data.dt):
+        remedy = f"{SHORTEST:g} s of motion are the least: three windows of 0.5 s to fit and one to check"
+        raise InputError("the recording is too short", file=data.name, key="t", value=f"{length:.3g} s", remedy=remedy)
+
+
+def _check_torques(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
+    """A torque that never changes cannot be compared with anything; a passive joint's is zero."""
+    for j, joint in enumerate(model.joint_names):
+        held = [float(each.tau[0, j]) for each in data]
+        constant = all((each.tau[:, j] == each.tau[0, j]).all() for each in data)
+        if constant and (any(held) or all((each.tau == each.tau[:1]).all() for each in data)):
+            remedy = "record the torque asked for while it changes: a motion with accelerations and reversals"
+            value = f"{held[0]:g} throughout"
+            problem = "the torque is constant"
+            raise InputError(problem, file=data[0].name, key=f"tau.{joint}", value=value, remedy=remedy)
+
+
+def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
+    signals = [("theta" if each.has_theta[j] else "q") for each in data[:1] for j in range(model.n)]
+    noise = [encoder_noise(tuple(data), signal) for signal in ("q", "theta")]
+    for j, (joint, signal) in enumerate(zip(model.joint_names, signals, strict=True)):
+        sigma = float(noise[signal == "theta"][j])
+        wide = max(_range(getattr(each, signal)[:, j], each.dt) for each in data)
+        if wide <= STILL * sigma:
+            remedy = f"move it, or lock it in the model (robot.lock: {{{joint}: ...}})"
+            problem = "the joint does not move beyond its encoder's noise"
+            value = f"a range of {wide:.2g} at a noise of {sigma:.2g}"
+            raise InputError(problem, file=data[0].name, key=f"{signal}.{joint}", value=value, remedy=remedy)
+    moving = sum(_moving_time(each, signals, noise) for each in data)
+    if moving < SHORTEST:
+        remedy = f"{SHORTEST:g} s of motion are the least: three windows of 0.5 s to fit and one to check"
+        problem = "hardly anything moves in the recording"
+        raise InputError(problem, file=data[0].name, key="t", value=f"{moving:.2g} s of motion", remedy=remedy)
+
+
+def _range(x: Array, dt: float) -> float:
+    """Range of a position (samples,), averaged over 20 ms so that noise counts little."""
+    width = min(max(1, round(0.02 / dt)), len(x))
+    means = x[: len(x) // width * width].reshape(-1, width).mean(axis=1)
+    return float(means.max() - means.min())
+
+
+def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array]) -> float:
+    """Time in which some joint moves [s]: in blocks of 0.1 s, beyond its noise."""
+    width = max(1, round(0.1 / data.dt))
+    blocks = len(data.t) // width
+    moves = np.zeros(blocks, dtype=bool)
+    for j, signal in enumerate(signals):
+        x = getattr(data, signal)[: blocks * width, j].reshape(blocks, width)
+        spread = x.max(axis=1) - x.min(axis=1)
+        moves |= spread > STILL * float(noise[signal == "theta"][j])
+    return float(moves.sum()) * width * data.dt
+
+
+def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
+    """Both positions of a joint are nearly the same: springs bend little."""
+    both = np.flatnonzero(data.has_q & data.has_theta)
+    spread = data.q.std(axis=0), data.theta.std(axis=0)
+    for j in both:
+        joint, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
+        if not (spread[0][j] > 0.0 and spread[1][j] > 0.0):
+            continue
+        slope, share = _line(data.q[:, j], data.theta[:, j])
+        if share > 0.5 and 0.5 < slope < 2.0:
+            continue
+        key = f"theta.{joint}"
+        small = "degrees" if model.robot.kinds[j] != "prismatic" else "mm"
+        unit = DEGREE if small == "degrees" else 1e3
+        looks = [
+            (ratio, "theta is the motor's angle", f"divide theta.{joint} by the gear ratio {ratio:g} (side: motor)"),
+            (-1.0, "theta and q have opposite signs", f"change the sign of theta.{joint} or q.{joint}"),
+            (unit, f"theta is in {small} and q is not", f"convert theta.{joint}"),
+            (1.0 / unit, f"q is in {small} and theta is not", f"convert q.{joint}"),
+            (-ratio, "theta is the motor's angle with its sign flipped", f"divide theta.{joint} by {-ratio:g}"),
+        ]
+        for factor, problem, remedy in sorted(looks, key=lambda entry: abs(np.log(abs(slope / entry[0])))):
+            if (
+                share > GOOD
+                and 0.8 < slope / factor < 1.25
+                and (abs(factor) > AMBIGUOUS or factor in (-1.0, 1.0 / unit))
+            ):
+                value = f"theta = {slope:.4g} q"
+                raise InputError(problem, file=data.name, key=key, value=value, remedy=remedy)
+        for i in both:
+            other, fits = _line(data.q[:, i], data.theta[:, j])
+            if i != j and share < 0.9 and fits > 0.99 and 0.8 < abs(other) < 1.25:
+                there = model.joint_names[i]
+                problem = f"theta follows the q of {there}, and not that of its own joint"
+                remedy = f"exchange theta.{joint} and theta.{there}, or their q"
+                value = f"correlation {np.sqrt(fits):.3f} against {np.sqrt(share):.3f}"
+                raise InputError(problem, file=data.name, key=key, value=value, remedy=remedy)
+
+
+def _line(x: Array, y: Array) -> tuple[float, float]:
+    """Slope of y over x, and the share of variance that they have in common."""
+    dx, dy = x - x.mean(), y - y.mean()
+    xx, yy, xy = float(dx @ dx), float(dy @ dy), float(dx @ dy)
+    if xx == 0.0 or yy == 0.0:
+        return 0.0, 0.0
+    return xy / xx, xy * xy / (xx * yy)
+
+
+def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Iterator[str]:
+    """Whether one mistake explains the torques far better than the recording as it is given."""
+    seen = match(model, links, data)
+    poor = seen.says & (seen.plain < POOR)
+    if poor.any():
+        _check_mistakes(model, links, liveliest(data, LOOKED_AT))
+    for j in np.flatnonzero(poor):
+        joint, gain, share = model.joint_names[j], float(seen.gain[j]), float(seen.share[j])
+        if share > GOOD and far(gain):
+            remedy = f"check the unit of tau.{joint} and the masses of the model"
+            problem = "the torque has the right course and the wrong size"
+            value = f"{gain:.3g} times what the model needs"
+            raise InputError(problem, file=data.name, key=f"tau.{joint}", value=value, remedy=remedy)
+        if share > LOOSE and 0.5 < gain < 2.0:
+            continue
+        yield (
+            f"In {data.name or 'the recording'} the torque of {joint} follows what the model needs only loosely: at "
+            f"{gain:.2g} times it, with {100.0 * share:.0f} % of its variance."
+        )
+
+
+def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) -> None:
+    seen = match(model, links, data)
+    poor = seen.says & (seen.plain < POOR)
+    best: tuple[float, Mistake, Match] | None = None
+    for mistake in mistakes(model, seen) if poor.any() else ():
+        undone = match(model, links, mistake.undone(data))
+        merit = _merit(seen, undone, mistake, poor)
+        if merit is not None and (best is None or merit > best[0] + 0.02):
+            best = (merit, mistake, undone)
+    if best is not None:
+        raise _refused(data, model.joint_names, seen, *best[1:])
+
+
+def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]) -> float | None:
+    """Mean share explained once a mistake is undone; None where that does not convince."""
+    known = seen.says | undone.says
+    now = np.where((undone.gain > 0.5) & (undone.gain < 2.0), undone.share, 0.0)
+    before = np.clip(seen.plain, 0.0, 1.0)
+    wanted = wanted_share(mistake, seen.gain)
+    healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / ALSO) | (wanted < GOOD))
+    named = [j for j in mistake.joints if known[j]]
+    better = (now >= wanted) | (now > before + BETTER)
+    if not named or not healed[known].any() or not better[named].all() or (now < before - 0.1)[known].any():
+        return None
+    return float(now[known].mean())
+
+
+def _refused(data: Measured, joints: Sequence[str], seen: Match, mistake: Mistake, undone: Match) -> InputError:
+    """The line for a mistake that was believed; it stands at the joint that it explains most of."""
+    j = max(mistake.joints, key=lambda i: float(undone.share[i]) - max(float(seen.plain[i]), 0.0))
+    if mistake.of_torques:
+        j, value = mistake.joints[0], f"{seen.gain[mistake.joints[0]]:.3g} times what the model needs"
+    else:
+        before, after = 100.0 * max(float(seen.plain[j]), 0.0), 100.0 * float(undone.share[j])
+        value = f"{before:.0f} % of the torque explained as given, {after:.0f} % without the mistake"
+    moved = mistake.order != tuple(range(len(joints))) or any(factor != 1.0 for factor in mistake.scale)
+    signal = "tau" if not moved else "q" if data.has_q[j] else "theta"
+    return InputError(mistake.problem, file=data.name, key=f"{signal}.{joints[j]}", value=value, remedy=mistake.remedy)
+
+
+def _passive(model: FlexibleJointModel, data: Sequence[Measured]) -> Iterator[str]:
+    for j, joint in enumerate(model.joint_names):
+        if all((each.tau[:, j] == 0.0).all() for each in data):
+            yield f"No torque is ever asked of {joint}: what scales its torque cannot be told."

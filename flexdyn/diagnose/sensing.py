@@ -1,0 +1,66 @@
+"""Sensor effects of a model, forwards on what is simulated and backwards on what was measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects import ChannelLag, SensorEffect, measure
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording
+
+Array = NDArray[np.float64]
+ROUNDS = 30
+
+
+def sensors(model: FlexibleJointModel, channel: str) -> tuple[SensorEffect, ...]:
+    """Those of a model that act on a channel and do something."""
+    effects = (effect for effect in model.resolved().effects if isinstance(effect, SensorEffect))
+    return tuple(effect for effect in effects if effect.channel == channel and not effect.is_neutral)
+
+
+def lag(effects: Sequence[SensorEffect]) -> float:
+    """How late a channel is [s]."""
+    return math.fsum(effect.delay for effect in effects if isinstance(effect, ChannelLag))
+
+
+def seen(effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
+    """A simulated channel as the sensor reports it, but for its lag (see `early`)."""
+    return measure([effect for effect in effects if not isinstance(effect, ChannelLag)], x, t)
+
+
+def early(recording: Recording, channel: str, late: float, t: Array) -> Array:
+    """A recorded channel without its lag: what it said that much later, by a cubic spline; NaN beyond its end.
+
+    Args:
+        recording: that has it.
+        channel: its name.
+        late: its lag [s].
+        t: times (samples,) [s].
+    """
+    from scipy.interpolate import CubicSpline
+
+    when = t + late
+    return np.where(when <= recording.t[-1], CubicSpline(recording.t, recording[channel])(when), np.nan)
+
+
+def slope(effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
+    """How a reported channel changes with the true one [1]; its lag is left out."""
+    instant = [effect for effect in effects if not isinstance(effect, ChannelLag)]
+    step = 1e-6
+    return (measure(instant, x + step, t) - measure(instant, x - step, t)) / (2.0 * step)
+
+
+def undone(effects: Sequence[SensorEffect], reported: Array, t: Array) -> Array:
+    """The true channel, as far as that can be had: all but the lag, which is a shift in time (see `lag`)."""
+    instant = [effect for effect in effects if not isinstance(effect, ChannelLag)]
+    if not instant:
+        return reported
+    x = reported.copy()
+    for _ in range(ROUNDS):  # Newton's method, sample by sample
+        gain = slope(instant, x, t)
+        x = x + (reported - measure(instant, x, t)) / np.where(np.abs(gain) > 0.05, gain, 1.0)
+    return x

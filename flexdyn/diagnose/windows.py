@@ -1,0 +1,171 @@
+"""Recordings cut into short windows, each simulated from its own first state (multiple shooting)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording
+
+Array = NDArray[np.float64]
+SECONDS = 0.5
+"""Length of a window [s]: SPEC 8."""
+MOST_WINDOWS = 400
+"""More than these are thinned out evenly: 200 s say what there is to say, and memory stays bounded."""
+GAP = 1.5
+"""A step in time longer than this many usual ones is a gap [1]."""
+POSITIONS = ("q", "theta")
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Standard deviations by joint, in the order of the model's q; what is not measured is not looked at.
+
+    Attributes:
+        q: of the link encoders, quantisation included (n,) [rad or m].
+        theta: of the motor encoders, reflected (n,).
+        tau: white noise of the torque, independent from one sample to the next (n,) [N m or N].
+    """
+
+    q: Array
+    theta: Array
+    tau: Array
+
+    def __post_init__(self) -> None:
+        """Copy and lock.
+
+        Raises:
+            InputError: a torque without a level, or a level below 0.
+        """
+        for name in ("q", "theta", "tau"):
+            array = np.array(getattr(self, name), dtype=float)
+            if (array < 0.0).any() or (name == "tau" and not np.isfinite(array).all()):
+                raise InputError("a finite level of at least 0 is needed", key=f"noise.{name}", value=array)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @classmethod
+    def of(cls, q: ArrayLike, theta: ArrayLike, tau: ArrayLike, n: int) -> Noise:
+        """One number for all joints, or n of them each."""
+        return cls(*(np.broadcast_to(np.asarray(level, dtype=float), (n,)) for level in (q, theta, tau)))
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Where the windows lie in the recordings, and what was measured there.
+
+    Attributes:
+        recordings: that they are cut from.
+        joints: of the model, in the order of q.
+        channels: measured positions, ``q.<joint>`` and ``theta.<joint>``.
+        noise: of the channels and torques.
+        places: recording and first row of every window (windows, 2).
+        rows: samples in a window.
+        block: samples that are averaged before whitening, some 5 ms.
+    """
+
+    recordings: tuple[Recording, ...]
+    joints: tuple[str, ...]
+    channels: tuple[str, ...]
+    noise: Noise
+    places: NDArray[np.int64]
+    rows: int
+    block: int
+
+    @classmethod
+    def of(
+        cls,
+        model: FlexibleJointModel,
+        recordings: Sequence[Recording],
+        noise: Noise,
+        seconds: float = SECONDS,
+        most: int = MOST_WINDOWS,
+    ) -> Windows:
+        """Cut recordings; a window never crosses a gap in time, and the last partial one is dropped.
+
+        Args:
+            model: that names the joints.
+            recordings: of one rate; each with tau and a measured position.
+            noise: of the channels.
+            seconds: length of a window [s].
+            most: number of windows; beyond it they are thinned out evenly.
+
+        Raises:
+            InputError: no position is measured, rates differ, or nothing is as long as a window.
+        """
+        joints = model.joint_names
+        names = (f"{signal}.{joint}" for signal in POSITIONS for joint in joints)
+        channels = tuple(name for name in names if any(name in recording for recording in recordings))
+        if not channels:
+            raise InputError("no position was measured", key="channels", remedy="q.JOINT or theta.JOINT is needed")
+        for name in channels:
+            signal, _, joint = name.partition(".")
+            level = float(getattr(noise, signal)[joints.index(joint)])
+            if not 0.0 < level < math.inf:
+                raise InputError("a finite level above 0 is needed", key=f"noise.{name}", value=level)
+        periods = [float(np.median(np.diff(recording.t))) for recording in recordings]
+        period = float(np.median(periods))
+        for own in periods:
+            if abs(own - period) > 0.02 * period:
+                remedy = "resample it, or diagnose it by itself"
+                raise InputError("recordings of different rates", key="rate", value=1.0 / own, remedy=remedy)
+        block = max(1, round((0.005 if model.n <= 3 else 0.01) / period))
+        rows = block * int(seconds / (period * block) + 1e-6)
+        places = (
+            [(k, row) for k, each in enumerate(recordings) for row in _starts(each.t, period, rows)] if rows else []
+        )
+        if not places:
+            remedy = f"windows of {seconds:g} s without a gap are needed"
+            raise InputError("the recordings are too short", key="t", remedy=remedy)
+        kept = np.unique(np.linspace(0, len(places) - 1, min(len(places), most)).round().astype(np.int64))
+        return cls(tuple(recordings), joints, channels, noise, np.array(places, np.int64)[kept], rows, block)
+
+    def __len__(self) -> int:
+        """Number of windows."""
+        return len(self.places)
+
+    @property
+    def period(self) -> float:
+        """Between two samples [s]."""
+        return float(np.median(np.diff(self.t, axis=1)))
+
+    @cached_property
+    def t(self) -> Array:
+        """Times within the recording (windows, rows) [s]."""
+        return np.stack([self.recordings[k].t[row : row + self.rows] for k, row in self.places])
+
+    @cached_property
+    def measured(self) -> Array:
+        """What the sensors said (windows, rows, channels); NaN where a recording lacks the channel."""
+        nothing = np.full(self.rows, np.nan)
+        stacks = [
+            [each[name][row : row + self.rows] if name in each else nothing for name in self.channels]
+            for each, row in ((self.recordings[k], row) for k, row in self.places)
+        ]
+        return np.ascontiguousarray(np.array(stacks).transpose(0, 2, 1))
+
+    @property
+    def sensor_noise(self) -> Array:
+        """Standard deviation of every channel (channels,)."""
+        parts = (name.partition(".") for name in self.channels)
+        return np.array([getattr(self.noise, signal)[self.joints.index(joint)] for signal, _, joint in parts])
+
+    @property
+    def blocks(self) -> int:
+        """Blocks in a window."""
+        return self.rows // self.block
+
+
+def _starts(t: Array, period: float, rows: int) -> list[int]:
+    """First rows of the windows in one recording."""
+    cuts = np.flatnonzero(np.diff(t) > GAP * period) + 1
+    stretches = itertools.pairwise([0, *cuts.tolist(), len(t)])
+    return [row for begin, end in stretches for row in range(begin, end - rows + 1, rows)]

@@ -1,0 +1,1 @@
+"""What a diagnosis is made of, against independent simulations."""

@@ -1,0 +1,125 @@
+"""Residuals of the equations of motion, over motions that were computed without flexdyn."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.diagnose import columns
+from flexdyn.diagnose.covariance import Noise, whitener
+from flexdyn.diagnose.equations import Equations
+from flexdyn.diagnose.filters import Filters
+from flexdyn.diagnose.measured import measured
+from flexdyn.diagnose.noise import encoder_noise, torque_noise
+from flexdyn.diagnose.numbers import file_numbers
+from tests.arms import two_link
+from tests.diagnose.truths import ARM, JOINTS, RATE, Levels, two_link_motion, two_link_recording
+
+BOTH, LINK, MOTOR = ("q", "theta"), ("q",), ("theta",)
+
+
+def equations(levels: Levels, seed: int, signals: tuple[str, ...] = BOTH) -> Equations:
+    """Of the true model along a recording with white noise."""
+    states, tau = two_link_motion()
+    draw = np.random.default_rng(seed)
+    channels = {}
+    for j, joint in enumerate(JOINTS):
+        for signal, column in (("q", j), ("theta", 2 + j)):
+            if signal in signals:
+                channels[f"{signal}.{joint}"] = states[:, column] + levels.position * draw.standard_normal(len(tau))
+        channels[f"tau.{joint}"] = tau[:, j] + levels.torque * draw.standard_normal(len(tau))
+    model = two_link(ARM)
+    data = measured(model, fd.Recording(np.arange(len(tau)) / RATE, channels))
+    return Equations(model, (data,), Filters.of_rate(data.dt))
+
+
+def noise_of(levels: Levels) -> Noise:
+    """The levels that the recordings were made with."""
+    position, torque = np.full(2, levels.position), np.full(2, levels.torque)
+    return Noise(position, position, torque, np.zeros(2))
+
+
+@pytest.mark.parametrize("signals", [BOTH, LINK, MOTOR], ids=["both encoders", "link", "motor"])
+@pytest.mark.parametrize(
+    "levels", [Levels(2e-5, 0.05), Levels(1e-6, 0.05), Levels(1e-4, 1e-3)], ids=["both", "torque noise", "sensor noise"]
+)
+def test_a_true_model_leaves_white_noise(signals: tuple[str, ...], levels: Levels) -> None:
+    """Unit variance and no correlation: the noise's way through the filters is known exactly."""
+    left = []
+    for seed in range(4):
+        at = equations(levels, seed, signals)
+        white = whitener(at, noise_of(levels), np.zeros(len(at.residual), dtype=bool))
+        left.append(white(at.residual))
+    rows = np.concatenate(left)
+    assert float(np.mean(rows**2)) == pytest.approx(1.0, abs=0.12)
+    many = len(at.kinds)
+    for lag in (1, many, 2 * many):
+        assert abs(float(np.mean(rows[lag:] * rows[:-lag]))) < 0.1
+
+
+def test_the_equations_are_those_that_are_measured() -> None:
+    """Both encoders: motor and link apart; one: their sum."""
+    assert equations(Levels(), 0).kinds == ((0, "motor"), (0, "link"), (1, "motor"), (1, "link"))
+    assert equations(Levels(), 0, LINK).kinds == ((0, "total"), (1, "total"))
+
+
+@pytest.mark.parametrize("signals", [BOTH, LINK, MOTOR], ids=["both encoders", "link", "motor"])
+@pytest.mark.parametrize(
+    "effect",
+    [
+        fd.effects.ViscousFriction("shoulder", side="link", coefficient=0.5),
+        fd.effects.ViscousFriction("elbow", side="motor", coefficient=0.5),
+        fd.effects.TorqueOffset("shoulder", offset=0.3),
+        fd.effects.HardeningSpring("elbow", cubic=2e4),
+        fd.effects.ParallelSpring("shoulder", stiffness=2.0, rest=0.2),
+        fd.effects.JointCoupling("elbow", other="shoulder", coefficient=0.4),
+    ],
+    ids=lambda effect: str(effect.name),
+)
+def test_a_column_is_what_the_effect_changes(effect: fd.effects.Effect, signals: tuple[str, ...]) -> None:
+    """The residual of the model with the effect, less that without it, whichever encoders there are."""
+    at = equations(Levels(1e-6, 1e-3), 0, signals)
+    with_it = at.of(at.model.replace(effects=[*at.model.effects, effect]))
+    change = with_it.residual - at.residual
+    np.testing.assert_allclose(columns.of_effect(at, effect), change, atol=1e-9 * np.abs(change).max())
+
+
+@pytest.mark.parametrize("signals", [BOTH, MOTOR], ids=["both encoders", "motor"])
+def test_a_numbers_column_is_the_slope_of_the_residual(signals: tuple[str, ...]) -> None:
+    """By central differences over the whole model, positions that are made up included."""
+    at = equations(Levels(1e-6, 1e-3), 0, signals)
+    for number in file_numbers(at.model):
+        sides = [
+            at.of(at.model.replace(effects=[*at.model.effects, number.error(1.0 + step)])).residual
+            for step in (1e-3, -1e-3)
+        ]
+        slope = (sides[0] - sides[1]) / 2e-3
+        found = columns.of_number(at, number)
+        near = 0.03 if signals == BOTH else 0.15  # made-up positions take no notice of the damper
+        assert np.linalg.norm(found - slope) < near * np.linalg.norm(slope) + 1e-9, number
+
+
+def test_a_lag_is_seen_as_it_is() -> None:
+    """To first order, the column of a lag is the residual of a recording that lags, less that of one that does not."""
+    model = two_link(ARM)
+    true = two_link_recording(Levels(1e-9, 1e-9), 0)
+    lag = fd.effects.ChannelLag("theta.shoulder", delay=5e-4)
+    late = dict(true.channels) | {"theta.shoulder": lag.measured(true["theta.shoulder"], true.t)}
+    filters = Filters.of_rate(1.0 / true.rate)
+    before, after = (Equations(model, (measured(model, each),), filters) for each in (true, fd.Recording(true.t, late)))
+    change = after.residual - before.residual
+    predicted = -columns.of_effect(before, lag)  # the column takes a lag off that the model says is there
+    inner = slice(40, -40)
+    assert np.linalg.norm((predicted - change)[inner]) < 0.05 * np.linalg.norm(change[inner])
+
+
+def test_noise_is_found_in_the_data() -> None:
+    """Encoder steps exactly; the torque's noise from what the equations leave, within a tenth."""
+    levels, model = Levels(2e-6, 0.05), two_link(ARM)
+    data = measured(model, two_link_recording(levels, 1))
+    at = Equations(model, (data,), Filters.of_rate(data.dt))
+    mask = np.zeros(len(at.residual), dtype=bool)
+    encoders = Noise(encoder_noise(at.data, "q"), encoder_noise(at.data, "theta"), np.ones(2), np.zeros(2))
+    np.testing.assert_allclose(encoders.q, levels.position, rtol=0.05)
+    np.testing.assert_allclose(torque_noise(at, at.residual, mask, encoders), levels.torque, rtol=0.12)

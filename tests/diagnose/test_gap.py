@@ -1,0 +1,152 @@
+"""The gap of true and of wrong models, over motions that were computed without flexdyn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.diagnose import shooting
+from flexdyn.diagnose.gap import Shot, gap, shoot
+from flexdyn.diagnose.windows import Windows
+from tests.arms import two_link
+from tests.diagnose.truths import ARM, Levels, two_link_recording
+
+FINE = Levels(position=1e-7, torque=0.02)
+COARSE = Levels(position=1e-4, torque=1e-4)
+
+
+def shot_of(levels: Levels, seed: int, signals: Sequence[str] = ("q", "theta"), **numbers: Any) -> Shot:
+    """The two-link arm's model, with numbers of the shoulder changed, over one noisy recording."""
+    model = two_link(ARM).replace(joints={"shoulder": numbers})
+    return shoot(model, Windows.of(model, [two_link_recording(levels, seed, signals)], levels.noise()))
+
+
+@pytest.mark.parametrize("levels", [Levels(), FINE, COARSE], ids=["both", "torque noise", "sensor noise"])
+@pytest.mark.parametrize("signals", [("q", "theta"), ("q",), ("theta",)], ids=["both encoders", "link", "motor"])
+def test_a_true_model_has_a_gap_of_one(levels: Levels, signals: tuple[str, ...]) -> None:
+    """Whatever noise dominates and whichever encoders there are; torque noise leaves few degrees of freedom."""
+    shots = [shot_of(levels, seed, signals=signals) for seed in range(6)]
+    assert np.sqrt(np.mean([shot.gap**2 for shot in shots])) == pytest.approx(1.0, abs=0.15)
+    rows = sum(shot.whitened().size for shot in shots)
+    assert sum(shot.misfit.sum() for shot in shots) / rows == pytest.approx(1.0, abs=0.15)
+
+
+def test_whitened_residuals_of_a_true_model_are_white() -> None:
+    """One block knows nothing of the next, though torque noise makes the plain residual a smooth curve."""
+    surprises = np.concatenate([shot_of(FINE, seed).surprises for seed in range(3)])
+    ahead = (surprises[:, 1:] * surprises[:, :-1]).mean(axis=(0, 1))
+    np.testing.assert_allclose(ahead, 0.0, atol=0.12)
+    scaled = shot_of(FINE, 0).scaled
+    assert ((scaled[:, 1:] * scaled[:, :-1]).mean(axis=(0, 1)) > 0.7 * (scaled**2).mean(axis=(0, 1))).all()
+
+
+def test_the_floor_is_about_one() -> None:
+    """A model that is right by construction, with drawn noise."""
+    assert shot_of(Levels(), 0).floor() == pytest.approx(1.0, abs=0.25)
+
+
+def test_a_wrong_number_opens_the_gap_in_proportion() -> None:
+    """Twice the error, twice the excess; and it is in the joint whose number it is."""
+    wrong = [shot_of(COARSE, 0, stiffness=400.0 * (1.0 + error)) for error in (0.0, 0.2, 0.4)]
+    excess = [np.sqrt(each.gap**2 - wrong[0].gap ** 2) for each in wrong[1:]]
+    assert excess[0] > 1.0
+    softer = 1.0 / 1.2 - 1.0, 1.0 / 1.4 - 1.0  # what happens depends on the compliance
+    assert excess[1] / excess[0] == pytest.approx(softer[1] / softer[0], rel=0.15)
+    assert wrong[1].share()["shoulder"] > 0.6
+
+
+def test_the_jacobian_leads_back_to_the_true_numbers() -> None:
+    """One step of Gauss and Newton on whitened residuals undoes 3 % in rotor inertia and stiffness, within errors."""
+    wrong: dict[str, Any] = {"rotor_inertia": 0.1 * 1.03, "stiffness": 400.0 * 0.97}
+    shot = shot_of(Levels(), 1, **wrong)
+    moved = [shot.model.replace(joints={"shoulder": {key: 1.01 * value}}) for key, value in wrong.items()]
+    J = shot.jacobian(moved, [0.01, 0.01])
+    factors = 1.0 - np.linalg.lstsq(J, shot.whitened().ravel(), rcond=None)[0]
+    std = np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
+    assert (std < 0.01).all()
+    np.testing.assert_array_less(np.abs(factors - [1.0 / 1.03, 1.0 / 0.97]), 4.0 * std + 2e-3)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        fd.effects.SensorOffset("theta.elbow", offset=0.02),
+        fd.effects.SensorGain("q.shoulder", gain=-2.0),
+        fd.effects.EncoderEccentricity("q.elbow", amplitude=0.01, harmonic=3.0, phase=0.4),
+        fd.effects.SensorGain("tau.shoulder", gain=0.25),
+        fd.effects.SensorOffset("tau.elbow", offset=0.3),
+        fd.effects.ChannelLag("q.elbow", delay=0.012),
+    ],
+    ids=lambda effect: f"{effect.name} {effect.channel}",
+)
+def test_sensor_effects_act_before_the_comparison(effect: fd.effects.SensorEffect) -> None:
+    """A sensor that errs opens the gap; a model that knows its error closes it."""
+    levels = Levels(position=1e-4)
+    clean = two_link_recording(levels, 3)
+    channels = dict(clean.channels)
+    channels[effect.channel] = effect.measured(channels[effect.channel], clean.t)
+    recording = fd.Recording(clean.t, channels)
+    ignorant, knowing = two_link(ARM), two_link(ARM, [effect])
+    windows = Windows.of(knowing, [recording], levels.noise())
+    assert gap(knowing, windows) < 1.4
+    assert gap(ignorant, windows) > 3.0
+
+
+@pytest.mark.parametrize("delay", [0.004, 0.010])
+def test_a_delayed_command_begins_before_the_window(delay: float) -> None:
+    """The torques of before a window's start still arrive in it, also half-way between two samples."""
+    levels = Levels()
+    true = two_link_recording(levels, 4)
+    ahead = {
+        name: np.interp(true.t + delay, true.t, x) if name[:3] == "tau" else x for name, x in true.channels.items()
+    }
+    if delay == 0.004:  # a whole sample: exactly the torques, early
+        ahead |= {name: np.append(true[name][1:], 0.0) for name in ahead if name[:3] == "tau"}
+    effects = [fd.effects.CommandDelay(joint, delay=delay) for joint in ("shoulder", "elbow")]
+    model = two_link(ARM, effects)
+    windows = Windows.of(model, [fd.Recording(true.t[:-5], {k: x[:-5] for k, x in ahead.items()})], levels.noise())
+    assert gap(model, windows) < (1.3 if delay == 0.004 else 4.0)
+    assert gap(two_link(ARM), windows) > 8.0
+
+
+def test_a_simulation_that_fails_counts_as_a_bounded_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A law that breaks down leaves a finite gap, larger than that of any model that can be simulated."""
+    monkeypatch.setattr(shooting, "PATIENCE", 0.2)
+    levels = Levels()
+    windows = Windows.of(two_link(ARM), [two_link_recording(levels, 0)], levels.noise())
+    pair = (("elbow", "shoulder"), ("shoulder", "elbow"))
+    runaway = [fd.effects.JointCoupling(one, other=two, coefficient=-3e3) for one, two in pair]
+    shot = shoot(two_link(ARM, runaway), windows)
+    assert np.isfinite(shot.whitened()).all()
+    assert 100.0 < shot.gap < np.inf
+    assert np.abs(shot.residual).max() <= 1.0 + 3.0 * np.ptp(windows.measured, axis=(0, 1)).max()
+
+
+def test_a_recording_without_torque_noise_is_judged_by_its_sensors() -> None:
+    """No torque noise at all is a level like any other."""
+    levels = Levels(position=1e-5, torque=0.0)
+    assert shot_of(levels, 2).gap == pytest.approx(1.0, abs=0.15)
+
+
+def test_the_simulation_is_far_more_exact_than_the_noise() -> None:
+    """Steps a hundred times shorter change nothing that a sensor could see."""
+    shot = shot_of(FINE, 0)
+    shooter = shooting.Shooter(shot.model, shot.windows)
+    usual, exact = (shooter.reported(shooter.run(shot.x0, tight)) for tight in (1.0, 0.01))
+    assert np.sqrt(((usual - exact) ** 2).mean()) < 0.2 * FINE.position
+
+
+def test_shares_say_in_which_regime_a_model_is_wrong() -> None:
+    """Shares of two regimes add up to the whole, and missing friction near rest is found near rest."""
+    levels = Levels()
+    sticky = two_link(ARM, [fd.effects.StribeckFriction("elbow", side="motor", excess=0.3, velocity=0.05)])
+    shot = shoot(sticky, Windows.of(sticky, [two_link_recording(levels, 0)], levels.noise()))
+    slow = np.abs(shot.states[:, :, 7]) < 0.2
+    near, far, whole = shot.share(slow), shot.share(~slow), shot.share()
+    assert near["elbow"] + far["elbow"] == pytest.approx(whole["elbow"])
+    assert whole["elbow"] + whole["shoulder"] == pytest.approx(1.0)
+    assert near["elbow"] > 2.0 * far["elbow"]

@@ -1,0 +1,96 @@
+"""The gap where friction holds joints, and where friction remembers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.diagnose.gap import gap, shoot
+from flexdyn.diagnose.shooting import Shooter
+from flexdyn.diagnose.starts import first_states
+from flexdyn.diagnose.windows import Windows
+from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
+from tests.oracles.integrate import held
+
+RATE, MASS, LEVEL = 1000.0, 2.5, 3.0
+T = np.arange(6000) / RATE
+STOP_AND_GO = 4.0 * np.sin(2.0 * np.pi * 0.7 * T) + 2.0 * np.sin(2.0 * np.pi * 1.9 * T) * (T % 2.0 < 1.3)
+FORCE = 2.0 * np.sin(2 * np.pi * 0.9 * T) + np.sin(2 * np.pi * 2.3 * T + 1.0)
+
+
+@pytest.mark.parametrize("levels", [Levels(1e-6, 0.02), Levels(1e-5, 0.001)], ids=["torque noise", "sensor noise"])
+def test_a_true_model_that_sticks_has_a_gap_of_one(tmp_path: Path, levels: Levels) -> None:
+    """Rests, reversals and break-aways; what is held is not shaken loose by the noise of a velocity."""
+    x, v = sliding(STOP_AND_GO, 1.0 / RATE, MASS, LEVEL)
+    assert 0.2 < (v == 0.0).mean() < 0.8
+    model = slider_model(tmp_path, [fd.effects.CoulombFriction("lift", side="link", level=LEVEL)])
+    gaps = []
+    for seed in range(4):
+        windows = Windows.of(model, [slider_recording(x, STOP_AND_GO, RATE, levels, seed)], levels.noise(1))
+        shot = shoot(model, windows)
+        gaps.append(shot.gap)
+        resting = v[windows.places[:, 1]] == 0.0
+        deep = resting & (np.abs(v[windows.places[:, 1] + 30]) == 0.0) & (windows.places[:, 1] > 0)
+        assert deep.any()
+        np.testing.assert_array_equal(shot.x0[deep, 1], 0.0)
+    assert np.sqrt(np.mean(np.square(gaps))) == pytest.approx(1.0, abs=0.15)
+    assert gap(slider_model(tmp_path), windows) > 20.0
+
+
+def test_the_gap_of_a_wrong_mass_is_what_linear_theory_says(tmp_path: Path) -> None:
+    """A free mass under sensor noise: twice integrated torque beside its best line, in units of noise."""
+    levels, error = Levels(position=5e-5, torque=1e-6), 0.02
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS * (1.0 + error), 0.0)
+    model = slider_model(tmp_path)
+    windows = Windows.of(model, [slider_recording(x, FORCE, RATE, levels, 0)], levels.noise(1))
+    u = np.linspace(-1.0, 1.0, windows.rows)
+    expected = 0.0
+    for row in windows.places[:, 1]:
+        moved, _ = sliding(FORCE[row : row + windows.rows], 1.0 / RATE, MASS, 0.0)
+        off = moved - moved / (1.0 + error)
+        expected += ((off - np.polyval(np.polyfit(u, off, 1), u)) ** 2).mean() / levels.position**2 / len(windows)
+    assert expected > 3.0
+    assert gap(model, windows) ** 2 - 1.0 == pytest.approx(expected, rel=0.1)
+
+
+def test_bristles_keep_their_bend_into_the_window(tmp_path: Path) -> None:
+    """Z follows the measured path up to each window's start; set to zero there it would leave a gap."""
+    effect = fd.effects.PreslidingFriction("lift", side="link", level=LEVEL, stiffness=600.0)
+    force = STOP_AND_GO[:4000:4]
+
+    def rates(x: Sequence[float], tau: Sequence[float]) -> Sequence[float]:
+        _, v, z = x
+        return [v, (tau[0] - 600.0 * z) / MASS, v - 600.0 * abs(v) * z / LEVEL]
+
+    rows = iter(force[:, None].tolist())
+    states, _ = held(rates, [0.0, 0.0, 0.0], np.arange(len(force)) / 250.0, lambda _t, _x: next(rows))
+    levels, model = Levels(1e-6, 1e-3), slider_model(tmp_path, [effect])
+    windows = Windows.of(model, [slider_recording(states[:, 0], force, 250.0, levels, 0)], levels.noise(1))
+    z = first_states(Shooter(model, windows)).x[:, 2]
+    np.testing.assert_allclose(z, states[windows.places[:, 1], 2], atol=0.05 * effect.reach)
+    assert np.abs(z).max() > 0.5 * effect.reach
+    assert gap(model, windows) == pytest.approx(1.0, abs=0.25)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        fd.effects.WarmUpFriction("lift", side="motor", coefficient=4.0, time_constant=1.5),
+        fd.effects.CommandDelay("lift", delay=0.0073),
+        fd.effects.CoulombFriction("lift", side="link", level=1.0),
+        fd.effects.QuadraticDrag("lift", side="link", coefficient=3.0),
+    ],
+    ids=lambda effect: effect.name,
+)
+def test_windows_are_pieces_of_one_long_run(tmp_path: Path, effect: fd.effects.Effect) -> None:
+    """Without noise each window falls onto the run it was cut from: time since its start and late torques included."""
+    model = slider_model(tmp_path, [effect])
+    run = fd.simulate(model, fd.Samples(T[:3000], FORCE[:3000]), solver=fd.solvers.DormandPrince())
+    recording = slider_recording(run.q[:, 0], run.tau[:, 0], RATE, Levels(0.0, 0.0), 0)
+    windows = Windows.of(model, [recording], Levels(1e-6, 1e-4).noise(1))
+    shot = shoot(model, windows)
+    assert np.abs(shot.residual[1:]).max() < 3e-6

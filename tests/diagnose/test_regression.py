@@ -1,0 +1,67 @@
+"""Least squares with priors, against NumPy on the stacked problem."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexdyn.diagnose.regression import Regression
+
+
+def problem(seed: int = 0, nuisances: int = 0) -> Regression:
+    """200 rows, five columns with priors of different width."""
+    draw = np.random.default_rng(seed)
+    X = draw.standard_normal((200, 5))
+    y = X @ np.array([0.5, -0.2, 0.0, 0.1, 1.0]) + draw.standard_normal(200)
+    return Regression(
+        y, X, np.array([0.1, 0.0, -0.2, 0.0, 0.3]), np.array([0.05, 1.0, 0.1, np.inf, 2.0]), 200, nuisances
+    )
+
+
+def stacked(made: Regression) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and priors as one least-squares problem A b = t."""
+    A = np.vstack([made.X, np.diag(1.0 / made.sigma)])
+    return A, np.concatenate([-made.y, made.centre / made.sigma])
+
+
+def test_values_are_the_least_squares_ones() -> None:
+    """And so is what is left, and the covariance."""
+    made = problem()
+    A, t = stacked(made)
+    best = np.linalg.lstsq(A, t, rcond=None)[0]
+    np.testing.assert_allclose(made.values, best, rtol=1e-9)
+    assert made.chi2 == pytest.approx(float(((A @ best - t) ** 2).sum()))
+    np.testing.assert_allclose(made.covariance, np.linalg.inv(A.T @ A), rtol=1e-8)
+
+
+def test_a_gain_is_that_of_fitting_everything_again() -> None:
+    """Two more columns, one of which may not be negative."""
+    made, draw = problem(), np.random.default_rng(7)
+    more = np.stack([made.y + draw.standard_normal(200), -made.y + 0.5 * draw.standard_normal(200)], axis=1)
+    A, t = stacked(made)
+    for positive, columns in (((False, False), [0, 1]), ((False, True), None), ((True, False), None)):
+        gain = made.gain(more, positive)
+        wide = np.hstack([A, np.vstack([more, np.zeros((5, 2))])])
+        used = [0, 1] if columns else [k for k in (0, 1) if gain.values[k] != 0.0]
+        fitted = np.linalg.lstsq(wide[:, [*range(5), *(5 + k for k in used)]], t, rcond=None)[0]
+        after = float(((wide[:, [*range(5), *(5 + k for k in used)]] @ fitted - t) ** 2).sum())
+        assert gain.chi2 == pytest.approx(made.chi2 - after)
+        assert all(value >= 0.0 for value, sign in zip(gain.values, positive, strict=True) if sign)
+
+
+def test_freeing_a_number_gains_what_dropping_its_prior_does() -> None:
+    """Against the problem without that prior."""
+    made = problem()
+    for k in (0, 2):
+        sigma = made.sigma.copy()
+        sigma[k] = np.inf
+        free = Regression(made.y, made.X, made.centre, sigma, 200)
+        assert made.freed(k) == pytest.approx(made.chi2 - free.chi2, rel=1e-6)
+
+
+def test_nuisances_are_fitted_even_where_no_step_is_taken() -> None:
+    """The sum of squares at zero is that of the problem with the nuisance columns alone."""
+    made = problem(nuisances=2)
+    A, t = stacked(made)
+    best = np.linalg.lstsq(A[:, 3:], t, rcond=None)[0]
+    assert made.at_zero == pytest.approx(float(((A[:, 3:] @ best - t) ** 2).sum()))

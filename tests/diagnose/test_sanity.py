@@ -1,0 +1,237 @@
+"""Recordings that cannot answer get one clear line; those of an arm with a missing effect never do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import flexdyn as fd
+from flexdyn.diagnose.measured import measured
+from flexdyn.diagnose.sanity import check_recordings
+from tests.arms import slider
+from tests.diagnose.truths import ARM, Levels, two_link_motion, two_link_recording
+
+Array = NDArray[np.float64]
+Channels = dict[str, Array]
+Change = Callable[[Channels], Channels]
+RATIO = 100.0
+LEVELS = Levels(position=5e-6, torque=0.01)
+
+
+@pytest.fixture(scope="module")
+def model() -> fd.FlexibleJointModel:
+    """The oracle's arm with its rotors behind gears of 100."""
+    joints = {
+        name: {
+            "gear_ratio": RATIO,
+            "rotor_inertia": ARM.rotor[j] / RATIO**2,
+            "stiffness": ARM.stiffness[j],
+            "damping": ARM.damping[j],
+        }
+        for j, name in enumerate(("shoulder", "elbow"))
+    }
+    return fd.FlexibleJointModel(fd.load_robot("scara_two_link"), joints, gravity=[0.0, -ARM.gravity, 0.0])
+
+
+def checked(
+    model: fd.FlexibleJointModel, change: Change, t: Array | None = None, keep: int | None = None
+) -> tuple[str, ...]:
+    """The notes on the oracle's motion, its channels changed first."""
+    rec = two_link_recording(LEVELS, seed=3)
+    channels = change({name: np.array(values) for name, values in rec.channels.items()})
+    rows = slice(0, keep)
+    changed = fd.Recording((rec.t if t is None else t)[rows], {k: x[rows] for k, x in channels.items()}, name="log.csv")
+    return check_recordings(model, (measured(model, changed),))
+
+
+def same(channels: Channels) -> Channels:
+    """As it was recorded."""
+    return channels
+
+
+def scaled(factor: float, *names: str) -> Change:
+    """Channels times a factor."""
+    return lambda channels: {name: x * factor if name in names else x for name, x in channels.items()}
+
+
+def exchanged(*signals: str) -> Change:
+    """Signals of the shoulder and the elbow swapped."""
+    other = {"shoulder": "elbow", "elbow": "shoulder"}
+
+    def change(channels: Channels) -> Channels:
+        return {
+            name: channels[f"{name.partition('.')[0]}.{other[name.partition('.')[2]]}"]
+            if name.partition(".")[0] in signals
+            else x
+            for name, x in channels.items()
+        }
+
+    return change
+
+
+def without(*names: str) -> Change:
+    """Channels left out."""
+    return lambda channels: {name: x for name, x in channels.items() if name not in names}
+
+
+def both(one: Change, two: Change) -> Change:
+    """One change after the other."""
+    return lambda channels: two(one(channels))
+
+
+THETA_ONLY = without("q.shoulder", "q.elbow")
+POSITIONS = ("q.shoulder", "q.elbow", "theta.shoulder", "theta.elbow")
+WRONG = {
+    "mN m": (scaled(1e3, "tau.elbow"), r"log\.csv: tau\.elbow: .*looks like mN m.* divide tau\.elbow by 1000"),
+    "kN m": (scaled(1e-3, "tau.elbow", "tau.shoulder"), r"tau\.shoulder: .*kN m.*tau\.elbow too"),
+    "motor torque": (scaled(1 / RATIO, "tau.elbow"), r"the motor shaft's.*multiply tau\.elbow by the gear ratio 100"),
+    "reflected twice": (scaled(RATIO, "tau.elbow"), r"reflected twice.*divide tau\.elbow by the gear ratio 100"),
+    "torque flipped": (scaled(-1.0, "tau.shoulder"), r"tau\.shoulder: .*sign.*flipped"),
+    "degrees": (scaled(180 / np.pi, *POSITIONS), r"shoulder, elbow look like degrees.*give them in rad"),
+    "position flipped": (scaled(-1.0, "q.elbow", "theta.elbow"), r"positions of elbow have a flipped sign"),
+    "motor positions": (both(THETA_ONLY, scaled(RATIO, "theta.shoulder", "theta.elbow")), r"theta.*the motor shaft's"),
+    "torques swapped": (exchanged("tau"), r"the torques of shoulder and elbow look swapped"),
+    "positions swapped": (exchanged("q", "theta"), r"the positions of shoulder and elbow look swapped"),
+    "joints swapped": (exchanged("q", "theta", "tau"), r"the joints shoulder and elbow look swapped"),
+    "theta swapped": (exchanged("theta"), r"theta\.shoulder: theta follows the q of elbow"),
+    "theta not reflected": (
+        scaled(RATIO, "theta.elbow"),
+        r"theta\.elbow: .*'theta = 99\.\d+ q'.*divide.*gear ratio 100",
+    ),
+    "theta flipped": (scaled(-1.0, "theta.elbow"), r"theta\.elbow: theta and q have opposite signs"),
+    "theta in degrees": (scaled(180 / np.pi, "theta.elbow"), r"theta\.elbow: theta is in degrees and q is not"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_mistake_is_named_with_its_remedy(model: fd.FlexibleJointModel, name: str) -> None:
+    """A unit, sign or joint that is wrong gives one line with recording, channel, value and remedy."""
+    change, pattern = WRONG[name]
+    with pytest.raises(fd.errors.InputError, match=pattern) as caught:
+        checked(model, change)
+    assert str(caught.value).startswith("log.csv: ")
+    assert "\n" not in str(caught.value)
+
+
+def _speeds() -> Array:
+    return two_link_motion()[0][:, 6:8]
+
+
+def _plus(torque: Callable[[int, Array, Array], Array]) -> Change:
+    """Torques asked for as they would be with another torque on each rotor, which they overcome."""
+
+    def change(channels: Channels) -> Channels:
+        added = dict(channels)
+        for j, joint in enumerate(("shoulder", "elbow")):
+            added[f"tau.{joint}"] = added[f"tau.{joint}"] + torque(j, _speeds()[:, j], channels[f"theta.{joint}"])
+        return added
+
+    return change
+
+
+MISSING = {
+    "nothing": same,
+    "torque constant 30 % low": scaled(1 / 0.7, "tau.shoulder", "tau.elbow"),
+    "torque constant 30 % high": scaled(1 / 1.3, "tau.elbow"),
+    "dry friction as large as the torque": _plus(lambda j, u, x: 1.5 * np.sign(u)),
+    "viscous friction as large as the torque": _plus(lambda j, u, x: 1.5 * u / np.abs(u).max()),
+    "a spring": _plus(lambda j, u, x: 0.8 * x),
+    "an offset": _plus(lambda j, u, x: np.full_like(x, 5.0)),
+    "motor encoders alone": THETA_ONLY,
+    "link encoders alone": without("theta.shoulder", "theta.elbow"),
+    "an encoder's gain": scaled(1.02, "q.elbow"),
+}
+
+
+@pytest.mark.parametrize("name", MISSING)
+def test_a_missing_effect_is_no_mistake(model: fd.FlexibleJointModel, name: str) -> None:
+    """However large an effect is that the model lacks, the recording is not refused."""
+    checked(model, MISSING[name])
+
+
+def test_a_good_recording_needs_no_note(model: fd.FlexibleJointModel) -> None:
+    """Nothing is said where the torque follows the model."""
+    assert checked(model, same) == ()
+
+
+def test_a_heavy_payload_is_no_mistake(model: fd.FlexibleJointModel) -> None:
+    """A model whose tool weighs half a kilogram more than the arm's is compared, and not refused."""
+    checked(model.replace(effects=[fd.effects.Payload(mass=0.5)]), same)
+
+
+def test_one_second_is_too_short(model: fd.FlexibleJointModel) -> None:
+    """Windows to fit and to check do not fit in."""
+    with pytest.raises(fd.errors.InputError, match=r"log\.csv: t: the recording is too short, got '0\.996 s'; 2 s"):
+        checked(model, same, keep=250)
+
+
+def test_a_long_rest_is_too_short(model: fd.FlexibleJointModel) -> None:
+    """What counts is the time in which something moves."""
+
+    def resting(channels: Channels) -> Channels:
+        return {
+            name: np.concatenate([x[:250], np.full(len(x) - 250, x[250])]) if not name.startswith("tau") else x
+            for name, x in channels.items()
+        }
+
+    with pytest.raises(
+        fd.errors.InputError, match=r"hardly anything moves in the recording, got '1(\.\d)? s of motion'"
+    ):
+        checked(model, resting)
+
+
+def test_a_clock_in_milliseconds(model: fd.FlexibleJointModel) -> None:
+    """Samples four seconds apart show no acceleration."""
+    with pytest.raises(fd.errors.InputError, match=r"samples 4 s apart.*divide them by 1000 if they are in ms"):
+        checked(model, same, t=4.0 * np.arange(1000.0))
+
+
+def test_a_constant_torque(model: fd.FlexibleJointModel) -> None:
+    """It can be compared with nothing."""
+    change: Change = lambda channels: channels | {"tau.elbow": np.full(1000, 1.5)}  # noqa: E731
+    with pytest.raises(fd.errors.InputError, match=r"tau\.elbow: the torque is constant, got '1\.5 throughout'"):
+        checked(model, change)
+
+
+def test_a_passive_joint_is_noted(model: fd.FlexibleJointModel) -> None:
+    """An elbow without motor may swing: its torque is zero, and that is no mistake."""
+    notes = checked(model, lambda channels: channels | {"tau.elbow": np.zeros(1000)})
+    assert notes == ("No torque is ever asked of elbow: what scales its torque cannot be told.",)
+
+
+def test_a_joint_that_rests(model: fd.FlexibleJointModel) -> None:
+    """A position that flickers between counts is no motion."""
+    flicker = np.where(np.random.default_rng(2).random(1000) < 0.5, 0.9, 0.9 + 1e-5)
+    change: Change = lambda channels: channels | {"q.elbow": flicker, "theta.elbow": flicker}  # noqa: E731
+    with pytest.raises(fd.errors.InputError, match=r"elbow: the joint does not move.*robot\.lock: \{elbow: \.\.\.\}"):
+        checked(model, change)
+
+
+def test_the_recording_that_is_wrong_is_named(model: fd.FlexibleJointModel) -> None:
+    """Of two recordings, the one in another unit."""
+    rec = two_link_recording(LEVELS, seed=4)
+    wrong = {name: x * (1e3 if name.startswith("tau") else 1.0) for name, x in rec.channels.items()}
+    one, two = fd.Recording(rec.t, rec.channels, name="a.csv"), fd.Recording(rec.t, wrong, name="b.csv")
+    data = (measured(model, one), measured(model, two))
+    with pytest.raises(fd.errors.InputError, match=r"^b\.csv: tau\.shoulder: .*mN m"):
+        check_recordings(model, data)
+
+
+@pytest.mark.parametrize(("factor", "problem"), [(1.0, ""), (1e3, "mm|kN"), (-1.0, "sign")])
+def test_a_sliding_joint(tmp_path: Path, factor: float, problem: str) -> None:
+    """2.5 kg on a rail: positions in mm, or counted the other way round, are told by its inertia."""
+    model = fd.FlexibleJointModel(slider(tmp_path), {}, [], gravity=[0.0, 0.0, 0.0])
+    t = np.arange(4000) / 1000
+    x, a = 0.1 * np.sin(7.0 * t), -4.9 * np.sin(7.0 * t)
+    units = {"units": {"q.lift": "m", "tau.lift": "N"}}
+    rec = fd.Recording(t, {"q.lift": factor * x, "tau.lift": 2.5 * a}, meta=units)
+    data = (measured(model, rec),)
+    if not problem:
+        assert check_recordings(model, data) == ()
+        return
+    with pytest.raises(fd.errors.InputError, match=problem):
+        check_recordings(model, data)

@@ -1,0 +1,87 @@
+"""Cutting recordings into windows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.diagnose.windows import Noise, Windows
+from tests.diagnose.truths import slider_model
+
+LEVELS = Noise.of(1e-5, 1e-5, 0.01, 1)
+
+
+def recording(t: np.ndarray, channel: str = "q.lift") -> fd.Recording:
+    """A channel that counts the samples, so that every sample says where it came from."""
+    units = {channel: "m", "tau.lift": "N"}
+    return fd.Recording(t, {channel: np.arange(len(t), dtype=float), "tau.lift": 0 * t}, meta={"units": units})
+
+
+@pytest.mark.parametrize("rate", [250.0, 1000.0, 1234.5, 4000.0])
+def test_windows_are_half_a_second_at_any_rate(tmp_path: Path, rate: float) -> None:
+    """They follow one another without a sample between them; the last partial one is dropped."""
+    windows = Windows.of(slider_model(tmp_path), [recording(np.arange(int(2.3 * rate)) / rate)], LEVELS)
+    assert len(windows) == 4
+    assert windows.rows / rate == pytest.approx(0.5, abs=0.01)
+    assert windows.rows == windows.block * windows.blocks
+    seen = windows.measured[:, :, 0]
+    np.testing.assert_array_equal(seen.ravel(), np.arange(seen.size))
+
+
+def test_no_window_crosses_a_gap(tmp_path: Path) -> None:
+    """A clock that stood still for 20 ms ends one stretch and begins the next."""
+    t = np.arange(1600) / 1000.0
+    t[700:] += 0.02
+    windows = Windows.of(slider_model(tmp_path), [recording(t)], LEVELS)
+    assert windows.places[:, 1].tolist() == [0, 700]
+    assert np.diff(windows.t, axis=1).max() < 0.0011
+
+
+def test_windows_of_several_recordings_keep_their_place(tmp_path: Path) -> None:
+    """Each says which recording it is from, and its times are of that recording."""
+    first, second = recording(np.arange(600) / 1000.0), recording(5.0 + np.arange(1100) / 1000.0)
+    windows = Windows.of(slider_model(tmp_path), [first, second], LEVELS)
+    assert windows.places.tolist() == [[0, 0], [1, 0], [1, 500]]
+    np.testing.assert_allclose(windows.t[:, 0], [0.0, 5.0, 5.5])
+
+
+def test_a_channel_that_one_recording_lacks_is_not_measured_there(tmp_path: Path) -> None:
+    """Its samples are NaN, which later counts as nothing."""
+    first, second = recording(np.arange(600) / 1000.0), recording(np.arange(600) / 1000.0, "theta.lift")
+    windows = Windows.of(slider_model(tmp_path), [first, second], LEVELS)
+    assert windows.channels == ("q.lift", "theta.lift")
+    assert np.isnan(windows.measured[0, :, 1]).all()
+    assert np.isfinite(windows.measured[1, :, 1]).all()
+
+
+def test_long_recordings_are_thinned_out_evenly(tmp_path: Path) -> None:
+    """Memory stays bounded, and both ends stay in."""
+    windows = Windows.of(slider_model(tmp_path), [recording(np.arange(20_000) / 1000.0)], LEVELS, most=5)
+    assert windows.places[:, 1].tolist() == [0, 5000, 10000, 14500, 19500]
+
+
+@pytest.mark.parametrize(
+    ("recordings", "noise", "line"),
+    [
+        ([recording(np.arange(400) / 1000.0)], LEVELS, "too short"),
+        ([recording(np.arange(999) / 1000.0), recording(np.arange(999) / 500.0)], LEVELS, "different rates"),
+        ([fd.Recording([0.0, 1.0], {"tau.lift": [0, 0]}, meta={"units": {"tau.lift": "N"}})], LEVELS, "no position"),
+        ([recording(np.arange(999) / 1000.0)], Noise.of(0.0, 1.0, 0.01, 1), "noise.q.lift"),
+        ([], LEVELS, "no position"),
+    ],
+)
+def test_what_cannot_be_cut_is_said_in_a_line(
+    tmp_path: Path, recordings: list[fd.Recording], noise: Noise, line: str
+) -> None:
+    """Too short, two rates, nothing measured, a sensor without noise."""
+    with pytest.raises(fd.InputError, match=line):
+        Windows.of(slider_model(tmp_path), recordings, noise)
+
+
+def test_a_torque_without_noise_level_is_refused() -> None:
+    """NaN would make every unit NaN."""
+    with pytest.raises(fd.InputError, match=r"noise\.tau"):
+        Noise.of(1.0, 1.0, np.nan, 2)

@@ -1,0 +1,1 @@
+"""Tests of the simulator and the scoring of the hidden-effect benchmark."""
