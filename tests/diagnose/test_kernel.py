@@ -18,7 +18,7 @@ from flexdyn.diagnose.kernel import Kernel
 def test_parabolas_keep_their_derivatives(width: float, c: float, b: float, a: float) -> None:
     """First and second derivative of c + b t + a t^2, to rounding."""
     dt = 1e-3
-    t = dt * np.arange(200)
+    t = dt * np.arange(200, dtype=float)
     kernel = Kernel.gaussian(width * dt, dt)
     x = c + b * t + a * t * t
     inner = t[kernel.half : len(t) - kernel.half]

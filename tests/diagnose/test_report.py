@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -167,7 +168,7 @@ def test_a_report_is_replaced_whole_or_not_at_all(tmp_path: Path, monkeypatch: p
     def fails(*arguments: Any, **settings: Any) -> str:
         raise MemoryError
 
-    monkeypatch.setattr("flexdyn.diagnose.report.page", fails)
+    monkeypatch.setattr(sys.modules["flexdyn.diagnose.report"], "page", fails)
     with pytest.raises(MemoryError):
         answers.no_discrepancy().save(tmp_path)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
@@ -182,7 +183,7 @@ def test_a_folder_that_cannot_be(tmp_path: Path) -> None:
 
 def test_without_plotly_nothing_is_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The extra that is missing is named."""
-    monkeypatch.setitem(__import__("sys").modules, "plotly.offline", None)
+    monkeypatch.setitem(sys.modules, "plotly.offline", None)
     with pytest.raises(fd.MissingExtra, match=r"flexdyn\[plot\]"):
         answers.explained().save(tmp_path)
     assert not list(tmp_path.iterdir())
