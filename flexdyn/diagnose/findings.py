@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.nesting import is_nested
-from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber
 from flexdyn.diagnose.refine import Refined
 from flexdyn.diagnose.result import Calibration, Finding, Number, Suspect
 from flexdyn.diagnose.search import Candidate
@@ -14,8 +14,8 @@ from flexdyn.effects import Effect, unit_for
 from flexdyn.model import FlexibleJointModel
 
 PLACES = ("channel", "other", "frame", "of", "parameter")
-IN_TOLERANCE = 3.0
-"""Standard deviations of its tolerance within which a number of the file is calibrated and not wrong."""
+AWAY = 3.0
+"""Standard deviations by which an effect's size must differ from none."""
 SIDES = {"rotor_inertia": "motor", "stiffness": "transmission", "damping": "transmission"}
 
 
@@ -29,7 +29,8 @@ def finding(
         suspect = wrong_number(model, added.number, last)
     else:
         effect = last.matching(added.effect)
-        suspect = None if effect is None else named(model, effect, last.effect_std())
+        std = last.effect_std()
+        suspect = named(model, effect, std) if effect is not None and _is_there(effect, std) else None
     if suspect is None:
         return None
     others = tuple(
@@ -40,6 +41,15 @@ def finding(
         != (suspect.effect, suspect.joint, suspect.side, suspect.place)
     )
     return Finding(suspect, float(added.drop), float(gain), others, "" if not others else _experiment(suspect, others))
+
+
+def _is_there(effect: Effect, std: Mapping[tuple[Effect, str], float]) -> bool:
+    """Whether the numbers that make an effect do something are away from those at which it does nothing."""
+    return any(
+        abs(getattr(effect, name) - nothing) > AWAY * std.get((effect, name), 0.0)
+        for name, nothing in effect.neutral.items()
+        if getattr(effect, name) != nothing
+    )
 
 
 def named(model: FlexibleJointModel, effect: Effect, std: Mapping[tuple[Effect, str], float]) -> Suspect:

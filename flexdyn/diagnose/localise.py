@@ -15,7 +15,7 @@ from flexdyn.diagnose.result import Place, Trace
 Array = NDArray[np.float64]
 BLOCK = 0.025
 """Length of the blocks whose power is compared [s]."""
-CHANCE, UNSURE = 5.0, 0.2
+CHANCE, UNSURE = 5.0, 0.05
 """Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
 LEAST_SHARE = 0.01
 """Places of a smaller share of the excess are left out [1]."""

@@ -26,8 +26,8 @@ STRIDE = 0.006
 DEGREE = 180.0 / np.pi
 AMBIGUOUS = 5.0
 """A gear ratio below this cannot be told from a wrong mass: it is not looked for."""
-APART = 2.0
-"""A torque has a known wrong unit where it is off by that factor within this one."""
+APART, CLOSE = 3.0, 2.0
+"""A torque fits a unit, and another assignment of channels, where its gain is 1 within these factors."""
 GOOD = 0.8
 """Share of a torque's variance that a mistake, once undone, must explain [1]."""
 FAR, COURSE = 10.0, 0.3
@@ -182,6 +182,12 @@ def needed_share(gain: Array | float) -> Array:
     return np.where(far(gain), COURSE, np.where(np.asarray(gain) < 0.0, AGAINST, GOOD))
 
 
+def fits(mistake: Mistake, undone: Match) -> NDArray[np.bool_]:
+    """Whether every torque is as large as the model needs once a mistake is undone (n,)."""
+    within = APART if mistake.of_torques or mistake.of_units else CLOSE
+    return np.asarray((undone.gain > 1.0 / within) & (undone.gain < within))
+
+
 def wanted_share(mistake: Mistake, gain: Array) -> Array:
     """Share of every torque's variance (n,) that a mistake, once undone, must explain; `gain` as the recording is."""
     if mistake.of_torques:
@@ -218,8 +224,13 @@ def torque_unit(model: FlexibleJointModel, j: int, gain: float) -> tuple[float, 
         known += [(1.0 / ratio, "it looks like the motor shaft's", motor), (ratio, "it looks reflected twice", twice)]
     if gain == 0.0 or not np.isfinite(gain) or 1.0 / APART < gain < APART:
         return None
-    near = [entry for entry in known if 1.0 / APART < gain / entry[0] < APART]
+    near = [entry for entry in known if 1.0 / _width(entry[0]) < gain / entry[0] < _width(entry[0])]
     return min(near, key=lambda entry: abs(np.log(gain / entry[0]))) if near else None
+
+
+def _width(factor: float) -> float:
+    """Within which a gain is taken for a factor: a sign leaves the size as it is."""
+    return CLOSE if factor == -1.0 else APART
 
 
 def _blank(model: FlexibleJointModel, problem: str, remedy: str, joints: tuple[int, ...]) -> Mistake:

@@ -13,6 +13,8 @@ from flexdyn.model import FlexibleJointModel
 OF_JOINT = ("rotor_inertia", "stiffness", "damping")
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 DEFAULT_TOLERANCE = 0.05
+IN_TOLERANCE = 3.0
+"""Standard deviations of its tolerance within which a number of the file is calibrated and not wrong."""
 
 
 @dataclass(frozen=True)

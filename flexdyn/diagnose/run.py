@@ -35,10 +35,12 @@ WITHHELD = 0.25
 MOST_FINDINGS = 6
 SURE = 4.0
 """Standard errors by which windows of the check must be less off with an effect than without it."""
-TRIED = 2
+TRIED = 4
 """Candidates of one round that may fail the check before the search ends."""
 ROUGH = 1.2
 """Mean square of the equations' white residuals above which the filters, and not the noise, limit the fit."""
+NEARLY = 0.002
+"""Share of its drop by which a candidate may do worse than the best and still be looked at on the check."""
 EXPLAINED = 1.3
 """A median window that is off by no more than so many times the floor is explained."""
 
@@ -167,7 +169,7 @@ def _next(space: Workspace, screen: Screen, now: Stage, windows: Windows) -> Sta
             return Stage(plain[0].fitted, plain[1], of_fit(plain[0].fitted), plain[0])
         rivals = []
         for other in ranked[k + 1 :]:
-            if candidate.drop - other.drop > 10.0 + 0.02 * candidate.drop:
+            if candidate.drop - other.drop > 10.0 + NEARLY * candidate.drop:
                 break
             shot = shoot(other.fitted.hypothesis.model(), windows)
             if better(shot, shots[k]) < SURE:
@@ -201,16 +203,22 @@ def _same_place(one: Effect, other: Effect) -> bool:
 
 
 def better(before: Shot, after: Shot) -> float:
-    """By how many standard errors a model's windows are less off than another's.
+    """By how many standard errors a model's windows are less off than another's, by gap or by white surprises.
 
-    Windows are compared pair by pair on a logarithmic scale and the outermost tenths are drawn in, so that one that
-    fell on the wrong side of a stick decides nothing.
+    The gap sees what adds up over a window, the surprises what is wrong at an instant; an effect may show in one of
+    them alone.
     """
-    floor = 1e-9
-    drop = np.log(before.misfit + floor) - np.log(after.misfit + floor)
-    drop = np.clip(drop, *np.quantile(drop, [0.1, 0.9]))
+    gaps = np.log(before.by_window) - np.log(after.by_window)
+    surprises = np.log(before.misfit) - np.log(after.misfit)
+    return max(_significance(gaps), _significance(surprises))
+
+
+def _significance(drop: Array) -> float:
+    """Mean over standard error, outermost tenths drawn in: a window on the wrong side of a stick decides nothing."""
+    drop = drop[np.isfinite(drop)]
     if len(drop) < 2:
         return 0.0
+    drop = np.clip(drop, *np.quantile(drop, [0.1, 0.9]))
     return float(drop.mean() / max(float(drop.std(ddof=1)) / np.sqrt(len(drop)), 1e-12))
 
 

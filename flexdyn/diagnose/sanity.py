@@ -15,6 +15,7 @@ from flexdyn.diagnose.mistakes import (
     Match,
     Mistake,
     far,
+    fits,
     liveliest,
     match,
     mistakes,
@@ -33,6 +34,10 @@ SLOWEST = 20.0
 """Least rate [Hz]: below it no acceleration of an arm is seen, and a clock in ms is likely."""
 STILL = 10.0
 """A joint moves where its positions range over more than so many standard deviations of the encoder's noise."""
+ALIKE = 0.9
+"""Share of the variance that two encoders of one joint have in common at least, if both are its own [1]."""
+DEAD = 1e-3
+"""An encoder is dead where its range is below this share of that of the joint's other one [1]."""
 POOR = 0.7
 """Mistakes are looked for where a model explains less of a torque's variance [1]."""
 LOOKED_AT = 12.0
@@ -41,6 +46,8 @@ BETTER = 0.2
 """A mistake about several joints explains this much more of every one's torque, if not all of it [1]."""
 LOOSE = 0.5
 """Less than this of its variance is worth a note."""
+SIZE = 0.1
+"""Of two mistakes the better has torques of the right size: what a factor of e costs in share [1]."""
 ALSO = 5.0
 """A mistake believed leaves this much less than the recording as it is given."""
 
@@ -135,40 +142,49 @@ def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array])
 def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
     """Both positions of a joint are nearly the same: springs bend little."""
     both = np.flatnonzero(data.has_q & data.has_theta)
-    spread = data.q.std(axis=0), data.theta.std(axis=0)
     for j in both:
-        joint, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
-        if not (spread[0][j] > 0.0 and spread[1][j] > 0.0):
-            continue
+        joint = model.joint_names[j]
+        for dead, alive in (("q", "theta"), ("theta", "q")):
+            x, y = getattr(data, dead)[:, j], getattr(data, alive)[:, j]
+            if np.ptp(x) < DEAD * np.ptp(y):
+                problem, remedy = f"it rests while {alive}.{joint} moves", f"leave out {dead}.{joint}"
+                value = f"a range of {np.ptp(x):.2g} against {np.ptp(y):.2g}"
+                raise InputError(problem, file=data.name, key=f"{dead}.{joint}", value=value, remedy=remedy)
         slope, share = _line(data.q[:, j], data.theta[:, j])
-        if share > 0.5 and 0.5 < slope < 2.0:
+        if share > ALIKE and 0.5 < slope < 2.0:
             continue
-        key = f"theta.{joint}"
-        small = "degrees" if model.robot.kinds[j] != "prismatic" else "mm"
-        unit = DEGREE if small == "degrees" else 1e3
-        looks = [
-            (ratio, "theta is the motor's angle", f"divide theta.{joint} by the gear ratio {ratio:g} (side: motor)"),
-            (-1.0, "theta and q have opposite signs", f"change the sign of theta.{joint} or q.{joint}"),
-            (unit, f"theta is in {small} and q is not", f"convert theta.{joint}"),
-            (1.0 / unit, f"q is in {small} and theta is not", f"convert q.{joint}"),
-            (-ratio, "theta is the motor's angle with its sign flipped", f"divide theta.{joint} by {-ratio:g}"),
-        ]
-        for factor, problem, remedy in sorted(looks, key=lambda entry: abs(np.log(abs(slope / entry[0])))):
-            if (
-                share > GOOD
-                and 0.8 < slope / factor < 1.25
-                and (abs(factor) > AMBIGUOUS or factor in (-1.0, 1.0 / unit))
-            ):
+        for factor, problem, remedy in _looks(model, int(j)):
+            if share > GOOD and 0.8 < slope / factor < 1.25:
                 value = f"theta = {slope:.4g} q"
-                raise InputError(problem, file=data.name, key=key, value=value, remedy=remedy)
+                raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
         for i in both:
-            other, fits = _line(data.q[:, i], data.theta[:, j])
-            if i != j and share < 0.9 and fits > 0.99 and 0.8 < abs(other) < 1.25:
+            other, alike = _line(data.q[:, i], data.theta[:, j])
+            if i != j and share < ALIKE and alike > 0.99 and 0.8 < abs(other) < 1.25:
                 there = model.joint_names[i]
                 problem = f"theta follows the q of {there}, and not that of its own joint"
                 remedy = f"exchange theta.{joint} and theta.{there}, or their q"
-                value = f"correlation {np.sqrt(fits):.3f} against {np.sqrt(share):.3f}"
-                raise InputError(problem, file=data.name, key=key, value=value, remedy=remedy)
+                value = f"correlation {np.sqrt(alike):.3f} against {np.sqrt(share):.3f}"
+                raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
+
+
+def _looks(model: FlexibleJointModel, j: int) -> list[tuple[float, str, str]]:
+    """Slopes of theta over q that a mistake makes, what it is and the remedy."""
+    joint, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
+    small, unit = ("mm", 1e3) if model.robot.kinds[j] == "prismatic" else ("degrees", DEGREE)
+    looks = [
+        (-1.0, "theta and q have opposite signs", f"change the sign of theta.{joint} or q.{joint}"),
+        (unit, f"theta is in {small} and q is not", f"convert theta.{joint}"),
+        (1.0 / unit, f"q is in {small} and theta is not", f"convert q.{joint}"),
+    ]
+    if abs(ratio) <= AMBIGUOUS:
+        return looks
+    remedy = f"divide theta.{joint} by the gear ratio {ratio:g} (side: motor)"
+    turned = f"divide theta.{joint} by {-ratio:g}"
+    return [
+        (ratio, "theta is the motor's angle", remedy),
+        (-ratio, "theta is the motor's angle, flipped", turned),
+        *looks,
+    ]
 
 
 def _line(x: Array, y: Array) -> tuple[float, float]:
@@ -215,9 +231,9 @@ def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) 
 
 
 def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]) -> float | None:
-    """Mean share explained once a mistake is undone; None where that does not convince."""
+    """Mean share explained once a mistake is undone, less what the size is off; None where that does not convince."""
     known = seen.says | undone.says
-    now = np.where((undone.gain > 0.5) & (undone.gain < 2.0), undone.share, 0.0)
+    now = np.where(fits(mistake, undone), undone.share, 0.0)
     before = np.clip(seen.plain, 0.0, 1.0)
     wanted = wanted_share(mistake, seen.gain)
     healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / ALSO) | (wanted < GOOD))
@@ -225,7 +241,8 @@ def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]
     better = (now >= wanted) | (now > before + BETTER)
     if not named or not healed[known].any() or not better[named].all() or (now < before - 0.1)[known].any():
         return None
-    return float(now[known].mean())
+    off = np.abs(np.log(np.maximum(np.abs(undone.gain[named]), 1e-9))).mean()
+    return float(now[known].mean() - SIZE * off)
 
 
 def _refused(data: Measured, joints: Sequence[str], seen: Match, mistake: Mistake, undone: Match) -> InputError:

@@ -18,7 +18,7 @@ from flexdyn.diagnose.filters import Filters
 from flexdyn.diagnose.mask import sign_mask
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.noise import encoder_noise, torque_noise
-from flexdyn.diagnose.numbers import FileNumber, file_numbers
+from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber, file_numbers
 from flexdyn.diagnose.proposal import Point, Proposal
 from flexdyn.diagnose.proposals import proposals
 from flexdyn.effects import Effect, Payload, SensorOffset
@@ -123,13 +123,23 @@ def _holds(made: Fit, proposal: Proposal) -> bool:
 
 
 def extended(made: Fit, choice: Screened) -> Hypothesis | None:
-    """The hypothesis with a proposal added."""
+    """The hypothesis with a proposal added, its numbers back within their tolerance: what bent them may be gone."""
+    factors = {
+        number: factor if number in made.hypothesis.freed else float(np.clip(factor, *_tolerated(number)))
+        for number, factor in made.hypothesis.factors.items()
+    }
+    start = dataclasses.replace(made.hypothesis, factors=factors)
     if choice.number is not None:
-        return dataclasses.replace(made.hypothesis, freed=made.hypothesis.freed | {choice.number})
+        kept = factors | {choice.number: made.hypothesis.factors[choice.number]}
+        return dataclasses.replace(start, factors=kept, freed=start.freed | {choice.number})
     effect = choice.proposal.make(choice.point, choice.values) if choice.proposal else None
     if effect is None or effect.is_neutral:
         return None
-    return dataclasses.replace(made.hypothesis, effects=(*made.hypothesis.effects, effect))
+    return dataclasses.replace(start, effects=(*start.effects, effect))
+
+
+def _tolerated(number: FileNumber) -> tuple[float, float]:
+    return 1.0 - IN_TOLERANCE * number.tolerance, 1.0 + IN_TOLERANCE * number.tolerance
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,8 +187,7 @@ def _order(each: Candidate) -> float:
 def _payloads(space: Workspace, made: Fit) -> list[Candidate]:
     """A mass at the tip beside links' numbers out of tolerance: where a link ends there, it is the same column."""
     effect = Payload(mass=0.05, frame=space.equations.true.robot.tip)
-    start = dataclasses.replace(made.hypothesis, effects=(*made.hypothesis.effects, effect))
-    trial = fit(start, space)
+    trial = fit(dataclasses.replace(made.hypothesis, effects=(*made.hypothesis.effects, effect)), space)
     drop = (made.chi2 - trial.chi2) / max(1.0, trial.reduced)
     return [Candidate(trial, drop, trial.hypothesis.effects[-1], None)] if drop >= ENOUGH else []
 

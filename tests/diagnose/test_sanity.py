@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,12 +13,15 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.sanity import check_recordings
-from tests.arms import slider
+from tests.arms import SLIDER, slider
 from tests.diagnose.truths import ARM, Levels, two_link_motion, two_link_recording
 
 Array = NDArray[np.float64]
 Channels = dict[str, Array]
 Change = Callable[[Channels], Channels]
+ROOT = Path(__file__).parents[2]
+DATA = ROOT.parent / "shared" / "data"
+MAPS = ROOT / "benchmarks" / "measured"
 RATIO = 100.0
 LEVELS = Levels(position=5e-6, torque=0.01)
 
@@ -211,6 +215,12 @@ def test_a_joint_that_rests(model: fd.FlexibleJointModel) -> None:
         checked(model, change)
 
 
+def test_a_dead_encoder(model: fd.FlexibleJointModel) -> None:
+    """A link encoder that reads zero while the motor's moves is no measurement."""
+    with pytest.raises(fd.errors.InputError, match=r"q\.elbow: it rests while theta\.elbow moves.*leave out q\.elbow"):
+        checked(model, scaled(0.0, "q.elbow"))
+
+
 def test_the_recording_that_is_wrong_is_named(model: fd.FlexibleJointModel) -> None:
     """Of two recordings, the one in another unit."""
     rec = two_link_recording(LEVELS, seed=4)
@@ -235,3 +245,37 @@ def test_a_sliding_joint(tmp_path: Path, factor: float, problem: str) -> None:
         return
     with pytest.raises(fd.errors.InputError, match=problem):
         check_recordings(model, data)
+
+
+PENDULUM = """<robot name="pendulum"><link name="base"/>
+<link name="one"><inertial><origin xyz="0 0 -0.2"/><mass value="0.5235"/>
+<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.001"/></inertial></link>
+<link name="two"><inertial><origin xyz="0 0 -0.256"/><mass value="0.6256"/>
+<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.001"/></inertial></link>
+<joint name="joint1" type="continuous"><parent link="base"/><child link="one"/><axis xyz="0 1 0"/></joint>
+<joint name="joint2" type="continuous"><parent link="one"/><child link="two"/><origin xyz="0 0 -0.2"/>
+<axis xyz="0 1 0"/></joint></robot>"""
+CARRIAGE = SLIDER.replace("lift", "carriage").replace('mass value="2.5"', 'mass value="95"')
+MACHINES = {
+    "emps/DATA_EMPS.mat": ("emps/map.yaml", CARRIAGE, 0.0),
+    "emps/DATA_EMPS_PULSES.mat": ("emps/map.yaml", CARRIAGE, 0.0),
+    "dfki_double_pendulum/20230629-143524.csv": ("double_pendulum/map.yaml", PENDULUM, -9.81),
+    "dfki_double_pendulum/20230629-154548.csv": ("double_pendulum/map.yaml", PENDULUM, -9.81),
+}
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the measured recordings are not beside the repository")
+@pytest.mark.parametrize("name", MACHINES)
+def test_real_machines_under_rough_models(tmp_path: Path, name: str) -> None:
+    """Links alone, without any friction, are model enough for a real recording to pass; in mN m it does not."""
+    ready, urdf, weight = MACHINES[name]
+    path = tmp_path / "machine.urdf"
+    path.write_text(urdf, encoding="utf-8")
+    model = fd.FlexibleJointModel(fd.load_robot(path), gravity=[0.0, 0.0, weight])
+    rec = fd.read_recording(DATA / name, map=MAPS / ready)
+    kept = {c: x for c, x in rec.channels.items() if c.partition(".")[0] in ("theta", "tau")}
+    units = {c: rec.unit(c) for c in kept}
+    data = measured(model, fd.Recording(rec.t, kept, meta={"units": units}, name=rec.name))
+    check_recordings(model, (data,))
+    with pytest.raises(fd.errors.InputError, match=r"looks like mN"):
+        check_recordings(model, (dataclasses.replace(data, tau=1e3 * data.tau),))
