@@ -33,7 +33,7 @@ Progress = Callable[[str, float], None]
 WITHHELD = 0.25
 """Share at the end of every recording that is kept for the check where no other data is given."""
 MOST_FINDINGS = 6
-SURE = 4.0
+SURE = 3.0
 """Standard errors by which windows of the check must be less off with an effect than without it."""
 TRIED = 4
 """Candidates of one round that may fail the check before the search ends."""
@@ -237,13 +237,14 @@ def _reported(
     explained = float(np.median(after.by_window)) <= EXPLAINED * max(gaps[1].floor, 1.0)
     verdict = "unexplained" if not explained else "explained" if findings else "no_discrepancy"
     mask = space.whiten.mask
+    left = calibrated.regression.left[: len(mask)]  # white rows, a count more or less of the encoders allowed for
     return Diagnosis(
         verdict=verdict,
         findings=findings,
         calibration=calibrations(model, last),
         fit=gaps[0],
         check=gaps[1],
-        where=localise(calibrated.equations, calibrated.regression.left[: len(mask)], mask),
+        where=() if verdict == "no_discrepancy" else localise(calibrated.equations, left, mask),
         model=corrected,
         notes=_notes(model, space.equations.data),
         residuals=traces(space.equations, space.equations.of(corrected), mask),

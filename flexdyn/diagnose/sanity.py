@@ -153,7 +153,7 @@ def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
         slope, share = _line(data.q[:, j], data.theta[:, j])
         if share > ALIKE and 0.5 < slope < 2.0:
             continue
-        for factor, problem, remedy in _looks(model, int(j)):
+        for factor, problem, remedy in sorted(_looks(model, int(j)), key=lambda look: abs(slope / look[0] - 1.0)):
             if share > GOOD and 0.8 < slope / factor < 1.25:
                 value = f"theta = {slope:.4g} q"
                 raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)

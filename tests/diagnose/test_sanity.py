@@ -215,6 +215,16 @@ def test_a_joint_that_rests(model: fd.FlexibleJointModel) -> None:
         checked(model, change)
 
 
+def test_degrees_and_a_gear_ratio_nearby(model: fd.FlexibleJointModel) -> None:
+    """Behind a gear of 60, theta in degrees is not taken for the motor's angle, nor that for degrees."""
+    joints = {name: dataclasses.replace(joint, gear_ratio=60.0) for name, joint in model.joints.items()}
+    geared = model.replace(joints=joints)
+    with pytest.raises(fd.errors.InputError, match="theta is in degrees"):
+        checked(geared, scaled(180 / np.pi, "theta.elbow"))
+    with pytest.raises(fd.errors.InputError, match="theta is the motor's angle"):
+        checked(geared, scaled(60.0, "theta.elbow"))
+
+
 def test_a_dead_encoder(model: fd.FlexibleJointModel) -> None:
     """A link encoder that reads zero while the motor's moves is no measurement."""
     with pytest.raises(fd.errors.InputError, match=r"q\.elbow: it rests while theta\.elbow moves.*leave out q\.elbow"):
