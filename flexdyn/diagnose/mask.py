@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.covariance import Noise
-from flexdyn.diagnose.equations import LINK, MOTOR, SENSOR, Equations
+from flexdyn.diagnose.equations import LINK, MOTOR, SENSOR, TOTAL, Equations
 from flexdyn.diagnose.motion import Motion
 
 Array = NDArray[np.float64]
@@ -20,11 +20,19 @@ def sign_mask(equations: Equations, noise: Noise) -> NDArray[np.bool_]:
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
         hidden = np.zeros((len(at), len(equations.kinds)), dtype=bool)
+        unseen = [(i, TOTAL) for i in np.flatnonzero(_made_up(equations, along))]
         for place, (j, kind) in enumerate(equations.kinds):
             if kind != SENSOR:
-                hidden[:, place] = _uncertain(equations, along, noise, j, kind)[at]
+                # A made-up position lacks its own joint's stuck friction, and loads every other equation with it.
+                for i, of in {(j, kind), *unseen}:
+                    hidden[:, place] |= _uncertain(equations, along, noise, i, of)[at]
         found.append(hidden.ravel())
     return np.concatenate(found)
+
+
+def _made_up(equations: Equations, along: Motion) -> NDArray[np.bool_]:
+    """Elastic joints that lack an encoder (n,)."""
+    return np.asarray(equations.true.elastic & ~(along.data.has_q & along.data.has_theta))
 
 
 def _uncertain(equations: Equations, along: Motion, noise: Noise, j: int, kind: str) -> NDArray[np.bool_]:
