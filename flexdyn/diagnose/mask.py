@@ -20,7 +20,7 @@ def sign_mask(equations: Equations, noise: Noise) -> NDArray[np.bool_]:
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
         hidden = np.zeros((len(at), len(equations.kinds)), dtype=bool)
-        unseen = [(i, TOTAL) for i in np.flatnonzero(_made_up(equations, along))]
+        unseen = [(int(i), TOTAL) for i in np.flatnonzero(_made_up(equations, along))]
         for place, (j, kind) in enumerate(equations.kinds):
             if kind != SENSOR:
                 # A made-up position lacks its own joint's stuck friction, and loads every other equation with it.
