@@ -6,6 +6,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,8 @@ POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "leve
 """Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
 SETTLED = 0.05
 """Drop of chi^2 below which another step is not worth its time."""
+BLOCK = 0.5
+"""Length of the blocks over which rows are taken to be correlated [s]."""
 LOOSE = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
 
@@ -88,15 +91,21 @@ class Fit:
     def std(self) -> dict[tuple[Effect, str], float]:
         """Standard deviations of the effects' unknowns."""
         first = len(self.hypothesis.factors)
-        sigma = np.sqrt(np.diag(self.regression.covariance))[first : first + len(self.scales)]
-        return {
-            key: float(s) * scale for key, s, scale in zip(self.hypothesis.unknowns(), sigma, self.scales, strict=True)
-        }
+        sigma = self._spread[first : first + len(self.scales)]
+        keys = self.hypothesis.unknowns()
+        return {key: float(s) * scale for key, s, scale in zip(keys, sigma, self.scales, strict=True)}
 
     def factor_std(self) -> dict[FileNumber, float]:
         """Standard deviations of the file's numbers' factors."""
-        sigma = np.sqrt(np.diag(self.regression.covariance))
-        return {number: float(s) for number, s in zip(self.hypothesis.factors, sigma, strict=False)}
+        return {number: float(s) for number, s in zip(self.hypothesis.factors, self._spread, strict=False)}
+
+    @cached_property
+    def _spread(self) -> Array:
+        """Of all columns: what white rows give, or the sandwich over blocks of half a second where that is more."""
+        filters, kinds = self.equations.filters, self.equations.kinds
+        block = max(1, round(BLOCK / (filters.every * self.equations.data[0].dt))) * len(kinds)
+        both = (self.regression.covariance, self.regression.sandwich(block))
+        return np.sqrt(np.maximum(*(np.diag(each) for each in both)))
 
 
 @dataclass(frozen=True, eq=False)

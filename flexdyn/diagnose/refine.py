@@ -74,10 +74,8 @@ class Refined:
 
 
 def of_fit(made: Fit) -> Refined:
-    """The numbers of a fit to the equations, with spreads for what is left there."""
-    wide = max(1.0, made.reduced) ** 0.5
-    std = [*made.factor_std().values(), *made.std().values()]
-    return Refined(made.hypothesis, wide * np.array(std))
+    """The numbers of a fit to the equations."""
+    return Refined(made.hypothesis, np.array([*made.factor_std().values(), *made.std().values()]))
 
 
 def refine(

@@ -112,6 +112,22 @@ class Regression:
         inverse = np.linalg.pinv(R, rcond=1e-12)
         return np.asarray(inverse @ inverse.T / np.outer(self._scale, self._scale))
 
+    def sandwich(self, block: int) -> Array:
+        """Covariance of the coefficients (columns, columns) that holds for coloured rows.
+
+        ``H^-1 (sum_b g_b g_b^T + P) H^-1`` with the gradients g_b of blocks of rows, which are taken to be independent
+        of one another, H the information and P that of the priors (White, 1980; Newey and West, 1987).
+
+        Args:
+            block: rows in a block, long against the rows' correlation.
+        """
+        bread = self.covariance
+        rows = len(self.y)
+        each = self.X * self.left[:rows, None]
+        gradients = np.add.reduceat(each, np.arange(0, rows, block), axis=0)
+        meat = gradients.T @ gradients + np.diag(1.0 / self.sigma**2)
+        return np.asarray(bread @ meat @ bread)
+
     def gain(self, columns: Array, positive: Sequence[bool] = (), *, fixed: bool = False) -> Gain:
         """What more columns (rows, k) would gain, everything else being fitted again.
 

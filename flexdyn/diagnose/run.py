@@ -162,7 +162,7 @@ def _next(space: Workspace, screen: Screen, now: Stage, windows: Windows) -> Sta
     shots: dict[int, Shot] = {}
     for k, candidate in enumerate(ranked[:TRIED]):
         shots[k] = shoot(candidate.fitted.hypothesis.model(), windows)
-        if better(now.check, shots[k]) < (-SURE if _unbends(now.fitted, candidate.fitted) else SURE):
+        if not _confirmed(now, candidate, shots[k]):
             continue
         plain = _plainer(candidate, ranked, shots[k], windows)
         if plain is not None:
@@ -176,6 +176,13 @@ def _next(space: Workspace, screen: Screen, now: Stage, windows: Windows) -> Sta
                 rivals.append(other)
         return Stage(candidate.fitted, shots[k], of_fit(candidate.fitted), candidate, tuple(rivals))
     return None
+
+
+def _confirmed(now: Stage, candidate: Candidate, shot: Shot) -> bool:
+    """Whether the check wants a candidate: surely less off window by window, and no more off in all."""
+    if _unbends(now.fitted, candidate.fitted):
+        return better(now.check, shot) > -SURE
+    return better(now.check, shot) > SURE and shot.gap <= now.check.gap
 
 
 def _unbends(before: Fit, after: Fit) -> bool:

@@ -65,3 +65,18 @@ def test_nuisances_are_fitted_even_where_no_step_is_taken() -> None:
     A, t = stacked(made)
     best = np.linalg.lstsq(A[:, 3:], t, rcond=None)[0]
     assert made.at_zero == pytest.approx(float(((A[:, 3:] @ best - t) ** 2).sum()))
+
+
+def test_coloured_rows_widen_the_sandwich() -> None:
+    """Rows that repeat in blocks say as little as one of them: the spread over draws is that of the sandwich."""
+    block, blocks, sigma = 20, 100, np.full(2, np.inf)
+    draw = np.random.default_rng(3)
+    X = np.repeat(draw.standard_normal((blocks, 2)), block, axis=0)
+    made = [
+        Regression(np.repeat(draw.standard_normal(blocks), block), X, np.zeros(2), sigma, block * blocks)
+        for _ in range(300)
+    ]
+    found = np.std([each.values for each in made], axis=0)
+    told = np.sqrt(np.mean([np.diag(each.sandwich(block)) for each in made], axis=0))
+    np.testing.assert_allclose(told, found, rtol=0.15)
+    assert (np.sqrt(np.diag(made[0].covariance)) < 0.4 * found).all()
