@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,7 +13,7 @@ import typer
 from typer.core import TyperCommand
 
 from flexdyn.cli.failures import Interrupted
-from flexdyn.cli.options import JsonOption, MapOption, naming
+from flexdyn.cli.options import JsonOption, MapOption, naming, output_folder
 from flexdyn.cli.output import console, note, number, show, show_json, table
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
@@ -137,13 +136,7 @@ def _folder(path: Path | None, inputs: Sequence[Path]) -> Path:
     """The folder to write to, found fit before any work is done."""
     if path is None:
         raise InputError("say where to write", key="--output", remedy="give a folder for the report")
-    if path.exists() and not path.is_dir():
-        raise InputError("it is a file", file=path, key="--output", remedy="give a folder")
-    parent = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
-    if not parent.is_dir():
-        raise InputError("a folder cannot be made in a file", file=path, key="--output", value=str(parent))
-    if not os.access(parent, os.W_OK):
-        raise InputError("the folder cannot be written to", file=path, key="--output", value=str(parent))
+    output_folder(path)
     for name in ("model.yaml", "report.json", "report.html"):
         for given in inputs:
             if (path / name).exists() and given.exists() and given.samefile(path / name):

@@ -105,6 +105,21 @@ def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inpu
     return path
 
 
+def output_folder(path: Path) -> None:
+    """Find the folder of --output fit before any work is done; it is made when there is something to write.
+
+    Raises:
+        InputError: it is a file, or lies in one, or may not be written to.
+    """
+    if path.exists() and not path.is_dir():
+        raise InputError("it is a file", file=path, key="--output", remedy="give a folder")
+    parent = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
+    if not parent.is_dir():
+        raise InputError("a folder cannot be made in a file", file=path, key="--output", value=str(parent))
+    if not os.access(parent, os.W_OK):
+        raise InputError("the folder cannot be written to", file=path, key="--output", value=str(parent))
+
+
 @contextmanager
 def naming(options: Mapping[str, str], *, file: Path | str, files: Mapping[str, Path | None]) -> Iterator[None]:
     """Errors of the Python interface in the words of the command line.

@@ -9,9 +9,8 @@ from typing import Annotated
 
 import typer
 
-from flexdyn.cli.options import JsonOption
+from flexdyn.cli.options import JsonOption, output_folder
 from flexdyn.cli.output import console, number, show, show_json, table
-from flexdyn.errors import InputError
 
 
 def paper(
@@ -27,7 +26,7 @@ def paper(
 
     It writes figures, tables and runs. Every check compares a number with its bound; exit code 1 if one fails.
     """
-    _check_folder(output)
+    output_folder(output)
     from flexdyn.paper import run_study
 
     with _progress() as progress:
@@ -44,14 +43,6 @@ def paper(
         show(table("Checks", columns, rows, right=("value", "bound")), f"Figures, tables and runs are in {output}")
     if not passed:
         raise typer.Exit(1)
-
-
-def _check_folder(path: Path) -> None:
-    if path.exists() and not path.is_dir():
-        raise InputError("it is a file", file=path, key="--output", remedy="give a folder")
-    parent = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
-    if not parent.is_dir():
-        raise InputError("a folder cannot be made in a file", file=path, key="--output", value=str(parent))
 
 
 @contextmanager

@@ -14,7 +14,6 @@ from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 
 SCHEMA = "flexdyn.diagnosis/1"
-VERDICTS = ("no_discrepancy", "explained", "unexplained")
 
 
 @dataclass(frozen=True)

@@ -43,14 +43,6 @@ class Screened:
     values: Array
     number: FileNumber | None = None
 
-    @property
-    def label(self) -> str:
-        """What it is, for logs."""
-        if self.number is not None:
-            return f"parameter_error {self.number.of}.{self.number.parameter}"
-        place = " ".join(self.proposal.place.values()) if self.proposal else ""
-        return f"{place} {self.point} {self.values}"
-
 
 def workspace(model: FlexibleJointModel, data: tuple[Measured, ...]) -> tuple[Workspace, Hypothesis, Noise]:
     """Equations, weights and priors of a model over data; the torque's noise comes from what a first fit leaves."""

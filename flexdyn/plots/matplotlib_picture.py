@@ -177,8 +177,9 @@ def tick_texts(values: Sequence[float]) -> list[str]:
     steps = np.diff(values)
     step = float(np.abs(steps).min()) if len(steps) else abs(values[0]) if values else 1.0
     largest = max((abs(value) for value in values), default=0.0)
-    if step >= 1e-4 and largest < 1e6:
-        decimals = next((d for d in range(7) if abs(round(step, d) - step) < 1e-3 * step), 7)
+    # A signal that hardly moves is written out too: a power of ten behind so many digits would need more room.
+    if (step >= 1e-4 and largest < 1e6) or (step >= 1e-7 and 0.01 <= largest < 10.0):
+        decimals = next((d for d in range(9) if abs(round(step, d) - step) < 1e-3 * step), 9)
         texts = [f"{value:.{decimals}f}" for value in values]
     else:
         digits = 1 + max(0, int(np.ceil(np.log10(largest / step)))) if step > 0 else 6
