@@ -4,17 +4,24 @@ from importlib.metadata import version as _version
 
 from flexdyn import effects, solvers
 from flexdyn.analysis import (
+    BaseParameters,
     Equilibrium,
     HoldingTorques,
+    LawTrial,
     LinearModel,
     Modes,
     PathFrequencies,
+    SteadyFriction,
+    SteadyPoint,
+    base_parameters,
     equilibrium,
     frequencies_over_path,
     frequency_response,
     holding_torques,
     linearize,
     modes,
+    steady_friction,
+    steady_points,
 )
 from flexdyn.commands import PD, Controller, FrameWrench, Samples, State
 from flexdyn.compare import ChannelError, Comparison, compare
@@ -40,6 +47,7 @@ from flexdyn.records import (
 )
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.run import Run
+from flexdyn.servo import Servo
 from flexdyn.simulate import simulate, simulate_many
 from flexdyn.viewer import Playback, play
 
@@ -47,6 +55,7 @@ __version__ = _version("flexdyn")
 
 __all__ = [
     "PD",
+    "BaseParameters",
     "ChannelError",
     "ChannelMap",
     "Comparison",
@@ -62,6 +71,7 @@ __all__ = [
     "HoldingTorques",
     "InputError",
     "Joint",
+    "LawTrial",
     "LinearModel",
     "LinkSide",
     "MissingExtra",
@@ -74,9 +84,13 @@ __all__ = [
     "Robot",
     "Run",
     "Samples",
+    "Servo",
     "SimulationError",
     "Smoother",
     "State",
+    "SteadyFriction",
+    "SteadyPoint",
+    "base_parameters",
     "compare",
     "derivatives",
     "diagnose",
@@ -100,5 +114,7 @@ __all__ = [
     "simulate",
     "simulate_many",
     "solvers",
+    "steady_friction",
+    "steady_points",
     "write_recording",
 ]

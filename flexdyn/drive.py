@@ -16,6 +16,7 @@ from flexdyn.commands import PD, Controller, FrameWrench, Samples, State, per_jo
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
+from flexdyn.servo import Servo
 from flexdyn.yamlfile import check_keys, read_yaml
 
 Array = NDArray[np.float64]
@@ -44,8 +45,8 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
 
     Args:
         model: whose joints it drives.
-        command: None (no torque), `Samples`, `PD`, `Controller`, a `Recording` (its tau columns, held), the path of a
-            recording or of a YAML file with ``pd:``, or n torques that do not change.
+        command: None (no torque), `Samples`, `PD`, `Servo`, `Controller`, a `Recording` (its tau columns, held), the
+            path of a recording or of a YAML file with ``pd:``, or n torques that do not change.
         duration: of the run if it is known: how long unchanging torques last [s].
 
     Raises:
@@ -61,6 +62,8 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
         return _open_loop(command, model, command.duration, {})
     if isinstance(command, PD):
         return _tracking(model, command)
+    if isinstance(command, Servo):
+        return _servo(model, command)
     if isinstance(command, Controller):
         return Drive(_core.controller(_caller(command), command.rate), None, {})
     torques = per_joint("command", command, model.joint_names)
@@ -189,6 +192,24 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         pd.rate,
     )
     return Drive(command, reference.duration, initial)
+
+
+def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
+    reference = resolve_command(servo.reference)
+    initial: Mapping[str, Mapping[str, float]] = {}
+    if isinstance(reference, Recording):
+        initial = first_state(reference, model)
+        signal = next((name for name in ("reference", "theta", "q") if _has(reference, name, model)), "reference")
+        reference = recorded(reference, signal, model.joint_names)
+    if not isinstance(reference, Samples):
+        remedy = "give Samples, a recording or its path"
+        raise InputError("no reference to track", key="servo.reference", value=reference, remedy=remedy)
+    controller = Controller(servo.law(reference, model.joint_names), servo.rate)
+    return Drive(_core.controller(_caller(controller), servo.rate), reference.duration, initial)
+
+
+def _has(recording: Recording, signal: str, model: FlexibleJointModel) -> bool:
+    return any(f"{signal}.{joint}" in recording for joint in model.joint_names)
 
 
 def _signal(samples: Samples, joint_names: Sequence[str]) -> _core.Signal:

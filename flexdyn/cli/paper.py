@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -20,6 +20,12 @@ def paper(
             "--output", "-o", metavar="DIR", help="Folder for figures, tables and runs; made if it is not there."
         ),
     ] = Path("flexdyn_paper"),
+    diagnose: Annotated[
+        bool,
+        typer.Option(
+            "--diagnose", help="Hide the arm's friction from its model too, and let the diagnosis find it: a minute."
+        ),
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run the paper's study on elastic joints and friction.
@@ -30,7 +36,7 @@ def paper(
     from flexdyn.paper import run_study
 
     with _progress() as progress:
-        study = run_study(output, progress=progress)
+        study = run_study(output, diagnose=diagnose, progress=progress)
     passed = all(check.passed for check in study.checks)
     if as_json:
         show_json(study.summary)
@@ -39,10 +45,32 @@ def paper(
             (check.name, number(float(check.value)), number(float(check.bound)), "passed" if check.passed else "FAILED")
             for check in study.checks
         ]
+        if diagnose:
+            show(*_found(study.summary, output))
         columns = ("check", "value", "bound", "result")
         show(table("Checks", columns, rows, right=("value", "bound")), f"Figures, tables and runs are in {output}")
     if not passed:
         raise typer.Exit(1)
+
+
+def _found(summary: Mapping[str, Any], output: Path) -> Iterator[Any]:
+    """What was hidden and what the diagnosis made of it, the gap from step to step, where its report is."""
+    from flexdyn.diagnose.result import Number
+    from flexdyn.diagnose.words import effect_name, estimate_text, place_phrase, times
+    from flexdyn.paper.hidden_friction import FOLDER, TITLE
+
+    told = summary["numbers"][TITLE]
+    rows = []
+    for each in told["hidden"]:
+        estimate = None if each["found"] is None else Number(each["found"], each["std"], each["unit"])
+        found = "not found" if estimate is None else estimate_text(estimate)
+        name = f"{effect_name(each['effect'])} {place_phrase(each['joint'], each['side'])}"
+        rows.append((name, each["parameter"], number(each["true"]), found))
+    columns = ("hidden", "number", "true", "found")
+    yield table(TITLE, columns, rows, right=columns[2:])
+    steps = [(each["name"], times(each["gap"])) for each in told["gap"]]
+    yield table("Gap on data not used in the fit", ("model", "in units of noise"), steps, right=("in units of noise",))
+    yield f"The diagnosis is in {output / FOLDER / 'report.html'}"
 
 
 @contextmanager

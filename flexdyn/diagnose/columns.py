@@ -5,12 +5,21 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.compliance import of_compliance
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.sensors import true_channel
 from flexdyn.diagnose.terms import adds_up, own_torque
-from flexdyn.effects import ChannelLag, Effect, JointEffect, Payload, SensorEffect, TorqueConstantError
+from flexdyn.effects import (
+    ChannelLag,
+    Effect,
+    JointEffect,
+    JointElasticity,
+    Payload,
+    SensorEffect,
+    TorqueConstantError,
+)
 from flexdyn.errors import InputError
 from flexdyn.plant import LinkSide
 
@@ -44,6 +53,8 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return (equations.of_links(LinkSide(model)) - equations.of_links(equations.links)) / scale
     true, effect = equations.true, _on_joint(effect)
     j = true.index(effect.joint)
+    if isinstance(effect, JointElasticity):  # to first order
+        return of_compliance(equations, j) / (effect.stiffness * scale)
     if isinstance(effect, TorqueConstantError):
         return equations.of_torque(j, lambda along: ("motor", effect.gain * equations.needed(along, j))) / scale
     if adds_up(effect):
@@ -64,6 +75,9 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
     moved = effect.replace(**{name: getattr(effect, name) + step})
     if isinstance(effect, SensorEffect | Payload | TorqueConstantError):
         return (of_effect(equations, moved) - of_effect(equations, effect)) / step
+    if isinstance(effect, JointElasticity):  # other rows and positions move with it
+        effects = [moved if e == effect else e for e in equations.model.effects]
+        return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
     true = equations.true
     j = true.index(_on_joint(effect).joint)
     rest = [e for e in true.all_effects if e is not effect and e != effect]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations import LINK, MOTOR, SENSOR, TOTAL, Equations
+from flexdyn.diagnose.equations import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION, Equations
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.motion import Motion
 
@@ -106,6 +106,9 @@ def _coefficients(equations: Equations, along: Motion) -> dict[tuple[str, int], 
             for order, value in ((0, K[j]), (1, D[j])):
                 add(("theta", j), order, row, value)
                 add(("q", j), order, row, -value)
+        if kind == TRANSMISSION:
+            add(("theta", j), 0, row, 1.0)
+            add(("q", j), 0, row, -1.0)
         if kind == SENSOR and model.elastic[j]:
             add(("theta", j), 0, row, -K[j])
             add(("q", j), 0, row, K[j])
@@ -134,6 +137,9 @@ def _links(equations: Equations, data: Measured, M: Array, row: int, j: int, kin
                 add((channel, i), 5, row, M[:, j, i] * J[j] * D[j] / K[j] ** 2)
     if kind == TOTAL and model.elastic[j]:
         add(("theta" if has_theta[j] else "q", j), 2, row, -J[j])
+    elif kind == TOTAL and has_q[j] and has_theta[j]:  # M holds the rotor, whose acceleration theta tells
+        add(("theta", j), 2, row, -J[j])
+        add(("q", j), 2, row, J[j])
 
 
 def _band(equations: Equations, along: Motion, noise: Noise, kernels: dict[str, list[Array]]) -> Array:
@@ -173,14 +179,22 @@ def _correlation(a: Array, b: Array, shift: int) -> float:
     return float(a[ha + start : ha + stop] @ b[hb + start + shift : hb + stop + shift])
 
 
-def variances(equations: Equations, noise: Noise, row: int, j: int) -> tuple[float, float]:
-    """Variance of second differences of one equation's rows: by all channels but tau_j, and by tau_j of unit variance.
+def variances(equations: Equations, noise: Noise, row: int, j: int, *, second: bool = True) -> tuple[float, float]:
+    """Variance of one equation's rows: by all channels but tau_j, and by tau_j of unit variance.
 
     Taken at the middle of the first recording, with neighbours as they stand there.
+
+    Args:
+        equations: whose rows they are.
+        noise: of the channels.
+        row: place of the equation among `kinds`.
+        j: joint of the torque.
+        second: of second differences of the rows, not of the rows.
     """
     kernels = _kernels(equations)
     along = equations.motions[0]
     every = equations.filters.every
+    weights = {-2: 1.0, -1: -4.0, 0: 6.0, 1: -4.0, 2: 1.0} if second else {0: 1.0}
     totals = [0.0, 0.0]
     for (signal, i), orders in _coefficients(equations, along).items():
         mine = signal == "tau" and i == j
@@ -188,7 +202,17 @@ def variances(equations: Equations, noise: Noise, row: int, j: int) -> tuple[flo
         group = kernels["position" if signal in ("q", "theta") else signal]
         for o, later in orders.items():
             for p, now in orders.items():
-                weight = float(np.median(later[:, row] * now[:, row])) * variance
-                R = [_correlation(group[o], group[p], lag * every) for lag in (-2, -1, 0, 1, 2)]
-                totals[mine] += weight * (6.0 * R[2] - 4.0 * (R[1] + R[3]) + R[0] + R[4])
+                size = float(np.median(later[:, row] * now[:, row])) * variance
+                R = sum(w * _correlation(group[o], group[p], lag * every) for lag, w in weights.items())
+                totals[mine] += size * R
     return totals[0], totals[1]
+
+
+def encoders_rule(equations: Equations, noise: Noise) -> bool:
+    """Whether in some motor's equation the encoders make more noise than its torque does."""
+    for place, (j, kind) in enumerate(equations.kinds):
+        if kind in (MOTOR, TOTAL):
+            others, unit = variances(equations, noise, place, j, second=False)
+            if others > unit * float(noise.tau[j]) ** 2:
+                return True
+    return False

@@ -19,7 +19,7 @@ from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 
 Array = NDArray[np.float64]
-MOTOR, LINK, TOTAL, SENSOR = "motor", "link", "total", "sensor"
+MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmission", "sensor"
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,8 @@ class Equations:
     """The equations of a model along measured motions.
 
     Rows of all recordings follow one another, time by time, and at each time stand the equations in the order of
-    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total.
+    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total; on a rigid joint
+    with both encoders also theta = q, from the start on and whatever a model makes of the joint later [rad or m].
 
     Attributes:
         model: whose equations they are.
@@ -50,10 +51,13 @@ class Equations:
     def kinds(self) -> tuple[tuple[int, str], ...]:
         """Joint and kind of every equation."""
         first = self.data[0]
+        elastic = self.true.elastic if self.stiffness is None else np.isfinite(self.stiffness)
         kinds: list[tuple[int, str]] = []
         for j in range(self.true.n):
-            split = self.true.elastic[j] and first.has_q[j] and first.has_theta[j]
-            kinds += [(j, MOTOR), (j, LINK)] if split else [(j, TOTAL)]
+            if not (first.has_q[j] and first.has_theta[j]):
+                kinds.append((j, TOTAL))
+            else:
+                kinds += [(j, MOTOR), (j, LINK)] if elastic[j] else [(j, TOTAL), (j, TRANSMISSION)]
             if first.has_tau_s[j]:
                 kinds.append((j, SENSOR))
         return tuple(kinds)
@@ -147,32 +151,37 @@ class Equations:
         model = self.true
         for along in self.motions:
             d0, d1, d2 = (self._smoothed(along, error(along.data), k) for k in range(3))
-            motor, link, tau_s = (np.zeros_like(along.q) for _ in range(3))
+            motor, link, tau_s, wound = (np.zeros_like(along.q) for _ in range(4))
             if signal == "tau":
                 motor[:, j] = d0
             elif signal == "tau_s":
                 tau_s[:, j] = d0
             else:
-                both = not (along.data.has_q[j] and along.data.has_theta[j]) or not model.elastic[j]
-                if model.elastic[j] and (signal == "theta" or both):
+                alone = not (along.data.has_q[j] and along.data.has_theta[j])
+                sign = 1.0 if signal == "theta" else -1.0
+                if model.elastic[j] and (signal == "theta" or alone):
                     motor[:, j] -= model.rotor_inertia[j] * d2
-                if signal == "q" or both:
-                    link -= along.M[:, :, j] * d2[:, None] + self._stiffening(along, j) * d0[:, None]
-                if not both:
-                    bent = model.stiffness[j] * d0 + model.damping[j] * d1
-                    bent = bent if signal == "theta" else -bent
+                if signal == "q" or alone:
+                    link -= along.M[:, :, j] * d2[:, None] + self.stiffening(along, j) * d0[:, None]
+                if not alone and not model.elastic[j]:
+                    motor[:, j] -= sign * model.rotor_inertia[j] * d2
+                    wound[:, j] = sign * d0
+                elif not alone:
+                    bent = sign * (model.stiffness[j] * d0 + model.damping[j] * d1)
                     motor[:, j] -= bent
                     link[:, j] += bent
                     tau_s[:, j] -= bent
-            parts.append(self.combined(along, motor, link, tau_s).ravel())
+            parts.append(self.combined(along, motor, link, tau_s, wound=wound).ravel())
         return np.concatenate(parts)
 
     def _smoothed(self, along: Motion, x: Array, order: int) -> Array:
         y = self.filters.first.apply(x, order)
-        twice = len(y) - len(along.t)
-        return self.filters.first.apply(y, 0) if twice else y
+        spare = (len(y) - len(along.t)) // 2
+        if (self.true.elastic & ~(along.data.has_q & along.data.has_theta)).any():
+            return self.filters.first.apply(y, 0)
+        return y[spare : len(y) - spare]
 
-    def _stiffening(self, along: Motion, j: int) -> Array:
+    def stiffening(self, along: Motion, j: int) -> Array:
         """dh/dq_j (samples, n) [N m/rad], by differences."""
         step = 1e-5
         moved = along.q.copy()
@@ -187,15 +196,24 @@ class Equations:
         terms = [joint_terms(model, effects, along, j) for j in range(model.n)]
         motor = np.stack([each.motor for each in terms], axis=1)
         link = np.stack([each.link for each in terms], axis=1) - along.inverse_dynamics
-        elastic = model.elastic
-        motor[:, elastic] -= model.rotor_inertia[elastic] * along.alpha[:, elastic]
+        # The inertia of a rigid joint's rotor is in M; where theta was measured, that tells its acceleration better.
+        ahead = along.alpha - np.where(model.elastic, 0.0, along.a)
+        motor -= model.rotor_inertia * ahead
         tau_s = along.tau_s - np.stack([each.tau_s for each in terms], axis=1)
-        return self.combined(along, motor, link, tau_s)
+        return self.combined(along, motor, link, tau_s, wound=along.delta)
 
-    def combined(self, along: Motion, motor: Array, link: Array, tau_s: Array, only: int | None = None) -> Array:
+    def combined(
+        self,
+        along: Motion,
+        motor: Array,
+        link: Array,
+        tau_s: Array,
+        only: int | None = None,
+        wound: Array | None = None,
+    ) -> Array:
         """Rows (times, equations) of what stands in the motors', the links' and the sensors' equations (samples, n).
 
-        `only` says that every other joint's columns are zero.
+        `only` says that every other joint's columns are zero; `wound` is the deflection of rigid joints, if any.
         """
         rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
         filtered = {}
@@ -206,14 +224,19 @@ class Equations:
         motor_, link_, sensor_ = (filtered[name] for name in (MOTOR, LINK, SENSOR))
         lifted = self._lifted(self.true, along, motor, link)
         for place, (j, kind) in enumerate(self.kinds):
-            if kind == MOTOR:
+            if kind == MOTOR and self.true.elastic[j]:
                 rows[:, place] = motor_[:, j] / self.gains[j]
             elif kind == SENSOR:
                 rows[:, place] = sensor_[:, j]
-            elif kind == LINK:
-                rows[:, place] = (link_[:, j] + lifted[:, j]) / self.softness[j]
-            else:
+            elif kind in (MOTOR, TOTAL):
                 rows[:, place] = (link_[:, j] + lifted[:, j] + motor_[:, j]) / self.gains[j]
+            elif kind == LINK and self.true.elastic[j]:
+                rows[:, place] = (link_[:, j] + lifted[:, j]) / self.softness[j]
+            elif self.true.elastic[j]:
+                rows[:, place] = (link_[:, j] + lifted[:, j]) / self.true.stiffness[j]
+            elif wound is not None:  # rigid: theta should be q
+                unit = self.stiffness[j] if kind == LINK and self.stiffness is not None else 1.0
+                rows[:, place] = unit * self.filters.rows(wound[:, j])
         return rows
 
     @cached_property

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose import columns
-from flexdyn.diagnose.covariance import Whitener
+from flexdyn.diagnose.covariance import Noise, Whitener
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.numbers import FileNumber, with_factors
+from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber, with_factors
 from flexdyn.diagnose.regression import Regression
-from flexdyn.effects import Effect
+from flexdyn.effects import Effect, SensorOffset
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
@@ -41,16 +41,30 @@ class Hypothesis:
         factors: by number of the file; 1 where it is as given.
         freed: numbers that their tolerance does not hold.
         effects: added.
+        counts: offsets of the encoders of about a count, as nobody knows whether they round or cut; not reported.
     """
 
     given: FlexibleJointModel
     factors: Mapping[FileNumber, float]
     freed: frozenset[FileNumber] = frozenset()
     effects: tuple[Effect, ...] = ()
+    counts: tuple[SensorOffset, ...] = ()
 
     def model(self) -> FlexibleJointModel:
         """The model that this makes."""
         return with_factors(self.given, self.factors, self.effects)
+
+    def seen(self) -> FlexibleJointModel:
+        """The model as its encoders report it."""
+        return with_factors(self.given, self.factors, (*self.effects, *self.counts))
+
+    def tolerated(self) -> Hypothesis:
+        """The same with its numbers back within their tolerance: what bent them may be gone."""
+        factors = dict(self.factors)
+        for number in set(factors) - self.freed:
+            most = IN_TOLERANCE * number.tolerance
+            factors[number] = float(np.clip(factors[number], 1.0 - most, 1.0 + most))
+        return dataclasses.replace(self, factors=factors)
 
     def unknowns(self) -> list[tuple[Effect, str]]:
         """Parameters of the added effects that are estimated."""
@@ -70,12 +84,14 @@ class Fit:
         hypothesis: with its numbers at their best.
         equations: of its model.
         regression: at the last step; its columns are the file's numbers, then the effects' unknowns.
+        space: it was made in.
         scales: of the effects' unknowns.
     """
 
     hypothesis: Hypothesis
     equations: Equations
     regression: Regression
+    space: Workspace
     scales: tuple[float, ...] = field(default=())
 
     @property
@@ -101,11 +117,14 @@ class Fit:
 
     @cached_property
     def _spread(self) -> Array:
-        """Of all columns: what white rows give, or the sandwich over blocks of half a second where that is more."""
+        """Of all columns: what white rows give, or the sandwich over blocks of half a second where that is more.
+
+        Where more than noise is left, its filters bend the numbers as well: by as much again as the rows are off.
+        """
         filters, kinds = self.equations.filters, self.equations.kinds
         block = max(1, round(BLOCK / (filters.every * self.equations.data[0].dt))) * len(kinds)
         both = (self.regression.covariance, self.regression.sandwich(block))
-        return np.sqrt(np.maximum(*(np.diag(each) for each in both)))
+        return np.sqrt(max(1.0, self.reduced) * np.maximum(*(np.diag(each) for each in both)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,16 +134,20 @@ class Workspace:
     Attributes:
         equations: of the model as it was given.
         whiten: of their rows.
+        noise: of the channels, from which the weights are.
         numbers: whitened derivatives of the file's numbers (rows, numbers).
-        nuisance: whitened columns of what must be allowed for and is not reported (rows, k).
+        nuisance: whitened columns of offsets of the encoders, which must be allowed for and are not reported (rows, k).
         nuisance_sigma: how large those are (k,).
+        channels: whose offsets they are.
     """
 
     equations: Equations
     whiten: Whitener
+    noise: Noise
     numbers: Array
     nuisance: Array
     nuisance_sigma: Array
+    channels: tuple[str, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -151,7 +174,14 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 6) -> Fit:
             continue
         best = made
         current = moved(made.hypothesis, made.regression.values, made.scales)
-    return best
+    return _counted(best, space)
+
+
+def _counted(made: Fit, space: Workspace) -> Fit:
+    """The fit with the offsets of its encoders in its hypothesis."""
+    values = made.regression.values[made.regression.X.shape[1] - len(space.channels) :]
+    counts = tuple(SensorOffset(name, offset=float(x)) for name, x in zip(space.channels, values, strict=True))
+    return dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=counts))
 
 
 def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
@@ -172,7 +202,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
         rows=space.rows,
         nuisances=space.nuisance.shape[1],
     )
-    return Fit(hypothesis, at, regression, scales)
+    return Fit(hypothesis, at, regression, space, scales)
 
 
 def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
@@ -189,7 +219,7 @@ def _bounded(effect: Effect, name: str, step: float) -> float:
     """A value after a step that neither leaves its bound nor more than halves or triples what must stay positive."""
     entry = next(f for f in effect.parameters() if f.name == name)
     value, lower = getattr(effect, name), entry.metadata["lower"]
-    if name in POSITIVE and value > 0.0:
+    if (name in POSITIVE or entry.metadata["strict"]) and value > lower == 0.0:
         return float(np.clip(value + step, value / 2.5, value * 2.5))
     return float(max(value + step, lower))
 

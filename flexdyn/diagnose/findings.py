@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.nesting import is_nested
 from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber
 from flexdyn.diagnose.refine import Refined
-from flexdyn.diagnose.result import Calibration, Finding, Number, Suspect
+from flexdyn.diagnose.result import Calibration, Finding, Number, Suspect, Tried
 from flexdyn.diagnose.search import Candidate
+from flexdyn.diagnose.stage import Alternative
 from flexdyn.effects import Effect, unit_for
 from flexdyn.model import FlexibleJointModel
 
@@ -35,7 +37,7 @@ def finding(
         return None
     others = tuple(
         rival
-        for rival in (_rival(model, each) for each in rivals)
+        for rival in (suspected(model, each) for each in rivals)
         if not (rival.joint == suspect.joint and rival.side == suspect.side and is_nested(rival.effect, suspect.effect))
         and (rival.effect, rival.joint, rival.side, rival.place)
         != (suspect.effect, suspect.joint, suspect.side, suspect.place)
@@ -45,7 +47,7 @@ def finding(
 
 def _is_there(effect: Effect, std: Mapping[tuple[Effect, str], float]) -> bool:
     """Whether the numbers that make an effect do something are away from those at which it does nothing."""
-    return any(
+    return not effect.neutral or any(
         abs(getattr(effect, name) - nothing) > AWAY * std.get((effect, name), 0.0)
         for name, nothing in effect.neutral.items()
         if getattr(effect, name) != nothing
@@ -61,6 +63,16 @@ def named(model: FlexibleJointModel, effect: Effect, std: Mapping[tuple[Effect, 
         unit = unit_for(str(entry.metadata["unit"]), prismatic=prismatic)
         numbers[entry.name] = Number(float(getattr(effect, entry.name)), std.get((effect, entry.name), 0.0), unit)
     return Suspect(effect.name, joint, getattr(effect, "side", None), numbers, _place(effect))
+
+
+def out_of_tolerance(last: Refined) -> list[FileNumber]:
+    """Numbers that were held by their tolerance and are surely out of it all the same."""
+    std, held = last.factor_std(), set(last.hypothesis.factors) - last.hypothesis.freed
+    return [
+        number
+        for number, factor in last.hypothesis.factors.items()
+        if number in held and abs(factor - 1.0) - 2.0 * std[number] > IN_TOLERANCE * number.tolerance
+    ]
 
 
 def wrong_number(model: FlexibleJointModel, number: FileNumber, last: Refined) -> Suspect | None:
@@ -88,7 +100,15 @@ def calibrations(model: FlexibleJointModel, last: Refined) -> tuple[Calibration,
     )
 
 
-def _rival(model: FlexibleJointModel, candidate: Candidate) -> Suspect:
+def tried(model: FlexibleJointModel, among: Sequence[Alternative], chosen: Suspect) -> tuple[Tried, ...]:
+    """The names among which one was chosen, as they compare with it."""
+    found = [Tried(suspected(model, each), float(each.behind), float(each.gap)) for each in among]
+    own = next((each.behind for each in found if each.suspect == dataclasses.replace(chosen, parameters={})), 0.0)
+    return tuple(dataclasses.replace(each, behind=each.behind - own) for each in found)
+
+
+def suspected(model: FlexibleJointModel, candidate: Candidate | Alternative) -> Suspect:
+    """A candidate where it acts, without numbers."""
     if candidate.number is not None:
         number = candidate.number
         place = {"of": number.of, "parameter": number.parameter}

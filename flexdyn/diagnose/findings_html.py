@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from html import escape
 
+from flexdyn.diagnose.nesting import is_simpler
 from flexdyn.diagnose.pictures import law_picture
-from flexdyn.diagnose.result import Finding, Number, Suspect
+from flexdyn.diagnose.result import Finding, Number, Suspect, Tried
 from flexdyn.diagnose.words import (
     capital,
     effect_name,
@@ -14,12 +15,16 @@ from flexdyn.diagnose.words import (
     interval_text,
     relative,
     suspect_phrase,
+    times,
     unit_text,
     value_text,
     where_phrase,
 )
 from flexdyn.effects import catalogue
 from flexdyn.model import FlexibleJointModel
+
+SHOWN = 4
+"""Names that stand beside the one that was chosen."""
 
 
 def finding_article(model: FlexibleJointModel, place: int, finding: Finding) -> str:
@@ -37,7 +42,7 @@ def finding_article(model: FlexibleJointModel, place: int, finding: Finding) -> 
         what = f"The law of {effect_name(suspect.effect)} with the numbers found"
         drawn = f'<figure><img src="{picture}" alt="{escape(what)}"><figcaption>{escape(what)}.</figcaption></figure>'
     told = f"{_title(model, place, finding)}{_numbers(finding)}<h4>Why this name</h4>{_evidence(finding)}"
-    told += _rivals(model, finding)
+    told += _tried(model, finding) + _rivals(model, finding)
     return f"<article{'' if drawn else ' class=plain'}><div>{told}</div>{drawn}</article>"
 
 
@@ -87,6 +92,41 @@ def _evidence(finding: Finding) -> str:
     if not finding.rivals:
         told.append("No other effect of the catalogue explains these data as well.")
     return f"<ul>{''.join(f'<li>{text}</li>' for text in told)}</ul>"
+
+
+def _tried(model: FlexibleJointModel, finding: Finding) -> str:
+    """The other names that were tried for it: how much worse they explain both kinds of data."""
+    others = [each for each in finding.tried if not _same(each.suspect, finding.suspect)]
+    if not others:
+        return ""
+    own = next((each for each in finding.tried if _same(each.suspect, finding.suspect)), None)
+    rows = "" if own is None else f"<tr><td><b>{_name(model, own.suspect)}</b></td>{_marks(own)}</tr>"
+    for each in others[:SHOWN]:
+        same = (each.suspect.joint, each.suspect.side) == (finding.suspect.joint, finding.suspect.side)
+        wider = same and is_simpler(finding.suspect.effect, each.suspect.effect)
+        note = ' <span class="soft">(contains it, and is not needed)</span>' if wider else ""
+        rows += f"<tr><td>{_name(model, each.suspect)}{note}</td>{_marks(each)}</tr>"
+    top = (
+        '<tr><th>tried in its place</th><th class="n">worse by &Delta;BIC, data of the fit</th>'
+        '<th class="n">gap, data not used</th></tr>'
+    )
+    return f'<div class="wide"><table class="tried">{top}{rows}</table></div>'
+
+
+def _same(one: Suspect, other: Suspect) -> bool:
+    return (one.effect, one.joint, one.side, one.place) == (other.effect, other.joint, other.side, other.place)
+
+
+def _name(model: FlexibleJointModel, suspect: Suspect) -> str:
+    return escape(capital(suspect_phrase(model, suspect).removeprefix("a ").removeprefix("an ")))
+
+
+def _marks(entry: Tried) -> str:
+    """How a name did: worse by so much, better where negative."""
+    sign = "\N{MINUS SIGN}" if entry.behind < 0.0 else "+"
+    behind = f"{sign}{_grouped(abs(entry.behind))}" if entry.behind else "0"
+    gap = "not asked" if math.isnan(entry.gap) else times(entry.gap)
+    return f'<td class="n">{behind}</td><td class="n">{gap}</td>'
 
 
 def _grouped(value: float) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations import LINK, SENSOR, Equations
+from flexdyn.diagnose.equations import LINK, SENSOR, TRANSMISSION, Equations
 from flexdyn.diagnose.motion import Motion
 from flexdyn.diagnose.regime import Quantity, regime
 from flexdyn.diagnose.result import Place, Trace
@@ -19,7 +19,13 @@ CHANCE, UNSURE = 5.0, 0.05
 """Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
 LEAST_SHARE = 0.01
 """Places of a smaller share of the excess are left out [1]."""
-SIDES = {"motor": "motor side", "link": "link side", "total": "motor and link together", "sensor": "torque sensor"}
+SIDES = {
+    "motor": "motor side",
+    "link": "link side",
+    "total": "motor and link together",
+    "transmission": "between motor and link",
+    "sensor": "torque sensor",
+}
 
 
 def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tuple[Place, ...]:
@@ -140,6 +146,8 @@ def traces(before: Equations, after: Equations, mask: NDArray[np.bool_]) -> tupl
         joint = before.true.joint_names[j]
         angle = before.true.robot.angle_unit(joint)
         title, unit = f"{joint}, {SIDES[kind]}", f"residual torque [{'N m' if angle == 'rad' else 'N'}]"
+        if kind == TRANSMISSION:
+            unit = f"residual deflection [{angle}]"
         link = kind in (LINK, SENSOR)
         clear = ~hidden[:, place]
         rows = len(places[0])

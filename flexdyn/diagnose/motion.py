@@ -23,7 +23,7 @@ class Smoothed:
         t: times since the start of the run (samples,) [s].
         dt: between samples [s].
         q, v, a: of the links (samples, n).
-        theta, omega, alpha: of the rotors (samples, n); those of the links on a rigid joint.
+        theta, omega, alpha: of the rotors (samples, n); those of the links on a rigid joint with one encoder.
         tau: torque asked for (samples, n), the mean over each instant's two halves of held samples.
         tau_s: measured in the transmission (samples, n); zero where it was not.
         data: the channels before the filter, sensor effects taken off.
@@ -90,7 +90,7 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
     only_motor = elastic & ~data.has_q
     only_link = elastic & ~data.has_theta
     q = np.where(data.has_q, data.q, data.theta)
-    theta = np.where(data.has_theta & (elastic | ~data.has_q), data.theta, q)
+    theta = np.where(data.has_theta, data.theta, q)
     tau = centred(data.tau)
     lost = kernel.half
     t = data.t
@@ -99,10 +99,12 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
         q, theta = _completed(model, links, q, theta, tau, kernel, only_motor, only_link)
         tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
         lost += kernel.half
+    elif (~(data.has_q & data.has_theta)).any():  # as many samples as if a joint turned out to be elastic
+        inner = slice(kernel.half, len(t) - kernel.half)
+        q, theta, tau, tau_s, t = q[inner], theta[inner], tau[inner], tau_s[inner], t[inner]
+        lost += kernel.half
     q, v, a = (kernel.apply(q, k) for k in range(3))
     theta, omega, alpha = (kernel.apply(theta, k) for k in range(3))
-    rigid = ~elastic
-    theta[:, rigid], omega[:, rigid], alpha[:, rigid] = q[:, rigid], v[:, rigid], a[:, rigid]
     return Smoothed(
         t=t[kernel.half : len(t) - kernel.half],
         dt=data.dt,

@@ -11,6 +11,8 @@ from flexdyn.diagnose.measured import Measured
 
 Array = NDArray[np.float64]
 DIFFERENCE = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
+OTHERS = 0.5
+"""Share of the residual's noise that encoders may make for the torque's to be told from it."""
 GAUSS = 1.4826
 """Standard deviation over median absolute deviation of a Gaussian."""
 
@@ -30,15 +32,29 @@ def _of_channel(x: Array) -> float:
     ratio = moved / step
     counted = np.mean(np.abs(ratio - np.round(ratio)) < 0.01) > 0.99
     quantised = step / np.sqrt(12.0) if counted else 0.0
+    return max(float(quantised), _rough(x))
+
+
+def _rough(x: Array) -> float:
+    """Standard deviation of what differs from one sample to the next (samples,)."""
     high = np.convolve(x, DIFFERENCE, "valid") / np.linalg.norm(DIFFERENCE)
-    return max(float(quantised), GAUSS * float(np.median(np.abs(high - np.median(high)))))
+    return GAUSS * float(np.median(np.abs(high - np.median(high))))
+
+
+def recorded_torque_noise(data: tuple[Measured, ...]) -> Array:
+    """Standard deviation of what each recorded torque changes from sample to sample (n,) [N m or N].
+
+    It is more than the noise where a controller passes on that of its encoders, for such torque is real.
+    """
+    return np.array([max(_rough(each.tau[:, j]) for each in data) for j in range(data[0].tau.shape[1])])
 
 
 def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], encoders: Noise) -> Array:
     """Standard deviation of each joint's torque channel (n,) [N m or N].
 
     Second differences of what the equations leave hold noise and hardly anything of a missing effect; what the encoders
-    make of it is taken off, the rest is the torque's.
+    make of it is taken off, the rest is the torque's, in the record or at the motor. Where the encoders make most of
+    it, as with one of them missing, what the record itself changes from sample to sample is taken.
 
     Args:
         equations: fitted as well as the model can be.
@@ -58,5 +74,8 @@ def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], enc
             clear[:] = True
         seen = (GAUSS * float(np.median(np.abs(second[clear] - np.median(second[clear]))))) ** 2
         others, unit = variances(equations, encoders, place, j)
-        found[j] = np.sqrt(max(seen - others, 0.01 * seen) / unit)
+        if others > OTHERS * seen:
+            found[j] = recorded_torque_noise(equations.data)[j]
+        else:
+            found[j] = np.sqrt((seen - others) / unit)
     return found

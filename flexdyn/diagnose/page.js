@@ -1,6 +1,6 @@
 "use strict";
-// Residual pictures; everything else in the page is there without a script.
+// Residuals and proposed experiments; everything else in the page is there without a script.
 const figures = JSON.parse(document.getElementById("figures").textContent);
-figures.forEach((figure, k) => {
-  Plotly.newPlot(`trace-${k}`, figure.data, figure.layout, figure.config);
-});
+for (const [room, figure] of Object.entries(figures)) {
+  Plotly.newPlot(room, figure.data, figure.layout, figure.config);
+}

@@ -9,9 +9,9 @@ import re
 from html import escape
 from pathlib import Path
 
-from flexdyn.diagnose.pictures import residual_figure
+from flexdyn.diagnose.pictures import experiment_figure, residual_figure
 from flexdyn.diagnose.result import Diagnosis
-from flexdyn.diagnose.sections import calibration, findings, gap, head, notes, residuals, tail, where
+from flexdyn.diagnose.sections import calibration, findings, gap, head, notes, plans, residuals, tail, where
 from flexdyn.errors import MissingExtra
 
 HERE = Path(__file__).parent
@@ -31,9 +31,10 @@ def page(diagnosis: Diagnosis) -> str:
         from plotly.offline import get_plotlyjs
     except ImportError:
         raise MissingExtra("plotly", "plot") from None
-    parts = (head, gap, where, findings, calibration, residuals, notes, tail)
+    parts = (head, gap, where, findings, calibration, residuals, notes, plans, tail)
+    figures = _figures(diagnosis)
     # `</script` would end the element; in JavaScript text `<\/script` means the same.
-    library = get_plotlyjs().replace("</script", "<\\/script") if diagnosis.residuals else ""
+    library = get_plotlyjs().replace("</script", "<\\/script") if figures else ""
     script = _own("page.js")
     hashes = " ".join(f"'sha256-{_sha256(text)}'" for text in (library, script))
     filled = {
@@ -41,18 +42,25 @@ def page(diagnosis: Diagnosis) -> str:
         "TITLE": escape(f"Diagnosis of {diagnosis.model.name}"),
         "STYLE": _own("page.css"),
         "CONTENT": "\n".join(part(diagnosis) for part in parts),
-        "FIGURES": _json([residual_figure(trace) for trace in diagnosis.residuals]),
+        "FIGURES": _json(figures),
         "PLOTLY": library,
         "SCRIPT": script,
     }
     return re.sub(r"\{\{([A-Z]+)\}\}", lambda hole: filled[hole[1]], _own("page.html"))
 
 
+def _figures(diagnosis: Diagnosis) -> dict[str, dict[str, object]]:
+    """What the page's script draws, by the room that it stands in."""
+    traces = {f"trace-{k}": residual_figure(trace) for k, trace in enumerate(diagnosis.residuals)}
+    plans = ((k, finding.plan) for k, finding in enumerate(diagnosis.findings))
+    return traces | {f"plan-{k}": experiment_figure(plan) for k, plan in plans if plan is not None}
+
+
 def _own(name: str) -> str:
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def _json(figures: list[dict[str, object]]) -> str:
+def _json(figures: dict[str, dict[str, object]]) -> str:
     """JSON that no HTML parser can take for markup."""
     text = json.dumps(figures, allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

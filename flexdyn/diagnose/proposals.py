@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.proposal import Extent, Point, Proposal, at, given, linear, wave
-from flexdyn.effects import Effect
+from flexdyn.effects import Effect, JointElasticity
 
 Array = NDArray[np.float64]
 SLOW_HARMONICS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
@@ -29,6 +29,8 @@ def proposals(equations: Equations) -> list[Proposal]:
             found += _friction({"joint": joint, "side": side}, extent)
         if elastic:
             found += _transmission(joint, extent)
+        elif equations.true.rotor_inertia[j] > 0.0:
+            found.append(_elasticity(joint))
         found += _actuator(joint, extent)
         found += _link(joint, extent)
         found += _couplings(joint, names)
@@ -111,6 +113,16 @@ def _transmission(joint: str, extent: Extent) -> Iterator[Proposal]:
     yield wave({"effect": "kinematic_error", **across}, turns, 1e-6)
 
 
+def _elasticity(joint: str) -> Proposal:
+    """A rigid joint that is not: linear in its compliance."""
+    return Proposal(
+        {"effect": "joint_elasticity", "joint": joint, "side": "transmission"},
+        make=lambda point, x: JointElasticity(joint, stiffness=1.0 / float(x[0])) if x[0] > 0.0 else None,
+        units=lambda point: [(JointElasticity(joint, stiffness=1.0), 1.0)],
+        positive=(True,),
+    )
+
+
 def _actuator(joint: str, extent: Extent) -> Iterator[Proposal]:
     motor = {"joint": joint, "side": "motor"}
     yield linear({"effect": "torque_offset", **motor}, "offset")
@@ -166,9 +178,9 @@ def _sensors(equations: Equations, j: int, extent: Extent) -> Iterator[Proposal]
     """Lags, discs, gains and offsets of the channels that were measured and can show them."""
     model, data = equations.true, equations.data[0]
     joint = model.joint_names[j]
-    both = bool(model.elastic[j] and data.has_q[j] and data.has_theta[j])
+    both = bool(data.has_q[j] and data.has_theta[j])
     for signal, there in (("q", data.has_q[j]), ("theta", data.has_theta[j])):
-        if not there or not (model.elastic[j] or signal == "q" or not data.has_q[j]):
+        if not there:
             continue
         place = {"channel": f"{signal}.{joint}"}
         yield linear({"effect": "channel_lag", **place}, "delay", unit=1e-4)

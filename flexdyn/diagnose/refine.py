@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -29,11 +30,15 @@ class Refined:
     Attributes:
         hypothesis: with its numbers at their best.
         std: of the file's numbers' factors, then of the effects' unknowns in their own unit.
+        cost: robust sum of squares of the windows' white surprises and of the priors; NaN where none were simulated.
+        rows: white surprises that it is of.
         became: names of effects that turned out to be simpler ones.
     """
 
     hypothesis: Hypothesis
     std: Array
+    cost: float = math.nan
+    rows: int = 0
     became: Mapping[str, str] = field(default_factory=dict)
 
     def factor_std(self) -> dict[FileNumber, float]:
@@ -86,7 +91,7 @@ def refine(
     Standard deviations come from a sandwich over windows, so that they hold for residuals that are coloured within one.
     """
     current = start
-    shot = shoot(current.model(), windows)
+    shot = shoot(current.seen(), windows)
     best = _cost(current, shot)
     std = np.zeros(len(current.factors) + len(current.unknowns()))
     for k in range(rounds):
@@ -95,7 +100,7 @@ def refine(
         accepted = False
         for share in (1.0, 0.3):
             trial = moved(current, share * step, scales)
-            after = shoot(trial.model(), windows)
+            after = shoot(trial.seen(), windows)
             cost = _cost(trial, after)
             if cost < best:
                 gained, accepted = best - cost, True
@@ -103,7 +108,7 @@ def refine(
                 break
         if not accepted or gained < 1e-3 * best:
             break
-    return Refined(current, std)
+    return Refined(current, std, best, shot.whitened().size)
 
 
 def _slopes(
@@ -113,14 +118,14 @@ def _slopes(
     models, steps = [], []
     for number, factor in hypothesis.factors.items():
         factors = {**hypothesis.factors, number: factor + STEP}
-        models.append(dataclasses.replace(hypothesis, factors=factors).model())
+        models.append(dataclasses.replace(hypothesis, factors=factors).seen())
         steps.append(STEP)
     scales = []
     for effect, name in hypothesis.unknowns():
         size = _size(effect, name)
         stepped = effect.replace(**{name: getattr(effect, name) + STEP * size})
         effects = tuple(stepped if e is effect else e for e in hypothesis.effects)
-        models.append(dataclasses.replace(hypothesis, effects=effects).model())
+        models.append(dataclasses.replace(hypothesis, effects=effects).seen())
         steps.append(STEP)
         scales.append(size)
     now = shot.whitened()

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn.commands import PD
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 
@@ -51,6 +53,70 @@ class Suspect:
     place: Mapping[str, str] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A motion that was shown by simulation to tell a finding from its rivals.
+
+    Attributes:
+        motion: what to do, in words.
+        seconds: it takes, repetitions included.
+        passes: how often it is made.
+        payload: known mass to be added at the tip [kg].
+        delta_bic: expected, of the right name to the nearest of the others, whichever of them is right.
+        command: what was simulated: joint control along the motion, once.
+        names: the finding's, and that of its nearest rival.
+        t: times (points,) [s].
+        position: of the joint that moves (points,) [rad or m].
+        left: what the rival then cannot explain, its numbers fitted again, if the finding is right (points,).
+        noise: standard deviation of that (points,).
+        labels: of position and of what is left, with their units.
+    """
+
+    motion: str
+    seconds: float
+    passes: int
+    payload: float
+    delta_bic: float
+    command: PD
+    names: tuple[str, str]
+    t: NDArray[np.float64]
+    position: NDArray[np.float64]
+    left: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    labels: tuple[str, str]
+
+    def __post_init__(self) -> None:
+        """Copy and lock the arrays."""
+        for name in ("t", "position", "left", "noise"):
+            column = np.array(getattr(self, name), dtype=float)
+            column.setflags(write=False)
+            object.__setattr__(self, name, column)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays are locked again."""
+        return (type(self), tuple(getattr(self, entry.name) for entry in fields(self)))
+
+    @property
+    def apart(self) -> float:
+        """How many times the noise the names are apart: the root of the expected delta BIC."""
+        return math.sqrt(self.delta_bic)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A name that was tried in a finding's place.
+
+    Attributes:
+        suspect: it, without numbers.
+        behind: by how much it explains the data of the fit worse than the name that was chosen, in BIC.
+        gap: with it on data that took no part in the fit; NaN where that was not needed to turn it down.
+    """
+
+    suspect: Suspect
+    behind: float
+    gap: float
+
+
 @dataclass(frozen=True)
 class Finding:
     """A named effect and why it has this name.
@@ -61,6 +127,8 @@ class Finding:
         check_gain: share of the gap on data that took no part in the fit that goes with it, from 0 to 1.
         rivals: others that explain the data as well: then the answer is "this or one of those".
         experiment: the motion that would tell them apart; empty where there is no rival.
+        plan: that motion, where one was found; None else.
+        tried: the name that was chosen and the next best ones, in the round in which it was chosen.
     """
 
     suspect: Suspect
@@ -68,6 +136,8 @@ class Finding:
     check_gain: float
     rivals: tuple[Suspect, ...] = ()
     experiment: str = ""
+    plan: Experiment | None = None
+    tried: tuple[Tried, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -119,6 +189,7 @@ class Trace:
         x: over which (points,); where it increases throughout a line is drawn, else dots.
         before: residual of the model as it was given (points,); NaN leaves the line open.
         after: residual of the corrected model (points,).
+        means: of dots: x, before and after averaged over neighbours in x (averages, 3); none of a line.
     """
 
     title: str
@@ -127,6 +198,7 @@ class Trace:
     x: NDArray[np.float64]
     before: NDArray[np.float64]
     after: NDArray[np.float64]
+    means: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
         """Copy and lock.
@@ -140,12 +212,15 @@ class Trace:
                 raise InputError("columns of one length are needed", key=f"trace.{name}", value=column.shape)
             column.setflags(write=False)
             object.__setattr__(self, name, column)
+        means = np.array(self.means, dtype=float)
+        means.setflags(write=False)
+        object.__setattr__(self, "means", means)
         if not np.isfinite(self.x).all():
             raise InputError("finite numbers are needed", key="trace.x", value=self.title)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Unpickle through the constructor, so that arrays are locked again."""
-        return (type(self), (self.title, self.x_label, self.y_label, self.x, self.before, self.after))
+        return (type(self), (self.title, self.x_label, self.y_label, self.x, self.before, self.after, self.means))
 
     @classmethod
     def thinned(
@@ -153,18 +228,22 @@ class Trace:
     ) -> Trace:
         """Of long columns only the points that the eye needs.
 
-        Over an x that increases throughout, the outline of both curves is kept; of a cloud, points evenly spread.
+        Over an x that increases throughout, the outline of both curves is kept; of a cloud, points evenly spread, and
+        averages over all of its points.
         """
-        from flexdyn.plots.thinning import MOST, SLICES, outline
+        from flexdyn.plots.thinning import MOST, SLICES, averages, outline
 
         columns = [np.asarray(column, dtype=float) for column in (x, before, after)]
         across, *up = columns
+        means = np.zeros((0, 3))
         if (np.diff(across) > 0.0).all() and len(across):
             open_ends = np.flatnonzero(np.isnan(up[0]) | np.isnan(up[1]))[:MOST]
             kept = np.union1d(outline(across, *(np.nan_to_num(column) for column in up)), open_ends)
         else:
             kept = np.unique(np.linspace(0, len(across) - 1, min(len(across), SLICES)).round()).astype(np.intp)
-        return cls(title, x_label, y_label, *(column[kept] for column in columns))
+            means = averages(np.stack(columns, axis=1))
+        across, *up = (column[kept] for column in columns)
+        return cls(title, x_label, y_label, across, up[0], up[1], means)
 
 
 @dataclass(frozen=True)
@@ -229,7 +308,11 @@ class Diagnosis:
 def _finding(entry: Finding) -> dict[str, Any]:
     return {
         **_suspect(entry.suspect),
-        "evidence": {"delta_bic": entry.delta_bic, "check_gain": entry.check_gain},
+        "evidence": {
+            "delta_bic": entry.delta_bic,
+            "check_gain": entry.check_gain,
+            "tried": [{**_suspect(each.suspect), "behind": each.behind, "gap": each.gap} for each in entry.tried],
+        },
         "indistinguishable_from": [_suspect(rival) for rival in entry.rivals],
         "experiment": entry.experiment,
     }

@@ -11,17 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose import columns
-from flexdyn.diagnose.covariance import Noise, whitener
+from flexdyn.diagnose.covariance import Noise, encoders_rule, whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.estimate import Fit, Hypothesis, Workspace, fit
-from flexdyn.diagnose.filters import Filters
+from flexdyn.diagnose.filters import SECONDS, Filters
 from flexdyn.diagnose.mask import sign_mask
 from flexdyn.diagnose.measured import Measured
-from flexdyn.diagnose.noise import encoder_noise, torque_noise
-from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber, file_numbers
+from flexdyn.diagnose.noise import encoder_noise, recorded_torque_noise, torque_noise
+from flexdyn.diagnose.numbers import FileNumber, file_numbers, with_factors
+from flexdyn.diagnose.own_effects import own_effects
 from flexdyn.diagnose.proposal import Point, Proposal
 from flexdyn.diagnose.proposals import proposals
-from flexdyn.effects import Effect, Payload, SensorOffset
+from flexdyn.effects import Effect, JointElasticity, Payload, SensorOffset
+from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
@@ -29,6 +31,10 @@ KEPT = 5
 """Proposals that are fitted in full before one is chosen."""
 WORTH = 0.05
 """Share of the best proposal's score from which another is fitted in full."""
+MANY = 200.0
+"""Recordings must be so many times as long as a wider filter."""
+SOFTENINGS, SOFTENED = 4, 0.1
+"""Workspaces that are made for a joint that becomes elastic, until its stiffness changes by less than such a share."""
 ENOUGH = 10.0
 """Least drop of BIC for which an effect is named."""
 
@@ -44,44 +50,72 @@ class Screened:
     number: FileNumber | None = None
 
 
-def workspace(model: FlexibleJointModel, data: tuple[Measured, ...]) -> tuple[Workspace, Hypothesis, Noise]:
-    """Equations, weights and priors of a model over data; the torque's noise comes from what a first fit leaves."""
-    equations = Equations(model, data, Filters.of_rate(data[0].dt))
-    zero = np.zeros(equations.true.n)
-    peak = np.max([np.abs(each.tau).max(axis=0) for each in data], axis=0)
-    noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), 0.002 * np.maximum(peak, 1e-9), zero)
+def workspace(
+    model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
+) -> tuple[Workspace, Hypothesis, Noise]:
+    """Equations, weights and priors of a model over data; the torque's noise comes from what a first fit leaves.
+
+    Args:
+        model: as it was given.
+        data: to be explained.
+        start: with the effects that were found, where one of them changes which equations there are; None: the model.
+    """
+    start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
+    torque = np.maximum(recorded_torque_noise(data), 1e-12)
+    noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
+    equations = _filtered(with_factors(model, {}, start.effects), data, noise)
     mask = sign_mask(equations, noise)
-    start = Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     raw = np.stack([columns.of_number(equations, number) for number in start.factors], axis=1)
-    offsets, sigma = _offsets(equations, noise)
-    space, made = None, None
+    channels, offsets, sigma = _offsets(equations, noise)
     for _ in range(2):
         whiten = whitener(equations, noise, mask)
-        space = Workspace(equations, whiten, whiten(raw), whiten(offsets), sigma)
+        space = Workspace(equations, whiten, noise, whiten(raw), whiten(offsets), sigma, channels)
         made = fit(start, space, steps=3)
         noise = dataclasses.replace(noise, tau=torque_noise(made.equations, made.equations.residual, mask, noise))
     whiten = whitener(equations, noise, mask)
-    return Workspace(equations, whiten, whiten(raw), whiten(offsets), sigma), start, noise
+    return Workspace(equations, whiten, noise, whiten(raw), whiten(offsets), sigma, channels), start, noise
 
 
-def _offsets(equations: Equations, noise: Noise) -> tuple[Array, Array]:
+def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: Noise) -> Equations:
+    """The equations behind the narrowest filter that leaves the encoders' noise below the torque's.
+
+    Rows that hold little but noise, times a number of the file, would be smaller for a smaller number.
+    """
+    found = Equations(model, data, Filters.of_rate(data[0].dt))
+    for second in SECONDS[1:]:
+        short = min(len(each.t) for each in data) * data[0].dt < MANY * second
+        if short or not encoders_rule(found, noise):
+            break
+        found = Equations(model, data, Filters.of_rate(data[0].dt, second=second))
+    return found
+
+
+def _offsets(equations: Equations, noise: Noise) -> tuple[tuple[str, ...], Array, Array]:
     """A count more or less of each encoder: nobody knows whether it rounds or cuts."""
-    raw, sigma = [], []
+    names, raw, sigma = [], [], []
     for j, joint in enumerate(equations.true.joint_names):
         data = equations.data[0]
-        for signal, there in (("q", data.has_q[j]), ("theta", data.has_theta[j] and equations.true.elastic[j])):
+        for signal, there in (("q", data.has_q[j]), ("theta", data.has_theta[j])):
             if there:
-                raw.append(columns.of_effect(equations, SensorOffset(f"{signal}.{joint}", offset=1e-6), 1e-6))
+                names.append(f"{signal}.{joint}")
+                raw.append(columns.of_effect(equations, SensorOffset(names[-1], offset=1e-6), 1e-6))
                 sigma.append(2.0 * float(getattr(noise, signal)[j]) + 1e-12)
-    return np.stack(raw, axis=1), np.array(sigma)
+    return tuple(names), np.stack(raw, axis=1), np.array(sigma)
 
 
 class Screen:
-    """Every proposal's columns, whitened once and kept."""
+    """Every proposal's columns, whitened once and kept.
+
+    Attributes:
+        space: of the columns.
+        proposals: the catalogue's, then those of users' own effects.
+        notes: on effects of users' that are not among them.
+    """
 
     def __init__(self, space: Workspace, progress: Callable[[float], None] | None = None) -> None:
         self.space = space
-        self.proposals = proposals(space.equations)
+        own, self.notes = own_effects(space.equations)
+        self.proposals = [*proposals(space.equations), *own]
         self.columns: list[list[Array]] = []
         for k, proposal in enumerate(self.proposals):
             self.columns.append([self._white(proposal, point) for point in proposal.grid])
@@ -115,23 +149,15 @@ def _holds(made: Fit, proposal: Proposal) -> bool:
 
 
 def extended(made: Fit, choice: Screened) -> Hypothesis | None:
-    """The hypothesis with a proposal added, its numbers back within their tolerance: what bent them may be gone."""
-    factors = {
-        number: factor if number in made.hypothesis.freed else float(np.clip(factor, *_tolerated(number)))
-        for number, factor in made.hypothesis.factors.items()
-    }
-    start = dataclasses.replace(made.hypothesis, factors=factors)
+    """The hypothesis with a proposal added, its numbers back within their tolerance."""
+    start = made.hypothesis.tolerated()
     if choice.number is not None:
-        kept = factors | {choice.number: made.hypothesis.factors[choice.number]}
-        return dataclasses.replace(start, factors=kept, freed=start.freed | {choice.number})
+        factors = {**start.factors, choice.number: made.hypothesis.factors[choice.number]}
+        return dataclasses.replace(start, factors=factors, freed=start.freed | {choice.number})
     effect = choice.proposal.make(choice.point, choice.values) if choice.proposal else None
     if effect is None or effect.is_neutral:
         return None
     return dataclasses.replace(start, effects=(*start.effects, effect))
-
-
-def _tolerated(number: FileNumber) -> tuple[float, float]:
-    return 1.0 - IN_TOLERANCE * number.tolerance, 1.0 + IN_TOLERANCE * number.tolerance
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,52 +167,88 @@ class Candidate:
     Attributes:
         fitted: with it.
         drop: of BIC.
+        cost: of its description in BIC; a number of the file costs nothing, as it is there already.
         effect: that was added; None for a number set free.
         number: that was set free.
+        chi2: that compares with those of the same round.
     """
 
     fitted: Fit
     drop: float
+    cost: float
     effect: Effect | None
     number: FileNumber | None
+    chi2: float
+
+    def behind(self, best: Candidate) -> float:
+        """By how much another candidate of the same round is better, in BIC."""
+        scale = max(1.0, best.fitted.reduced)
+        return (self.chi2 - best.chi2) / scale + self.cost - best.cost
 
 
 def candidates(space: Workspace, screen: Screen, made: Fit) -> list[Candidate]:
     """The most promising proposals, fitted in full, best first."""
     found = []
-    ranked = screen.ranked(made, max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0)
+    scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
+    ranked = screen.ranked(made, scale)
     for choice in ranked[:KEPT]:
         if choice.score < max(ENOUGH, WORTH * ranked[0].score):
             break
         after = extended(made, choice)
         if after is None:
             continue
-        trial = fit(after, space)
-        drop = (made.chi2 - trial.chi2) / max(1.0, trial.reduced) - cost(choice, space)
-        if drop >= ENOUGH:
-            effect = None if choice.number is not None else trial.hypothesis.effects[-1]
-            found.append(Candidate(trial, drop, effect, choice.number))
+        numbers = choice.proposal.numbers if choice.proposal else 0
+        cost = numbers * math.log(space.rows)
+        if isinstance(after.effects[-1] if choice.proposal else None, JointElasticity):
+            found.append(_softened(made, after, choice, cost, scale))
+            continue
+        try:
+            made_of = _candidate(made, fit(after, space), cost, choice.number)
+        except InputError:  # a user's law that fails elsewhere
+            continue
+        if made_of.drop >= ENOUGH:
+            found.append(made_of)
     if any(each.number is not None and each.number.joint is None for each in found):
         found += _payloads(space, made)
     return sorted(found, key=_order)
 
 
+def _candidate(before: Fit, after: Fit, cost: float, number: FileNumber | None) -> Candidate:
+    drop = (before.chi2 - after.chi2) / max(1.0, after.reduced) - cost
+    effect = None if number is not None else after.hypothesis.effects[-1]
+    return Candidate(after, drop, cost, effect, number, after.chi2)
+
+
+def _softened(before: Fit, start: Hypothesis, choice: Screened, cost: float, scale: float) -> Candidate:
+    """A rigid joint made elastic: other equations, whose chi^2 compares with nothing, so the linear step's stands."""
+    after = softened(start, before.space)
+    chi2 = before.chi2 - (choice.score + cost) * scale
+    return Candidate(after, choice.score, cost, after.hypothesis.effects[-1], None, chi2)
+
+
+def softened(start: Hypothesis, space: Workspace) -> Fit:
+    """The fit of a hypothesis with a new `joint_elasticity` to equations of its own, whose noise its stiffness sets."""
+    for _ in range(SOFTENINGS):
+        space, start, _ = workspace(start.given, space.equations.data, start)
+        made = fit(start, space)
+        before, after = (each.effects[-1].values[0] for each in (start, made.hypothesis))
+        start = made.hypothesis
+        if abs(math.log(after / before)) < SOFTENED:
+            break
+    return made
+
+
 def _order(each: Candidate) -> float:
     """Best first; a payload, which only adds, before a link's number that does the same."""
-    return -each.drop - (ENOUGH if isinstance(each.effect, Payload) else 0.0)
+    return each.chi2 + each.cost - (ENOUGH if isinstance(each.effect, Payload) else 0.0)
 
 
 def _payloads(space: Workspace, made: Fit) -> list[Candidate]:
     """A mass at the tip beside links' numbers out of tolerance: where a link ends there, it is the same column."""
     effect = Payload(mass=0.05, frame=space.equations.true.robot.tip)
     trial = fit(dataclasses.replace(made.hypothesis, effects=(*made.hypothesis.effects, effect)), space)
-    drop = (made.chi2 - trial.chi2) / max(1.0, trial.reduced)
-    return [Candidate(trial, drop, trial.hypothesis.effects[-1], None)] if drop >= ENOUGH else []
-
-
-def cost(choice: Screened, space: Workspace) -> float:
-    """What the description of a proposal costs in BIC; a number of the file costs nothing, as it is there already."""
-    return choice.proposal.numbers * math.log(space.rows) if choice.proposal else 0.0
+    found = _candidate(made, trial, 0.0, None)
+    return [found] if found.drop >= ENOUGH else []
 
 
 __all__ = ["Candidate", "Screen", "Screened", "candidates", "extended", "workspace"]

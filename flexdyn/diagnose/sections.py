@@ -9,7 +9,9 @@ from flexdyn.diagnose.findings_html import finding_article
 from flexdyn.diagnose.result import Calibration, Diagnosis, Gap, Number
 from flexdyn.diagnose.words import (
     FEW,
+    capital,
     causes,
+    counted,
     estimate_text,
     gap_sentence,
     gap_stages,
@@ -27,6 +29,8 @@ NOTHING, BEYOND = "0%", "55%"
 """Lengths of bars without a number: room is left for the words behind them."""
 SHOWN = 12
 """Rows of the calibration that stand open; the others are folded away."""
+LIMIT = 3.0
+"""Tolerances by which a number may move and be calibrated."""
 EDGE = 3.2
 """Half the width of a calibration's picture, in tolerances."""
 
@@ -121,9 +125,16 @@ def calibration(diagnosis: Diagnosis) -> str:
     if rows[SHOWN:]:
         rest = f'<div class="wide"><table>{top}{"".join(rows[SHOWN:])}</table></div>'
         shown += f"<details><summary>{len(rows) - SHOWN} more, which moved less</summary>{rest}</details>"
+    beyond = sum(_drift(entry) > LIMIT for entry in ordered)
+    said = "They moved no farther than their stated tolerance lets them, so they are no findings."
+    if beyond:
+        said = (
+            f"{counted(beyond, 'number')} went beyond what the stated tolerance lets them, bent by what is left"
+            " unexplained; the others are within it. None of them is a finding."
+        )
     return (
-        '<section><h2>Numbers of the model that were calibrated</h2><p class="soft">They moved no farther than their'
-        f" stated tolerance lets them, so they are no findings. true = factor &times; given.</p>{shown}</section>"
+        "<section><h2>Numbers of the model that were calibrated</h2>"
+        f'<p class="soft">{said} true = factor &times; given.</p>{shown}</section>'
     )
 
 
@@ -173,7 +184,8 @@ def residuals(diagnosis: Diagnosis) -> str:
         "<section><h2>What the model leaves unexplained</h2><p>"
         '<i class="key" style="--colour:var(--before)"></i>model as given '
         '&emsp;<i class="key" style="--colour:var(--after)"></i>corrected model</p>'
-        '<p class="soft">What is left should look like noise, whatever it is drawn over.</p>'
+        '<p class="soft">What is left should look like noise, whatever it is drawn over. Lines through dots are'
+        " averages: before, they show the law that was missing.</p>"
         f'<div class="figures">{rooms}</div></section>'
     )
 
@@ -188,6 +200,25 @@ def notes(diagnosis: Diagnosis) -> str:
         f'<section class="pair"><div><h2>What these data cannot tell</h2>{reservations}</div>'
         f"<div><h2>What to measure next</h2>{further}</div></section>"
     )
+
+
+def plans(diagnosis: Diagnosis) -> str:
+    """Room for pictures of what proposed experiments would show."""
+    rooms = []
+    for k, finding in enumerate(diagnosis.findings):
+        plan = finding.plan
+        if plan is None:
+            continue
+        one, other = (escape(name) for name in plan.names)
+        rooms.append(
+            f'<h4>{capital(one)} or {other}?</h4><p class="soft">Above: {escape(plan.motion)}. Below: what a model with'
+            f" {other} would then leave unexplained, its numbers fitted again, if it is {one}; shaded: noise, two"
+            f" standard deviations. Over the whole motion it adds up to {plan.apart:.0f} times the noise.</p>"
+            f'<div id="plan-{k}"></div>'
+        )
+    if not rooms:
+        return ""
+    return f"<section><h2>What the proposed experiment would show</h2>{''.join(rooms)}</section>"
 
 
 def tail(diagnosis: Diagnosis) -> str:

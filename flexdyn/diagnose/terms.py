@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.motion import Motion
+from flexdyn.diagnose.users_laws import torque_of
 from flexdyn.effects import (
     CommandDelay,
     DeflectionEffect,
@@ -39,7 +40,7 @@ def applied_torque(effects: Sequence[JointEffect], motion: Motion, j: int) -> Ar
         if isinstance(effect, CommandDelay):
             tau = np.interp(motion.t - effect.delay, motion.t, tau)
         else:
-            tau = effect.torque(motion.theta[:, j], motion.omega[:, j], t=motion.t, tau=tau)
+            tau = torque_of(effect, motion.theta[:, j], motion.omega[:, j], t=motion.t, tau=tau)
     return tau
 
 
@@ -64,7 +65,7 @@ def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], mot
         if effect.side == "transmission" and isinstance(effect, MemoryEffect):
             springs = springs + effect.along(seen)
         elif effect.stage == "spring" and not _is_damping(effect):
-            springs = springs + effect.torque(seen, motion.ddelta[:, j], t=motion.t)
+            springs = springs + torque_of(effect, seen, motion.ddelta[:, j], t=motion.t, tau=motion.tau[:, j])
     dampers = D * motion.ddelta[:, j]
     for effect in effects:
         if effect.stage == "spring" and _is_damping(effect):
@@ -108,7 +109,7 @@ def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: Motion) -
         return str(effect.side), -effect.along(x[:, j], u[:, j])
     if isinstance(effect, JointCoupling):
         return str(effect.side), -effect.torque(x[:, j], motion.omega[:, model.index(effect.other)])
-    return str(effect.side), -effect.torque(x[:, j], u[:, j], t=motion.t, tau=motion.tau[:, j])
+    return str(effect.side), -torque_of(effect, x[:, j], u[:, j], t=motion.t, tau=motion.tau[:, j])
 
 
 def link_torque(effects: Sequence[JointEffect], motion: Motion, j: int) -> Array:

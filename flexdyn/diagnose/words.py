@@ -12,6 +12,8 @@ FEW = 2
 """So many findings are all named in one sentence."""
 UNCOUNTED = ("friction", "damping", "elasticity", "drag", "backlash", "hysteresis", "ripple", "eccentricity")
 """What an effect's name ends with where it takes no article."""
+UNCHANGED = 1e-3
+"""A change of less than so many percent is none."""
 CONFIDENCE = 1.96
 """Standard deviations on either side that hold 95 % of a normal distribution."""
 
@@ -139,13 +141,15 @@ def times(value: float) -> str:
 
 
 def relative(factor: float) -> str:
-    """A factor as what it changes: ``+23 %``; from 3 on as it is."""
+    """A factor as what it changes: ``+23 %``, ``none``; from 3 on as it is."""
     if not math.isfinite(factor):
         return "unknown"
     if factor >= 3.0 or factor <= 1.0 / 3.0:
         return f"{factor:.3g} times what is given"
-    sign = "\N{MINUS SIGN}" if factor < 1.0 else "+"
-    return f"{sign}{abs(100.0 * (factor - 1.0)):.2g} %"
+    size, sign = abs(100.0 * (factor - 1.0)), "\N{MINUS SIGN}" if factor < 1.0 else "+"
+    if size < UNCHANGED:
+        return "none"
+    return f"{sign}{size:.0f} %" if size >= 10.0 else f"{sign}{size:.2g} %"
 
 
 def value_text(value: float, std: float) -> str:
@@ -192,7 +196,7 @@ def counted(count: int, noun: str) -> str:
 
 def next_measurements(diagnosis: Diagnosis) -> list[str]:
     """What to measure next, a sentence each; nothing where the answer stands as it is."""
-    wanted = list(dict.fromkeys(finding.experiment for finding in diagnosis.findings if finding.experiment))
+    wanted = list(dict.fromkeys(capital(finding.experiment) for finding in diagnosis.findings if finding.experiment))
     if diagnosis.verdict == "unexplained":
         for place in diagnosis.where[:2]:
             regime = f" ({place.regime})" if place.regime else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from flexdyn.run import Run
@@ -64,6 +65,7 @@ class Chapter:
         numbers: everything measured, for the JSON summary.
         figures: to be drawn.
         runs: to be saved for playback, by name.
+        files: that it wrote itself.
     """
 
     title: str
@@ -72,3 +74,4 @@ class Chapter:
     numbers: Mapping[str, Any] = field(default_factory=dict)
     figures: tuple[Figure, ...] = ()
     runs: Mapping[str, Run] = field(default_factory=dict)
+    files: tuple[Path, ...] = ()

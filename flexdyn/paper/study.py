@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, MissingExtra
 from flexdyn.files import write_text
 from flexdyn.paper import style
 from flexdyn.paper.cases import Cases
@@ -58,7 +59,7 @@ class Study:
         return all(check.passed for check in self.checks)
 
 
-def run_study(out: Path, *, progress: Callable[[str], None] | None = None) -> Study:
+def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], None] | None = None) -> Study:
     """Reproduce the paper's study on the shipped ``scara_two_link``.
 
     Writes into `out`, each file whole or not at all: figures as PNG (300 dpi) and PDF, ``summary.md``,
@@ -66,26 +67,28 @@ def run_study(out: Path, *, progress: Callable[[str], None] | None = None) -> St
 
     Args:
         out: the folder; it is made if it is not there.
-        progress: called with a line as each part begins.
+        diagnose: hide the arm's friction too, and let the diagnosis find it: its report goes to ``diagnosis``.
+        progress: called with a line as each part begins, and by the diagnosis as it goes on.
 
     Returns:
         The study; a check that fails is reported in it, not raised.
 
     Raises:
         InputError: the folder cannot be made or written.
-        MissingExtra: matplotlib is not installed.
+        MissingExtra: matplotlib is not installed, or plotly, which the report of a diagnosis needs.
     """
     from flexdyn import __version__
 
     style.require_matplotlib()
-    out = Path(out)
+    out, say = Path(out), progress or (lambda line: None)
     _make(out / "runs")
+    parts = [*CHAPTERS, _diagnosis(out, say, len(CHAPTERS) + 1)] if diagnose else CHAPTERS
     cases, chapters, files = Cases(), list[Chapter](), list[Path]()
-    for place, (title, part) in enumerate(CHAPTERS, 1):
-        if progress is not None:
-            progress(f"{place} of {len(CHAPTERS)}: {title}")
+    for place, (title, part) in enumerate(parts, 1):
+        say(f"{place} of {len(parts)}: {title}")
         chapter = part(cases)
         chapters.append(chapter)
+        files += chapter.files
         for figure in chapter.figures:
             files += style.save(figure, out)
         for name, run in chapter.runs.items():
@@ -97,6 +100,23 @@ def run_study(out: Path, *, progress: Callable[[str], None] | None = None) -> St
     write_text(out / "summary.md", summary_text(chapters, read, __version__))
     files += [out / "summary.json", out / "summary.md"]
     return Study(data, tuple(check for chapter in chapters for check in chapter.checks), tuple(files))
+
+
+def _diagnosis(out: Path, say: Callable[[str], None], place: int) -> tuple[str, Callable[[Cases], Chapter]]:
+    """The part that hides friction and finds it: it brings SciPy, and takes longer than all others."""
+    from flexdyn.paper.hidden_friction import FOLDER, hidden_friction
+
+    if find_spec("plotly") is None:
+        raise MissingExtra("plotly", "plot")
+    _make(out / FOLDER)
+    title = "friction hidden, and found"
+
+    def part(cases: Cases) -> Chapter:
+        return hidden_friction(
+            cases, out / FOLDER, lambda stage, share: say(f"{place} of {place}: {title}: {stage}, {100 * share:.0f} %")
+        )
+
+    return title, part
 
 
 def _make(folder: Path) -> None:

@@ -12,6 +12,8 @@ SLICES = 1500
 """Of longer ones: slices of time, each narrower than a dot of the picture, of which the extremes are kept."""
 FINE, COARSE = 800, 240
 """Cells across and up, of a plane in which a curve is drawn: those of its line, those of its dots."""
+AVERAGES, LEAST = 80, 20
+"""Averages through a cloud of dots at most, and dots in each of them at least."""
 LONGEST = 24000
 """Points of a curve in a plane; one that needs more is drawn as dots."""
 
@@ -70,3 +72,20 @@ def _cells(values: Array, count: int) -> NDArray[np.intp]:
     unit = values / (float(np.abs(values).max()) or 1.0)  # neither overflows nor vanishes
     low, high = float(unit.min()), float(unit.max())
     return np.floor((unit - low) / (high - low or 1.0) * count).astype(np.intp)
+
+
+def averages(columns: Array) -> Array:
+    """Averages of neighbours in the first column, as many in each; rows that are not finite are left out.
+
+    Args:
+        columns: what is drawn over what (points, columns).
+
+    Returns:
+        In the order of the first column (averages, columns); none where there are too few points.
+    """
+    finite = columns[np.isfinite(columns).all(axis=1)]
+    count = min(AVERAGES, len(finite) // LEAST)
+    if count < 2:
+        return np.zeros((0, columns.shape[1]))
+    ordered = finite[np.argsort(finite[:, 0], kind="stable")]
+    return np.array([part.mean(axis=0) for part in np.array_split(ordered, count)])

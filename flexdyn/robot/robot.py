@@ -15,7 +15,7 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.robot.joints import Joint
 from flexdyn.robot.links import Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
-from flexdyn.robot.tree import Floats, FramePlacement, Tree, locked
+from flexdyn.robot.tree import Floats, FramePlacement, Tree, locked, spatial
 
 _ARRAYS = ("lower", "upper", "velocity_limit", "effort_limit", "damping", "friction")
 _FRAME_ORDER = (
@@ -214,7 +214,7 @@ class Robot:
         tree = self.tree.with_body_changed(frame.joint, *parts)
         model = self.pin_model
         j = frame.joint
-        model.inertias[j + 1] = pin.Inertia(float(tree.mass[j]), np.array(tree.com[j]), np.array(tree.inertia[j]))
+        model.inertias[j + 1] = spatial(float(tree.mass[j]), tree.com[j], tree.inertia[j])
         links = (*self._links[:place], replace(self._links[place], inertial=true), *self._links[place + 1 :])
         return replace(self, source=None, tree=tree, _model=model, _links=links)
 

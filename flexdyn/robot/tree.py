@@ -24,6 +24,13 @@ def locked(values: Any, dtype: Any = np.float64) -> NDArray[Any]:
     return array
 
 
+def spatial(mass: float, com: Floats, inertia: Floats) -> pin.Inertia:
+    """A spatial inertia; a point mass' is off zero by rounding, which Pinocchio's own constructor refuses."""
+    body = pin.Inertia.Zero()
+    body.mass, body.lever, body.inertia = mass, np.array(com), np.array(inertia)
+    return body
+
+
 @dataclass(frozen=True, eq=False)
 class FramePlacement:
     """A frame rigidly attached to a joint.
@@ -146,7 +153,7 @@ class Tree:
         Returns:
             A new tree.
         """
-        body = pin.Inertia(float(self.mass[joint]), np.array(self.com[joint]), np.array(self.inertia[joint]))
+        body = spatial(float(self.mass[joint]), self.com[joint], self.inertia[joint])
         total = body.toDynamicParameters() - given.toDynamicParameters() + true.toDynamicParameters()
         new = pin.Inertia.FromDynamicParameters(total)
         masses, coms, inertias = self.mass.copy(), self.com.copy(), self.inertia.copy()

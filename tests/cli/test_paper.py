@@ -11,7 +11,22 @@ from typing import Any
 
 import pytest
 
+from flexdyn.paper import hidden_friction
 from tests.cli.conftest import Runner
+
+FOUND = {
+    "hidden": [
+        {
+            **{"effect": "stribeck_friction", "joint": "elbow", "side": "link", "parameter": "excess", "unit": "N m"},
+            **{"true": 0.01, "found": 0.01021, "std": 0.001},
+        },
+        {
+            **{"effect": "coulomb_friction", "joint": "shoulder", "side": "link", "parameter": "level", "unit": "N m"},
+            **{"true": 0.02, "found": None, "std": None},
+        },
+    ],
+    "gap": [{"name": "as given", "gap": 1234.0}, {"name": "noise alone", "gap": 1.0}],
+}
 
 
 @dataclass(frozen=True)
@@ -39,14 +54,16 @@ def study(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Path]]:
     def _study(*passed: bool) -> list[Path]:
         folders: list[Path] = []
 
-        def run_study(out: Path, *, progress: Callable[[str], None] | None = None) -> Study:
-            folders.append(out)
+        def run_study(out: Path, *, diagnose: bool, progress: Callable[[str], None] | None = None) -> Study:
+            folders.append(out / "diagnosis" if diagnose else out)
             assert progress is None, "stderr is no terminal here"
             checks = [Check(f"check {k}", 1e-12, 1e-11, good) for k, good in enumerate(passed)]
-            return Study({"slope": -1.0, "worst": float("inf")}, checks)
+            numbers = {hidden_friction.TITLE: FOUND} if diagnose else {}
+            return Study({"slope": -1.0, "worst": float("inf"), "numbers": numbers}, checks)
 
         module = ModuleType("flexdyn.paper")
         module.run_study = run_study  # type: ignore[attr-defined]
+        module.hidden_friction = hidden_friction  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, "flexdyn.paper", module)
         return folders
 
@@ -76,4 +93,17 @@ def test_a_check_that_fails_is_exit_code_1(flexdyn: Runner, study: Callable[...,
 def test_json_is_the_summary(flexdyn: Runner, study: Callable[..., list[Path]]) -> None:
     """Pure JSON, infinite numbers null."""
     study(True)
-    assert flexdyn("paper", "--json").json == {"slope": -1.0, "worst": None}
+    assert flexdyn("paper", "--json").json == {"slope": -1.0, "worst": None, "numbers": {}}
+
+
+def test_what_was_hidden_and_found_is_told(flexdyn: Runner, study: Callable[..., list[Path]]) -> None:
+    """True and found numbers side by side, what was not found, the gap from step to step, the report's place."""
+    folders = study(True, False)
+    outcome = flexdyn("paper", "--diagnose", "-o", "there")
+    assert outcome.code == 1, "a check failed"
+    assert folders == [Path("there/diagnosis")]
+    told = " ".join(outcome.out.replace("│", " ").split())
+    assert "Stribeck friction on the link side of elbow excess 0.01 0.0102 ± 0.0010 N m" in told
+    assert "Coulomb friction on the link side of shoulder level 0.02 not found" in told
+    assert "as given 1234" in told
+    assert "there/diagnosis/report.html" in told

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 import flexdyn as fd
-from flexdyn.diagnose.result import Calibration, Diagnosis, Finding, Gap, Number, Place, Suspect, Trace
+from flexdyn.diagnose.result import Calibration, Diagnosis, Finding, Gap, Number, Place, Suspect, Trace, Tried
 
 STRIBECK = Suspect(
     "stribeck_friction",
@@ -26,6 +26,11 @@ WRONG = Suspect(
     {"factor": Number(1.31, 0.004, "1")},
     {"of": "shoulder", "parameter": "stiffness"},
 )
+TRIED = (
+    Tried(Suspect("payload", None, None, {}, {"frame": "tip"}), 0.0, 1.07),
+    Tried(Suspect("parameter_error", None, None, {}, {"of": "link2", "parameter": "link_mass"}), -12.0, 3.2),
+    Tried(Suspect("torque_constant_error", "elbow", "motor"), 18_810.4, math.nan),
+)
 SWEEPS = (
     "Sweep elbow at constant speeds from 0.005 to 0.2 rad/s, both directions, 20 s; then small reversals of 0.01 rad."
 )
@@ -36,7 +41,7 @@ def explained(model: fd.FlexibleJointModel | None = None) -> Diagnosis:
     arm = model or fd.load_model("scara_two_link")
     found = (
         Finding(STRIBECK, 812.4, 0.62, (PRESLIDING, HYSTERESIS), SWEEPS),
-        Finding(PAYLOAD, 340.0, 0.21),
+        Finding(PAYLOAD, 340.0, 0.21, tried=TRIED),
         Finding(WRONG, 96.1, 0.08),
         Finding(OFFSET, 55.0, 0.05),
     )

@@ -14,13 +14,15 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.pictures import effect_of, law_picture
-from flexdyn.diagnose.result import Diagnosis, Finding, Gap, Interrupted, Number, Place, Suspect, Trace
+from flexdyn.diagnose.pictures import effect_of, law_picture, residual_figure
+from flexdyn.diagnose.result import Calibration, Diagnosis, Finding, Gap, Interrupted, Number, Place, Suspect, Trace
+from flexdyn.diagnose.sections import calibration
 from flexdyn.diagnose.words import (
     estimate_text,
     finding_phrase,
     interval_text,
     next_measurements,
+    relative,
     value_text,
     verdict_sentence,
 )
@@ -126,6 +128,8 @@ def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:
     for text in ("62 % of the gap", answers.SWEEPS, "on channel q.elbow", "at frame tip", "rotor inertia of shoulder"):
         assert text in told
     assert "1. Stribeck friction or presliding friction or spring hysteresis" in told
+    for text in ("Wrong mass of link2", "\N{MINUS SIGN}12", "18\N{NARROW NO-BREAK SPACE}810", "not asked", "3.20"):
+        assert text in told, "what else was tried for the payload, on both kinds of data"
     assert len(widths) == 2, "Stribeck friction and the offset have laws, a payload and a factor have none"
     assert min(widths) > 100
 
@@ -250,6 +254,42 @@ def test_digits_follow_from_the_uncertainty() -> None:
     assert interval_text(Number(0.0, 1.0, "N m")) == "\N{MINUS SIGN}2.0 to 2.0 N m"
     assert interval_text(Number(1.0, math.nan, "N m")) == "not known"
     assert interval_text(Number(1.0, 0.0, "1")) == "assumed, not estimated"
+
+
+def test_changes_read_as_percent() -> None:
+    """Two digits below ten percent, whole ones above; no change is none; a multiple is a multiple."""
+    minus = "\N{MINUS SIGN}"
+    told = {factor: relative(factor) for factor in (1.0123, 0.9, 2.9, 1.0 + 1e-9, 4.0)}
+    assert list(told.values()) == ["+1.2 %", f"{minus}10 %", "+190 %", "none", "4 times what is given"]
+
+
+def test_a_number_beyond_its_tolerance_is_not_said_to_be_within() -> None:
+    """Where something is left unexplained, it may bend a number of the file farther than its tolerance lets it."""
+    bent = (Calibration("elbow", "stiffness", 2.9, 0.2, 0.02), Calibration("elbow", "damping", 1.01, 0.2, 0.02))
+    diagnosis = answers.no_discrepancy()
+    assert "They moved no farther than" in calibration(diagnosis)
+    told = calibration(dataclasses.replace(diagnosis, calibration=bent))
+    assert "1 number went beyond" in told
+    assert "They moved no farther than" not in told
+
+
+def test_averages_show_a_law_under_noise() -> None:
+    """Through dots of ten times its size the averages follow the law before, and are nothing after."""
+    draw = np.random.default_rng(4)
+    v = draw.uniform(-0.5, 0.5, 40_000)
+    noise = 0.3 * draw.standard_normal(len(v))
+    cloud = Trace.thinned("elbow", "v [rad/s]", "r [N m]", v, noise + 0.03 * np.sign(v), noise)
+    assert len(cloud.x) < 2000
+    x, before, after = cloud.means.T
+    off = np.abs(x) > 0.02
+    np.testing.assert_allclose((before - after)[off], 0.03 * np.sign(x[off]), atol=1e-12)
+    assert np.abs(after).max() < 5.0 * 0.3 / np.sqrt(len(v) / len(x))
+    low, high = residual_figure(cloud)["layout"]["yaxis"]["range"]
+    assert 0.1 < high == -low < 1.0
+    assert len(repickled(cloud).means) == len(x)
+    line = Trace.thinned("elbow", "t [s]", "r [N m]", np.arange(5000.0), v[:5000], v[:5000])
+    assert len(line.means) == 0
+    assert "range" not in residual_figure(line)["layout"]["yaxis"]
 
 
 def test_long_residuals_are_thinned_and_keep_their_peaks() -> None:

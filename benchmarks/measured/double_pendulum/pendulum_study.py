@@ -1,0 +1,101 @@
+"""Double pendulum: start from the published model without friction, find what is missing, predict other motions.
+
+    python benchmarks/measured/double_pendulum/pendulum_study.py -o benchmarks/results/double_pendulum.json
+
+Fitted to 143601 (excitation) and 154220 (swing); 143524 and 154548 take no part. Writes the results, and beside them a
+folder of that name with the page, its pictures and the diagnosis' own report. Without the data folder it says so and
+does nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from pendulum_data import CHECK, FIT, HERE, JOINTS, Current, Windows, current, published, read_records, windows
+
+import flexdyn as fd
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from measure import Bound, write_results
+
+MOST = {"joint1": 0.03, "joint2": 0.05}
+"""Bounds of the errors on 143524 [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """All that the page shows.
+
+    Attributes:
+        diagnosis: of the frictionless model.
+        windows: by model and record.
+        currents: by record and joint.
+    """
+
+    diagnosis: fd.Diagnosis
+    windows: Mapping[str, Mapping[str, Windows]]
+    currents: Mapping[str, Mapping[str, Current]]
+
+
+def study(folder: Path) -> Study:
+    """Everything, from the four records of a folder."""
+    records = read_records(folder)
+    start = fd.load_model(HERE / "frictionless.yaml")
+    found = fd.diagnose(start, fit=[records[each] for each in FIT], check=[records[each] for each in CHECK])
+    models = {"without friction, as given": start, "published friction": published(start), "found": found.model}
+    by_model = {
+        name: {stamp: windows(model, each) for stamp, each in records.items()} for name, model in models.items()
+    }
+    currents = {stamp: {joint: current(each, joint) for joint in JOINTS} for stamp, each in records.items()}
+    return Study(found, by_model, currents)
+
+
+def bounds(made: Study) -> list[Bound]:
+    """What must hold."""
+    rms = made.windows["found"][CHECK[0]].rms
+    return [
+        Bound(f"error of {joint} on {CHECK[0]} [rad]", float(x), MOST[joint])
+        for joint, x in zip(JOINTS, rms, strict=True)
+    ]
+
+
+def results(made: Study, held: list[Bound]) -> dict[str, Any]:
+    """As the result file holds it."""
+    return {
+        "bounds": [each.to_dict() for each in held],
+        "rms_rad": {
+            name: {stamp: [float(x) for x in each.rms] for stamp, each in by.items()}
+            for name, by in made.windows.items()
+        },
+        "current": {stamp: {joint: asdict(each) for joint, each in by.items()} for stamp, by in made.currents.items()},
+        "diagnosis": made.diagnosis.to_dict(),
+    }
+
+
+def main() -> int:
+    """The command."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-o", type=Path, required=True, help="the result file; the page goes into a folder beside it")
+    parser.add_argument("--data", type=Path, default=Path("../shared/data"), help="folder of the measured data")
+    options = parser.parse_args()
+    folder = options.data / "dfki_double_pendulum"
+    if not folder.is_dir():
+        print(f"skipped: there is no {folder} (--data)")
+        return 0
+    from pendulum_page import write_page
+
+    made = study(folder)
+    held = bounds(made)
+    write_results(options.o, "python benchmarks/measured/double_pendulum/pendulum_study.py", results(made, held))
+    write_page(made, held, options.o.with_suffix(""))
+    print(*held, sep="\n")
+    return 0 if all(each.passed for each in held) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

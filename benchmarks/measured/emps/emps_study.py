@@ -1,0 +1,148 @@
+"""EMPS: find what a plain rigid axis lacks, then put its controller around the model and compare forces.
+
+    python benchmarks/measured/emps/emps_study.py -o benchmarks/results/emps.json
+
+Fitted to the estimation record; the record with pulses takes no part, as with the authors. Writes the results, and
+beside them a folder of that name with the page, its pictures and the diagnosis' own report. Without the data folder it
+says so and does nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from emps_data import (
+    HERE,
+    NAMES,
+    Inverse,
+    Loop,
+    closed_loop,
+    inverse,
+    least_squares,
+    published,
+    read_records,
+    replayed_controller,
+)
+from emps_friction import ViscousAsymmetry
+
+import flexdyn as fd
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from measure import Bound, write_results
+
+MOST = {"closed loop, DATA_EMPS": 0.039, "closed loop, PULSES": 0.05, "inverse model, DATA_EMPS": 0.032}
+"""Bounds of the force errors [1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Account:
+    """One model held against both records.
+
+    Attributes:
+        loops: by record, the published controller in the loop.
+        inverses: by record, along the measured motion.
+    """
+
+    loops: Mapping[str, Loop]
+    inverses: Mapping[str, Inverse]
+
+    @classmethod
+    def of(cls, model: fd.FlexibleJointModel, records: Mapping[str, fd.Recording], delay: int = 0) -> Account:
+        """Of a model; `delay` is the controller's, in samples."""
+        loops = {name: closed_loop(model, each, delay) for name, each in records.items()}
+        return cls(loops, {name: inverse(model, each) for name, each in records.items()})
+
+    def errors(self) -> dict[str, float]:
+        """Force errors by kind and record [1]."""
+        found = {f"inverse model, {name}": each.error for name, each in self.inverses.items()}
+        found |= {f"closed loop, {name}": each.force_error for name, each in self.loops.items()}
+        return found | {f"closed loop position, {name}": each.position_error for name, each in self.loops.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """All that the page shows.
+
+    Attributes:
+        diagnosis: of the plain axis.
+        accounts: by model.
+        late: errors of the controller's law along the measured positions, by delay in samples [1].
+        reference: force errors of plain least squares with friction of either direction, by record [1].
+    """
+
+    diagnosis: fd.Diagnosis
+    accounts: Mapping[str, Account]
+    late: Mapping[int, Mapping[str, float]]
+    reference: Mapping[str, float]
+
+
+def published_either_way(plain: fd.FlexibleJointModel) -> fd.FlexibleJointModel:
+    """The report's second model: viscous and dry friction of either direction (its mass is the first's to 0.05 %)."""
+    up, down = 166.7061, 240.4236
+    viscous = fd.effects.ViscousFriction("carriage", side="motor", coefficient=0.5 * (up + down))
+    dry = fd.effects.AsymmetricFriction("carriage", side="motor", level_positive=20.1440, level_negative=20.6277)
+    either = ViscousAsymmetry("carriage", side="motor", coefficient=0.5 * (up - down))
+    return plain.replace(effects=[viscous, dry, either])
+
+
+def study(folder: Path) -> Study:
+    """Everything, from the two records of a folder."""
+    records = read_records(folder)
+    plain = fd.load_model(HERE / "plain.yaml")
+    found = fd.diagnose(plain, fit=[records[NAMES[0]]], check=[records[NAMES[1]]])
+    accounts = {
+        "plain axis, as given": Account.of(plain, records),
+        "published model": Account.of(published(plain), records),
+        "published model, controller a sample late": Account.of(published(plain), records, delay=1),
+        "published, friction of either direction": Account.of(published_either_way(plain), records),
+        "found": Account.of(found.model, records),
+    }
+    late = {k: {name: replayed_controller(each, k) for name, each in records.items()} for k in (-1, 0, 1)}
+    reference = least_squares(records[NAMES[0]], list(records.values()))
+    return Study(found, accounts, late, dict(zip(records, reference, strict=True)))
+
+
+def bounds(made: Study) -> list[Bound]:
+    """What must hold."""
+    errors = made.accounts["found"].errors()
+    return [Bound(f"force error, {name}", errors[name], most) for name, most in MOST.items()]
+
+
+def results(made: Study, held: list[Bound]) -> dict[str, Any]:
+    """As the result file holds it."""
+    return {
+        "bounds": [each.to_dict() for each in held],
+        "errors": {name: each.errors() for name, each in made.accounts.items()},
+        "plain_least_squares_force_error": dict(made.reference),
+        "controller_replayed_error_by_delay": {str(k): dict(each) for k, each in made.late.items()},
+        "diagnosis": made.diagnosis.to_dict(),
+    }
+
+
+def main() -> int:
+    """The command."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-o", type=Path, required=True, help="the result file; the page goes into a folder beside it")
+    parser.add_argument("--data", type=Path, default=Path("../shared/data"), help="folder of the measured data")
+    options = parser.parse_args()
+    folder = options.data / "emps"
+    if not (folder / "DATA_EMPS.mat").is_file():
+        print(f"skipped: {folder} does not hold DATA_EMPS.mat and DATA_EMPS_PULSES.mat (--data)")
+        return 0
+    from emps_page import write_page
+
+    made = study(folder)
+    held = bounds(made)
+    write_results(options.o, "python benchmarks/measured/emps/emps_study.py", results(made, held))
+    write_page(made, held, options.o.with_suffix(""))
+    print(*held, sep="\n")
+    return 0 if all(each.passed for each in held) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,136 @@
+"""The screw drives' page: a verdict a drive and direction, its evidence, a picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from measure import Bound
+    from screw_study import Studied
+
+RPM = 30.0 / math.pi
+NOTES = """What this cannot tell:
+
+- Coulomb friction and load, direction by direction: both are a level. Half the sum of the two levels is what friction
+  takes, half the difference is load, gravity, an offset of the current, or asymmetric friction. Friction of these
+  drives grows with load (self-locking), so that is all of one piece, and one payload does not part it.
+- Whether a rise towards rest is of the screw, its nut or its bearings: there is the motor's side alone.
+- The velocity of a rise that is seen at the slowest two runs alone, as with the worm: only that it is of a few rpm.
+- Anything in the first instants of motion: the start-stop files have a sample in 40 ms, of an averaged torque. Where
+  the first 0.2 s do not stand out of what follows, a breakaway torque of another kind is not excluded.
+- `fd.diagnose` needs positions, and samples at 20 Hz or more; these files hold an averaged velocity at 8 to 156 Hz.
+  Runs at constant speed are judged by their means instead: `fd.steady_points`, `fd.steady_friction`."""
+
+
+def write_page(made: Sequence[Studied], held: Sequence[Bound], folder: Path) -> None:
+    """Write page.md and curves.png into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _draw(made, folder / "curves.png")
+    head = "# Screw drives: which show Stribeck friction, and in which direction"
+    checks = "\n".join(f"- {each}" for each in held)
+    parts = [head, checks, _verdicts(made), "![curves](curves.png)", _sentences(made), _starts(made), NOTES]
+    (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+
+
+def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def _verdicts(made: Sequence[Studied]) -> str:
+    rows = []
+    for of in made:
+        for direction, curve in of.curves.items():
+            for each in curve.trials:
+                halves = f"{each.prediction[0]:.0f} and {each.prediction[1]:.0f}"
+                why = "" if each.named else f": {each.why}"
+                verdict = f"**{'yes' if each.named else 'no'}**{why}"
+                name = each.effect.replace("_", " ")
+                evidence = [f"{each.delta_bic:.0f}", halves, f"{each.check:.0f}", f"{curve.speeds}"]
+                rows.append([of.drive.words, f"{direction:+d}", name, verdict, *evidence])
+    header = [
+        "drive",
+        "direction",
+        "beside Coulomb and viscous",
+        "shown?",
+        "drop of BIC",
+        "other speeds",
+        "start-stop",
+        "speeds",
+    ]
+    return _table(header, rows) + (
+        "\n\n*Other speeds*: drop of the squared errors, in units of noise, at the half of the speeds that was "
+        "predicted from the other half, both ways; *start-stop*: at the runs that took no part."
+    )
+
+
+def _sentences(made: Sequence[Studied]) -> str:
+    lines = []
+    for of in made:
+        milli, rpm = 1e3 / of.drive.ratio, of.drive.ratio * RPM
+        for direction, curve in of.curves.items():
+            said = [f"level {curve.level[0] * milli:.2f} +- {curve.level[1] * milli:.2f} mN m"]
+            for each in curve.trials:
+                if each.named and "excess" in each.numbers:
+                    (low, high), (slow, fast) = each.intervals["excess"], each.intervals["velocity"]
+                    excess, velocity = each.numbers["excess"][0], each.numbers["velocity"][0]
+                    said.append(
+                        f"Stribeck excess {excess * milli:.2f} mN m ({low * milli:.2f} to {high * milli:.2f}), "
+                        "velocity "
+                        f"{velocity * rpm:.1f} rpm ({slow * rpm:.1f} to {fast * rpm:.1f})"
+                    )
+                elif each.named:
+                    said.append("more than in proportion to speed when fast")
+            scatter = f"means scatter by {curve.scatter:.1f} of their own standard deviations"
+            lines.append(f"- {of.drive.words}, {direction:+d}: {'; '.join(said)}; {scatter}.")
+        lines.append(f"  The authors' parameters for this drive: {of.drive.said}.")
+    return "All at the motor; intervals of 95 %.\n\n" + "\n".join(lines)
+
+
+def _starts(made: Sequence[Studied]) -> str:
+    rows = [
+        [
+            of.drive.words, each.file, f"{each.speed:.0f}", f"{each.torque:.2f} +- {each.std:.2f}",
+            f"{each.predicted:.2f}", f"{each.plain:.2f}", f"{each.start:.1f}",
+        ]
+        for of in made
+        for each in of.stretches
+    ]  # fmt: skip
+    header = ["drive", "start-stop file", "rpm", "torque [mN m]", "named laws say", "Coulomb, viscous say", "start"]
+    return _table(header, rows) + (
+        "\n\n*Start*: the greatest sample of the first 0.2 s of motion above the mean, in standard deviations of "
+        "single samples; the greatest of five samples of plain noise is about 1.2."
+    )
+
+
+def _draw(made: Sequence[Studied], path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 6.6), layout="constrained")
+    axes = figure.subplots(2, len(made))
+    for column, of in enumerate(made):
+        milli, ratio = 1e3 / of.drive.ratio, of.drive.ratio
+        for row, direction in enumerate((1, -1)):
+            ax, curve = axes[row, column], of.curves[direction]
+            own = [point for point in of.points if point.speed * direction > 0.0]
+            u = np.array([abs(point.speed) for point in own])
+            tau = np.array([abs(point.torque) for point in own]) * milli
+            ax.errorbar(
+                u * ratio * RPM, tau, [2.0 * p.std * milli for p in own], fmt="o", ms=3.5, color="black", lw=0.8
+            )
+            line = np.geomspace(0.8 * u.min(), u.max(), 300)
+            named = ", ".join(curve.named) or "nothing"
+            law = [abs(curve.torque(direction * float(each))) * milli for each in line]
+            ax.plot(line * ratio * RPM, law, color="tab:blue", label=f"named: {named}")
+            for each in of.stretches:
+                if each.speed * direction > 0.0:
+                    ax.plot(abs(each.speed), abs(each.torque), "D", ms=5, mfc="none", color="tab:orange")
+            ax.set_xscale("log")
+            ax.set(title=f"{of.drive.words}, {direction:+d}", xlabel="motor [rpm]", ylabel="abs(torque) [mN m]")
+            ax.legend(fontsize=7)
+    figure.savefig(path, dpi=110)

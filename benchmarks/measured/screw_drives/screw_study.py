@@ -1,0 +1,221 @@
+"""Three screw drives: which show Stribeck friction, which do not, in which direction.
+
+    python benchmarks/measured/screw_drives/screw_study.py -o benchmarks/results/screw_drives.json
+
+Runs at constant speed (0.096 kg) make a friction curve a direction; laws are named where half of the speeds predicts
+the other half better with them, and the start-stop files, which take no part, do not speak against them
+(`fd.steady_friction`). Writes the results, and beside them a folder of that name with the page and its picture.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import flexdyn as fd
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from measure import Bound, write_results
+
+HERE = Path(__file__).parent
+EDITED = {"driveNo3": ("1.csv", "2.csv", "n1.csv")}
+"""Files in which somebody typed over measured values: left out."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """One drive.
+
+    Attributes:
+        name: its folder.
+        words: what it is.
+        map: channel map.
+        joint: that it moves.
+        ratio: gear ratio [1 or rad/m].
+        said: what the authors' parameters say of Stribeck friction.
+    """
+
+    name: str
+    words: str
+    map: str
+    joint: str
+    ratio: float
+    said: str
+
+
+LEAD = 2.0 * math.pi / 0.002
+DRIVES = (
+    Drive("driveNo1", "lead screw", "map_lead_screw.yaml", "nut", LEAD, "increment 0.1, velocity 6.4 rad/s (61 rpm)"),
+    Drive("driveNo2", "anti-backlash lead screw", "map_lead_screw.yaml", "nut", LEAD, "velocity 0: none"),
+    Drive("driveNo3", "worm 60:1", "map_worm.yaml", "wheel", 60.0, "increment 0.06, velocity 0.688 rad/s (6.6 rpm)"),
+)
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Motion in one direction in a start-stop file, which took no part.
+
+    Attributes:
+        file: and speed and direction.
+        speed: mean of the motor [rpm].
+        torque: mean of the motor, once it is under way [mN m].
+        std: of that mean.
+        predicted: by the curve with all laws that were named [mN m].
+        plain: by the best curve of Coulomb and viscous friction [mN m].
+        start: how far the first 0.2 s of motion exceed the mean, in standard deviations of single samples [1].
+    """
+
+    file: str
+    speed: float
+    torque: float
+    std: float
+    predicted: float
+    plain: float
+    start: float
+
+
+@dataclass(frozen=True, eq=False)
+class Studied:
+    """One drive's points of steady and of start-stop files, curves, and what the curves say of the latter."""
+
+    drive: Drive
+    points: tuple[fd.SteadyPoint, ...]
+    check: tuple[fd.SteadyPoint, ...]
+    curves: Mapping[int, fd.SteadyFriction]
+    stretches: tuple[Stretch, ...]
+
+
+def studied(folder: Path, drive: Drive) -> Studied:
+    """Everything of one drive."""
+    steady = sorted((folder / drive.name / "steady_state" / "0.096kg").glob("*.csv"))
+    kept = [path for path in steady if path.name not in EDITED.get(drive.name, ())]
+    runs = [fd.read_recording(path, map=HERE / drive.map, name=path.stem) for path in kept]
+    points = fd.steady_points(runs, drive.joint)
+    files = sorted((folder / drive.name / "start_stop").glob("*.csv"))
+    moves = [_underway(drive, fd.read_recording(path, map=HERE / drive.map, name=path.stem)) for path in files]
+    check = fd.steady_points([under for pair in moves for under, _ in pair], drive.joint)
+    curves = fd.steady_friction(points, check)
+    starts = {under.name: start for pair in moves for under, start in pair}
+    plain = {direction: _plain([p for p in points if p.speed * direction > 0.0]) for direction in (1, -1)}
+    return Studied(drive, points, check, curves, tuple(_stretch(drive, p, curves, plain, starts) for p in check))
+
+
+def _underway(drive: Drive, run: fd.Recording) -> list[tuple[fd.Recording, float]]:
+    """The motion in each direction without its first and last 0.5 s, and how far its first 0.2 s stand out of it."""
+    speed, torque = run[f"omega.{drive.joint}"], run[f"tau.{drive.joint}"]
+    found = []
+    for direction in (1.0, -1.0):
+        rows = np.flatnonzero(speed * direction > 0.25 * np.abs(speed).max())
+        part = run.trim(run.t[rows[0]] + 0.5, run.t[rows[-1]] - 0.5)
+        part = fd.Recording(
+            part.t, part.channels, meta=part.meta, name=f"{run.name}.csv {'+' if direction > 0 else '-'}"
+        )
+        under = part[f"tau.{drive.joint}"]
+        first = torque[rows[run.t[rows] < run.t[rows[0]] + 0.2]]
+        found.append((part, float((direction * (first - under.mean())).max() / under.std())))
+    return found
+
+
+def _plain(points: list[fd.SteadyPoint]) -> tuple[float, float]:
+    """Level and viscous coefficient alone, by least squares."""
+    std = np.array([point.std for point in points])
+    X = np.array([[1.0, abs(point.speed)] for point in points]) / std[:, None]
+    level, slope = np.linalg.lstsq(X, np.array([abs(point.torque) for point in points]) / std, rcond=None)[0]
+    return float(level), float(slope)
+
+
+def _stretch(
+    drive: Drive,
+    point: fd.SteadyPoint,
+    curves: Mapping[int, fd.SteadyFriction],
+    plain: Mapping[int, tuple[float, float]],
+    starts: Mapping[str, float],
+) -> Stretch:
+    direction = 1 if point.speed > 0.0 else -1
+    milli = 1e3 / drive.ratio
+    level, slope = plain[direction]
+    return Stretch(
+        file=point.name,
+        speed=point.speed * drive.ratio * 30.0 / math.pi,
+        torque=point.torque * milli,
+        std=point.std * milli,
+        predicted=curves[direction].torque(point.speed) * milli,
+        plain=direction * (level + slope * abs(point.speed)) * milli,
+        start=starts[point.name],
+    )
+
+
+def bounds(made: tuple[Studied, ...]) -> list[Bound]:
+    """No law without the check of other speeds; the curves predict the start-stop files."""
+    unchecked = sum(
+        each.named and (min(each.prediction) < 0.0 or sum(each.prediction) <= 0.0)
+        for of in made
+        for curve in of.curves.values()
+        for each in curve.trials
+    )
+    off = [abs(each.predicted / each.torque - 1.0) for of in made for each in of.stretches]
+    return [
+        Bound("laws named that other speeds do not confirm", float(unchecked), 0.0),
+        Bound("median error of the torque predicted for start-stop files", float(np.median(off)), 0.1),
+    ]
+
+
+def results(made: tuple[Studied, ...], held: list[Bound]) -> dict[str, Any]:
+    """As the result file holds it."""
+    return {
+        "bounds": [each.to_dict() for each in held],
+        "drives": {
+            of.drive.name: {
+                "what": of.drive.words,
+                "directions": {
+                    f"{direction:+d}": {
+                        "named": list(curve.named),
+                        "level": curve.level,
+                        "viscous": curve.viscous,
+                        "scatter": curve.scatter,
+                        "speeds": curve.speeds,
+                        "trials": [asdict_of(each) for each in curve.trials],
+                    }
+                    for direction, curve in of.curves.items()
+                },
+                "start_stop": [asdict(each) for each in of.stretches],
+            }
+            for of in made
+        },
+    }
+
+
+def asdict_of(trial: fd.LawTrial) -> dict[str, Any]:
+    """A trial as JSON takes it."""
+    return vars(trial) | {"numbers": dict(trial.numbers), "intervals": dict(trial.intervals)}
+
+
+def main() -> int:
+    """The command."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-o", type=Path, required=True, help="the result file; the page goes into a folder beside it")
+    parser.add_argument("--data", type=Path, default=Path("../shared/data"), help="folder of the measured data")
+    options = parser.parse_args()
+    folder = options.data / "screw_drives"
+    if not (folder / "driveNo1").is_dir():
+        print(f"skipped: {folder} does not hold driveNo1, driveNo2, driveNo3 (--data)")
+        return 0
+    from screw_page import write_page
+
+    made = tuple(studied(folder, drive) for drive in DRIVES)
+    held = bounds(made)
+    write_results(options.o, "python benchmarks/measured/screw_drives/screw_study.py", results(made, held))
+    write_page(made, held, options.o.with_suffix(""))
+    print(*held, sep="\n")
+    return 0 if all(each.passed for each in held) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

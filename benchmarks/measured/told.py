@@ -1,0 +1,35 @@
+"""What a diagnosis found, as Markdown: findings with their numbers, calibrated numbers, the gap."""
+
+from __future__ import annotations
+
+from flexdyn.diagnose.result import Diagnosis, Finding, Suspect
+
+
+def findings_text(diagnosis: Diagnosis) -> str:
+    """One line a finding, with what it cannot be told from; a line that says so where there is none."""
+    lines = [f"- {_finding(each)}" for each in diagnosis.findings]
+    return "\n".join(lines) if lines else "- No finding."
+
+
+def gap_text(diagnosis: Diagnosis) -> str:
+    """The verdict, and the gap on the check's windows."""
+    gap = diagnosis.check
+    if gap is None:
+        return f"Verdict: **{diagnosis.verdict}**."
+    return (
+        f"Verdict: **{diagnosis.verdict}**. Gap on windows of 0.5 s that took no part, in units of what noise alone "
+        f"makes: {gap.before:.2f} as given, {gap.calibrated:.2f} with the file's numbers within their tolerance, "
+        f"**{gap.after:.2f} after**; a perfect model reaches {gap.floor:.2f}."
+    )
+
+
+def _finding(each: Finding) -> str:
+    suspect = each.suspect
+    numbers = ", ".join(f"{key} {x.value:.4g} +- {x.std:.2g} {x.unit}" for key, x in suspect.parameters.items())
+    rivals = ", ".join(_name(rival) for rival in each.rivals)
+    return f"**{_name(suspect)}**: {numbers}." + (f" Not told apart from: {rivals}." if rivals else "")
+
+
+def _name(suspect: Suspect) -> str:
+    place = ", ".join(str(part) for part in (suspect.joint, suspect.side, *suspect.place.values()) if part)
+    return f"{suspect.effect.replace('_', ' ')} ({place})"

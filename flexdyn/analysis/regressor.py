@@ -1,0 +1,99 @@
+"""The equations of motion as columns: torques are linear in the numbers of bodies, rotors and friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from flexdyn.effects import CoulombFriction, Payload, TorqueOffset, ViscousFriction
+from flexdyn.model import FlexibleJointModel
+from flexdyn.robot.tree import Tree
+
+Array = NDArray[np.float64]
+BODY = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+"""Numbers of a body in Pinocchio's order: mass [kg], mass times centre [kg m], inertia about its joint [kg m^2]."""
+FRICTION = ("viscous", "coulomb", "offset")
+"""Numbers of a joint's friction: [N m s/rad], [N m], [N m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regressor:
+    """``tau = W p``, row by row in time, and within one time joint by joint.
+
+    Attributes:
+        names: of the numbers p, ``<joint>.<number>``; see `BODY`, ``J`` of the rotor, `FRICTION`.
+        columns: W (samples * n, numbers).
+        values: p of the model (numbers,).
+    """
+
+    names: tuple[str, ...]
+    columns: Array
+    values: Array
+
+
+def regressor(model: FlexibleJointModel, q: Array, v: Array, a: Array, omega: Array, alpha: Array) -> Regressor:
+    """Columns of every number along a motion.
+
+    Bodies are those of the tree: what is fixed to a joint is one body, in the frame of that joint. A joint that follows
+    another one acts on its leader: ``tau = G^T Y(G q + g0, G v, G a) phi``.
+
+    Args:
+        model: resolved.
+        q: of the links (samples, n) [rad].
+        v: likewise [rad/s].
+        a: likewise [rad/s^2].
+        omega: of the rotors (samples, n) [rad/s].
+        alpha: likewise [rad/s^2].
+
+    Returns:
+        Columns of bodies, rotors, and friction (a level times the sign of omega).
+    """
+    tree, arm = model.robot.tree, model.robot.pin_model
+    arm.gravity.linear = np.array(model.gravity)
+    data = arm.createData()
+    gain = tree.gain
+    bodies = [
+        gain.T @ pin.computeJointTorqueRegressor(arm, data, *each)
+        for each in zip(q @ gain.T + tree.offset, v @ gain.T, a @ gain.T, strict=True)
+    ]
+    per_joint = np.stack([alpha, omega, np.sign(omega), np.ones_like(omega)], axis=2)
+    joints = np.einsum("tjk,ij->tijk", per_joint, np.eye(model.n)).reshape(len(q) * model.n, -1)
+    names = [f"{name}.{number}" for name in list(arm.names)[1:] for number in BODY]
+    names += [f"{joint}.{number}" for joint in model.joint_names for number in ("J", *FRICTION)]
+    values = np.concatenate([_bodies(model), *_joints(model)])
+    return Regressor(tuple(names), np.hstack([np.concatenate(bodies), joints]), values)
+
+
+def body_numbers(tree: Tree) -> Array:
+    """The bodies' numbers (10 m,), in the order of `BODY`."""
+    found = []
+    for mass, com, inertia in zip(tree.mass, tree.com, tree.inertia, strict=True):
+        about = inertia + mass * (com @ com * np.eye(3) - np.outer(com, com))
+        xx, xy, yy, xz, yz, zz = (about[i, j] for i, j in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)))
+        found.append([mass, *(mass * com), xx, xy, yy, xz, yz, zz])
+    return np.ravel(found)
+
+
+def _bodies(model: FlexibleJointModel) -> Array:
+    tree = model.robot.tree
+    for effect in model.all_effects:
+        if isinstance(effect, Payload):
+            tree = tree.with_point_mass(model.robot.frame(effect.frame or model.robot.tip), effect.mass)
+    return body_numbers(tree)
+
+
+def _joints(model: FlexibleJointModel) -> list[Array]:
+    """J, viscous coefficient, Coulomb level and offset of every joint; friction of both sides adds up."""
+    numbers = np.zeros((model.n, 4))
+    numbers[:, 0] = model.rotor_inertia
+    for effect in model.all_effects:
+        if isinstance(effect, ViscousFriction):
+            numbers[model.index(effect.joint), 1] += effect.coefficient
+        elif isinstance(effect, CoulombFriction):
+            numbers[model.index(effect.joint), 2] += effect.level
+        elif isinstance(effect, TorqueOffset):
+            numbers[model.index(effect.joint), 3] -= effect.offset
+    return list(numbers)

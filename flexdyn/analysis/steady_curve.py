@@ -1,0 +1,149 @@
+"""Curves of friction over speed, fitted to points of one direction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.analysis.steady_points import SteadyPoint
+
+Array = NDArray[np.float64]
+LAWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"stribeck_friction": ("excess", "velocity"), "quadratic_drag": ("coefficient",)}
+)
+"""Laws that are tried beside Coulomb and viscous friction, and their numbers."""
+SLOWEST = 0.5
+"""Share of the slowest speed below which no Stribeck velocity is looked for: little of its rise would be seen."""
+VELOCITY = "stribeck_friction.velocity"
+LIKELY = 3.84
+"""Rise of the squared white residuals at the ends of an interval of 95 %."""
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Points of one direction: speeds, torques along the motion and standard deviations."""
+
+    u: Array
+    tau: Array
+    std: Array
+
+    @classmethod
+    def of(cls, points: Sequence[SteadyPoint], direction: int) -> Points:
+        """Those of a direction, by speed."""
+        own = sorted((p for p in points if p.speed * direction > 0.0), key=lambda p: abs(p.speed))
+        u, tau, std = (np.array([getattr(p, key) for p in own]) for key in ("speed", "torque", "std"))
+        return cls(np.abs(u), direction * tau, std)
+
+    def scaled(self, factor: float) -> Points:
+        """With standard deviations enlarged."""
+        return Points(self.u, self.tau, factor * self.std)
+
+    def part(self, rows: NDArray[np.bool_]) -> Points:
+        """Some of them."""
+        return Points(self.u[rows], self.tau[rows], self.std[rows])
+
+    def off(self, curve: Curve) -> float:
+        """Squared errors of a curve in units of noise."""
+        return float((((curve.at(self.u) - self.tau) / self.std) ** 2).sum()) if len(self.u) else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A fitted curve.
+
+    Attributes:
+        names: of its numbers.
+        values: of them.
+        covariance: of them, for small errors.
+        chi2: squared white residuals.
+        near: curves of other Stribeck velocities that do nearly as well.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array
+    chi2: float
+    near: tuple[Curve, ...] = ()
+
+    @classmethod
+    def fitted(cls, points: Points, laws: Sequence[str]) -> Curve:
+        """Least squares with the velocity on a grid."""
+        names = ["level", "viscous", *(f"{law}.{name}" for law in laws for name in LAWS[law])]
+        if "stribeck_friction" not in laws:
+            return cls._at(points, names, None)
+        grid = np.geomspace(SLOWEST * points.u.min(), points.u.max(), 60)
+        curves = [cls._at(points, names, float(each)) for each in grid]
+        best = min(curves, key=lambda curve: curve.chi2)
+        return replace(best, near=tuple(curve for curve in curves if curve.chi2 - best.chi2 < LIKELY))
+
+    @classmethod
+    def _at(cls, points: Points, names: Sequence[str], velocity: float | None) -> Curve:
+        u, tau, std = points.u, points.tau, points.std
+        X = np.stack([_column(name, u, velocity) for name in names], axis=1) / std[:, None]
+        linear = [k for k, name in enumerate(names) if name != VELOCITY]
+        values = np.zeros(len(names))
+        values[linear] = _physical(X[:, linear], tau / std)
+        left = tau / std - X[:, linear] @ values[linear]
+        if velocity is not None:
+            at = names.index(VELOCITY)
+            values[at] = velocity
+            X[:, at] *= values[names.index("stribeck_friction.excess")]
+        length = np.linalg.norm(X, axis=0)
+        length[length == 0.0] = 1.0
+        inverse = np.linalg.pinv((X / length).T @ (X / length), hermitian=True) / np.outer(length, length)
+        return cls(tuple(names), values, np.asarray(inverse), float(left @ left))
+
+    @property
+    def size(self) -> int:
+        """Number of numbers."""
+        return len(self.names)
+
+    def number(self, name: str) -> tuple[float, float]:
+        """Value and standard deviation."""
+        k = self.names.index(name)
+        return float(self.values[k]), float(np.sqrt(self.covariance[k, k]))
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """Of 95 %, by the likelihood's profile: numbers of a broad rise are anything but Gaussian."""
+        ends = []
+        for curve in self.near or (self,):
+            k, C = self.names.index(name), curve.covariance
+            variance = C[k, k]
+            if self.near:
+                at = self.names.index(VELOCITY)
+                variance = C[k, k] - C[k, at] ** 2 / C[at, at] if name != VELOCITY and C[at, at] > 0.0 else 0.0
+            half = math.sqrt(max(0.0, variance * (LIKELY - curve.chi2 + self.chi2)))
+            ends += [float(curve.values[k] - half), float(curve.values[k] + half)]
+        return min(ends), max(ends)
+
+    def at(self, u: Array) -> Array:
+        """The curve (speeds,)."""
+        known = dict(zip(self.names, self.values.tolist(), strict=True))
+        velocity = known.pop(VELOCITY, None)
+        return np.asarray(sum(value * _column(name, u, velocity) for name, value in known.items()))
+
+
+def _column(name: str, u: Array, velocity: float | None) -> Array:
+    """Derivative of the curve by a number; that by the velocity for an excess of 1."""
+    if velocity is not None and name == VELOCITY:
+        return np.asarray(u / velocity**2 * np.exp(-u / velocity))
+    if velocity is not None and name == "stribeck_friction.excess":
+        return np.asarray(np.exp(-u / velocity))
+    return np.asarray({"level": u**0, "viscous": u}.get(name, u * u))
+
+
+def _physical(X: Array, y: Array) -> Array:
+    """Least squares in which no number but the first, the level, may be negative: friction never drives."""
+    values, free = np.zeros(X.shape[1]), list(range(X.shape[1]))
+    while True:
+        solved = np.linalg.lstsq(X[:, free], y, rcond=None)[0]
+        worst = min(range(len(free)), key=lambda k: solved[k] * np.linalg.norm(X[:, free[k]]) if free[k] else np.inf)
+        if not free[worst] or solved[worst] >= 0.0:
+            values[free] = solved
+            return values
+        del free[worst]

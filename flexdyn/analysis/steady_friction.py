@@ -1,0 +1,179 @@
+"""steady_friction: which laws runs at constant speed show, direction by direction, confirmed at other speeds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.analysis.steady_curve import LAWS, SLOWEST, Curve, Points
+from flexdyn.analysis.steady_points import SteadyPoint
+from flexdyn.errors import InputError
+
+Array = NDArray[np.float64]
+LEAST = 8
+"""Speeds of one direction that are needed: four to fit and four to check."""
+ENOUGH = 10.0
+"""Drop of BIC, and of the squared errors of prediction at other speeds, for which a law is named."""
+SURE = 3.0
+"""Standard deviations by which its number must be above zero: root of the drop of the squared white residuals."""
+AGAINST = 4.0
+"""Rise of the squared errors at points that took no part by which they speak against a law."""
+
+
+@dataclass(frozen=True)
+class LawTrial:
+    """One law beside all others that were named.
+
+    Attributes:
+        effect: its name.
+        named: whether all of what follows holds.
+        numbers: value and standard deviation by name, for small errors.
+        intervals: of 95 % by the likelihood's profile, which holds for large ones too.
+        delta_bic: drop by the law.
+        prediction: drop of the squared errors, in units of noise, at speeds that took no part: half of the speeds is
+            fitted, the other half predicted, and the other way round.
+        check: the same at points that took no part at all; 0 where there are none.
+        why: a law is not named; empty where it is.
+    """
+
+    effect: str
+    named: bool
+    numbers: Mapping[str, tuple[float, float]]
+    intervals: Mapping[str, tuple[float, float]]
+    delta_bic: float
+    prediction: tuple[float, float]
+    check: float
+    why: str
+
+    def __post_init__(self) -> None:
+        """Lock the mappings."""
+        for name in ("numbers", "intervals"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Read-only mappings do not pickle: send a plain one."""
+        values = (getattr(self, entry.name) for entry in fields(self))
+        return (type(self), tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values))
+
+
+@dataclass(frozen=True)
+class SteadyFriction:
+    """Friction in one direction.
+
+    Attributes:
+        direction: +1 or -1.
+        level: torque that motion takes at any speed, and its standard deviation: Coulomb friction, and what load or
+            gravity add to it, which one direction alone does not tell apart [N m or N].
+        viscous: coefficient and standard deviation [N m s/rad or N s/m].
+        trials: of every law of `LAWS`.
+        scatter: of the points about the curve, in units of their own standard deviations [1].
+        speeds: how many.
+    """
+
+    direction: int
+    level: tuple[float, float]
+    viscous: tuple[float, float]
+    trials: tuple[LawTrial, ...]
+    scatter: float
+    speeds: int
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """Laws that the runs show beside Coulomb and viscous friction."""
+        return tuple(each.effect for each in self.trials if each.named)
+
+    def torque(self, speed: float) -> float:
+        """Of the curve at a speed of this direction [N m or N]: it has the speed's sign."""
+        u = abs(speed)
+        total = self.level[0] + self.viscous[0] * u
+        for each in self.trials:
+            if each.named and each.effect == "stribeck_friction":
+                total += each.numbers["excess"][0] * math.exp(-u / each.numbers["velocity"][0])
+            elif each.named:
+                total += each.numbers["coefficient"][0] * u * u
+        return self.direction * total
+
+
+def steady_friction(points: Sequence[SteadyPoint], check: Sequence[SteadyPoint] = ()) -> dict[int, SteadyFriction]:
+    """The friction that runs at constant speed show, direction by direction.
+
+    ``abs(tau) = level + viscous u + excess exp(-u/velocity) + coefficient u^2`` over u = abs(speed). Points weigh by
+    their standard deviations, enlarged by what the fullest curve leaves. A law beyond level and viscous friction is
+    named where BIC wants it, its number is surely above zero, both halves of the speeds predict the other better with
+    it, and runs that took no part do not surely speak against it.
+
+    Args:
+        points: of runs at constant speed; see `steady_points`.
+        check: others, of another day or another motion, at any speeds.
+
+    Returns:
+        By direction, +1 and -1; those with 8 speeds or more.
+
+    Raises:
+        InputError: no direction has enough speeds.
+    """
+    found = {}
+    for direction in (1, -1):
+        own = Points.of(points, direction)
+        if len(own.u) >= LEAST:
+            found[direction] = _of_direction(direction, own, Points.of(check, direction))
+    if not found:
+        remedy = f"record {LEAST} constant speeds or more, from creeping to fast"
+        raise InputError("too few speeds in either direction", key="points", value=len(points), remedy=remedy)
+    return found
+
+
+def _of_direction(direction: int, points: Points, check: Points) -> SteadyFriction:
+    whole = Curve.fitted(points, tuple(LAWS))
+    scatter = math.sqrt(whole.chi2 / max(1, len(points.u) - whole.size))
+    points, check = (each.scaled(max(1.0, scatter)) for each in (points, check))
+    named: tuple[str, ...] = ()
+    while True:
+        rest = {law: Curve.fitted(points, (*named, law)) for law in LAWS if law not in named}
+        good = [law for law in rest if _trial(law, points, check, named).named]
+        if not good:
+            break
+        named = (*named, min(good, key=lambda law: rest[law].chi2 + rest[law].size * math.log(len(points.u))))
+    now = Curve.fitted(points, named)
+    trials = tuple(_trial(law, points, check, tuple(each for each in named if each != law)) for law in LAWS)
+    return SteadyFriction(direction, now.number("level"), now.number("viscous"), trials, scatter, len(points.u))
+
+
+def _trial(law: str, points: Points, check: Points, others: tuple[str, ...]) -> LawTrial:
+    laws = (*others, law)
+    without, curve = Curve.fitted(points, others), Curve.fitted(points, laws)
+    gained = without.chi2 - curve.chi2
+    drop = gained - len(LAWS[law]) * math.log(len(points.u))
+    odd = np.arange(len(points.u)) % 2 == 1
+    one, two = (_predicted(points.part(half), points.part(~half), others, laws) for half in (~odd, odd))
+    checked = check.off(without) - check.off(curve)
+    numbers = {name: curve.number(f"{law}.{name}") for name in LAWS[law]}
+    why = ""
+    if gained < SURE**2:
+        why = "its number is not surely above zero"
+    elif drop < ENOUGH:
+        why = "the fit does not want it"
+    elif min(one, two) < 0.0 or one + two < ENOUGH:
+        why = "other speeds do not confirm it"
+    elif law == "stribeck_friction" and not _within(numbers["velocity"][0], points.u):
+        why = "its velocity lies outside the speeds that were run"
+    elif checked < -AGAINST:
+        why = "runs that took no part speak against it"
+    intervals = {name: curve.interval(f"{law}.{name}") for name in LAWS[law]}
+    return LawTrial(law, not why, numbers, intervals, drop, (one, two), checked, why)
+
+
+def _predicted(fit: Points, rest: Points, *laws: tuple[str, ...]) -> float:
+    """Drop of the squared errors at the rest from the first laws to the second."""
+    before, after = (rest.off(Curve.fitted(fit, each)) for each in laws)
+    return before - after
+
+
+def _within(velocity: float, u: Array) -> bool:
+    return bool(1.01 * SLOWEST * u.min() < velocity < 0.5 * u.max())

@@ -1,0 +1,80 @@
+"""Runs at constant speed as points of a friction curve, with what their means are worth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.errors import InputError
+from flexdyn.records import Recording
+
+Array = NDArray[np.float64]
+FADED = 0.05
+"""Autocorrelation from which samples are taken to be independent."""
+
+
+@dataclass(frozen=True)
+class SteadyPoint:
+    """One run at constant speed.
+
+    Attributes:
+        speed: mean [rad/s or m/s].
+        torque: mean of the motor, reflected [N m or N].
+        std: standard deviation of that mean, the colour of the samples counted in.
+        name: of the run.
+    """
+
+    speed: float
+    torque: float
+    std: float
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        """Check.
+
+        Raises:
+            InputError: numbers that are not finite, or a standard deviation that is not above 0.
+        """
+        for key in ("speed", "torque", "std"):
+            value = getattr(self, key)
+            if not np.isfinite(value) or (key == "std" and value <= 0.0):
+                raise InputError("a finite number is needed, above 0 for std", key=key, value=value, file=self.name)
+
+
+def steady_points(recordings: Sequence[Recording], joint: str) -> tuple[SteadyPoint, ...]:
+    """The mean speed and torque of each run, with the standard deviation of the mean torque.
+
+    Args:
+        recordings: each at one constant speed, with ``tau.JOINT`` and ``omega.JOINT`` or ``v.JOINT``.
+        joint: whose friction it is.
+
+    Returns:
+        A point a run, in order of speed.
+
+    Raises:
+        InputError: a run without torque or velocity, or one whose torque never changes.
+    """
+    points = []
+    for each in recordings:
+        signal = "omega" if each.has("omega", joint) else "v"
+        if not each.has(signal, joint):
+            remedy = f"record omega.{joint}, or differentiate the position"
+            raise InputError("no velocity of the joint was recorded", file=each.name, key=joint, remedy=remedy)
+        speed, torque = each[f"{signal}.{joint}"], each[f"tau.{joint}"]
+        points.append(SteadyPoint(float(speed.mean()), float(torque.mean()), std_of_mean(torque), each.name))
+    return tuple(sorted(points, key=lambda point: point.speed))
+
+
+def std_of_mean(x: Array) -> float:
+    """Standard deviation of the mean of coloured samples: ``s sqrt((1 + 2 sum rho)/n)``."""
+    off = x - x.mean()
+    power = float(off @ off)
+    if power == 0.0:
+        return 0.0
+    rho = np.correlate(off, off, "full")[len(x) - 1 :] / power
+    faded = np.flatnonzero(rho < FADED)
+    within = rho[1 : faded[0]] if len(faded) else rho[1:]
+    return float(x.std(ddof=1) * np.sqrt((1.0 + 2.0 * within.sum()) / len(x)))

@@ -1,0 +1,134 @@
+"""From the last stage of the search to the answer: final numbers, which names stand, the gap, the verdict."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexdyn.diagnose.contest import contested
+from flexdyn.diagnose.estimate import fit
+from flexdyn.diagnose.experiment import with_experiment
+from flexdyn.diagnose.findings import calibrations, finding, out_of_tolerance, suspected, tried
+from flexdyn.diagnose.gap import shoot
+from flexdyn.diagnose.localise import localise, traces
+from flexdyn.diagnose.measured import Measured
+from flexdyn.diagnose.nesting import simplified
+from flexdyn.diagnose.refine import Refined, of_fit, refine
+from flexdyn.diagnose.result import Diagnosis, Finding, Gap
+from flexdyn.diagnose.search import Candidate
+from flexdyn.diagnose.selection import Search
+from flexdyn.diagnose.stage import Named, Stage
+from flexdyn.diagnose.verify import EXPLAINED, SURE, better
+from flexdyn.diagnose.windows import Windows
+from flexdyn.model import FlexibleJointModel
+
+ROUGH = 2.0
+"""Mean square of the equations' white residuals above which the filters, and not the noise, limit the fit."""
+LEFT = 0.1
+"""Share of what was unexplained that may be left for names to stand, where not all is explained."""
+
+
+def concluded(
+    model: FlexibleJointModel, search: Search, stages: Sequence[Stage], windows: Windows, *, hurry: bool = False
+) -> Diagnosis:
+    """What the stages say, with the gap of the model as given, calibrated and corrected.
+
+    Args:
+        model: as given.
+        search: that made the stages.
+        stages: the first one without any effect, the last one with all.
+        windows: of the data of the fit.
+        hurry: leave out what only makes the numbers better.
+    """
+    first, last = stages[0], stages[-1]
+    if _explained(last):
+        last = _freed(search, last)
+    elif last.named and last.trial.excess > LEFT * first.trial.excess:
+        last = first
+    if not hurry:
+        last = contested(search, last, windows)
+    numbers = of_fit(last.fitted)
+    if last.named and last.fitted.reduced > ROUGH and not hurry:
+        last, numbers = _simulated(search, last, windows)
+    numbers = simplified(numbers)
+    corrected, calibrated = numbers.hypothesis.seen(), first.fitted
+    gaps = []
+    for each in (windows, search.check.windows):
+        after = shoot(corrected, each)
+        given = shoot(calibrated.hypothesis.seen(), each)
+        gaps.append(Gap(shoot(model, each).gap, given.gap, after.gap, after.floor()))
+    findings = _findings(model, search, first, last, numbers, hurry=hurry)
+    space, corrected = calibrated.space, numbers.hypothesis.model()
+    mask = space.whiten.mask
+    left = calibrated.regression.left[: len(mask)]  # white rows, a count more or less of the encoders allowed for
+    verdict = "unexplained" if not _explained(last) else "explained" if findings else "no_discrepancy"
+    return Diagnosis(
+        verdict=verdict,
+        findings=findings,
+        calibration=calibrations(model, numbers),
+        fit=gaps[0],
+        check=gaps[1],
+        where=() if verdict == "no_discrepancy" else localise(calibrated.equations, left, mask),
+        model=corrected,
+        notes=_notes(model, search.space.equations.data),
+        residuals=traces(space.equations, space.equations.of(corrected), mask),
+    )
+
+
+def _explained(stage: Stage) -> bool:
+    return stage.trial.median <= EXPLAINED * max(stage.trial.shot.floor(), 1.0)
+
+
+def _freed(search: Search, stage: Stage) -> Stage:
+    """Numbers that are surely out of tolerance named for it."""
+    wrong = out_of_tolerance(of_fit(stage.fitted))
+    if not wrong:
+        return stage
+    hypothesis = stage.fitted.hypothesis
+    made = fit(dataclasses.replace(hypothesis, freed=hypothesis.freed | set(wrong)), search.space)
+    drop = stage.fitted.chi2 - made.chi2
+    named = tuple(Named(Candidate(made, drop, 0.0, None, number, made.chi2)) for number in wrong)
+    return Stage(made, search.check.of(made.hypothesis), (*stage.named, *named))
+
+
+def _simulated(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refined]:
+    """The stage with its numbers fitted to simulated windows, where the check is surely less off with them."""
+    what, by_rows = "fitting simulated windows", of_fit(stage.fitted)
+    refined = refine(stage.fitted.hypothesis, windows, progress=lambda share: search.say(what, share))
+    trial = search.check.of(refined.hypothesis)
+    if better(stage.trial, trial) < SURE:
+        return stage, by_rows
+    return dataclasses.replace(stage, trial=trial), dataclasses.replace(
+        refined, std=np.maximum(refined.std, by_rows.std)
+    )
+
+
+def _findings(
+    model: FlexibleJointModel, search: Search, first: Stage, last: Stage, numbers: Refined, *, hurry: bool
+) -> tuple[Finding, ...]:
+    """Named effects with their final numbers, the one that explains most first."""
+    found = []
+    for k, each in enumerate(last.named):
+        less = first if each.stays else search.stage(*last.without({k}))
+        gain = (less.trial.gap - last.trial.gap) / max(first.trial.gap - min(last.trial.gap, 1.0), 1e-9)
+        made = finding(model, each.candidate, each.rivals, numbers, float(np.clip(gain, 0.0, 1.0)))
+        if made is not None and not hurry:
+            others = [other.fitted for other in each.rivals if suspected(model, other) in made.rivals]
+            made = with_experiment(made, each.candidate.fitted, others, search.space, search.check.windows.noise)
+        if made is not None:
+            found.append((gain, dataclasses.replace(made, tried=tried(model, each.among, made.suspect))))
+    return tuple(entry for _, entry in sorted(found, key=lambda pair: -pair[0]))
+
+
+def _notes(model: FlexibleJointModel, data: tuple[Measured, ...]) -> tuple[str, ...]:
+    """What the channels that were measured cannot tell."""
+    notes = []
+    for j, joint in enumerate(model.joint_names):
+        elastic, one = bool(model.elastic[j]), data[0]
+        if elastic and not one.has_q[j]:
+            notes.append(f"{joint}: no link encoder, so friction on link and motor are told apart by the spring alone")
+        if elastic and not one.has_theta[j]:
+            notes.append(f"{joint}: no motor encoder, so what happens at the rotor is seen through the spring alone")
+    return tuple(notes)

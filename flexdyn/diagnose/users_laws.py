@@ -1,0 +1,63 @@
+"""Laws that users write in Python, over whole motions: arrays where the law takes them, else sample by sample."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects import Effect
+from flexdyn.errors import InputError
+
+Array = NDArray[np.float64]
+TRIED = 5
+"""Samples at which a law over arrays must say what it says of single numbers."""
+
+
+def torque_of(effect: Effect, x: Array, u: Array, *, t: Array, tau: Array) -> Array:
+    """The law of an effect along a motion (samples,) [N m or N], as a simulation would call it.
+
+    Args:
+        effect: the catalogue's or a user's own.
+        x: position of its side (samples,).
+        u: velocity of its side (samples,).
+        t: time since the start of the run (samples,) [s].
+        tau: before the law, for the stage ``actuator``; others of users' get 0.
+
+    Raises:
+        InputError: a user's law fails somewhere, or gives no finite number.
+    """
+    if not effect.is_python:
+        return effect.torque(x, u, t=t, tau=tau)
+    tau = tau if effect.stage == "actuator" else np.zeros_like(x)
+    with np.errstate(all="ignore"):
+        try:
+            torque = _at_once(effect, x, u, t, tau)
+            if torque is None:
+                columns = zip(*(each.tolist() for each in (x, u, t, tau)), strict=True)
+                torque = np.array([_single(effect, *row) for row in columns])
+        except Exception as error:  # a user's code may raise anything
+            problem = f"its law fails along the measured motion: {type(error).__name__}: {error}"
+            raise InputError(problem, key=effect.name) from None
+    if not np.isfinite(torque).all():
+        raise InputError("its law gives no finite torque along the measured motion", key=effect.name)
+    return torque
+
+
+def _single(effect: Effect, x: float, u: float, t: float, tau: float) -> float:
+    return float(effect.torque(x, u, t=t, tau=tau))
+
+
+def _at_once(effect: Effect, x: Array, u: Array, t: Array, tau: Array) -> Array | None:
+    """The law over arrays; None where it takes none, or says something else than of single numbers."""
+    try:
+        out: Any = np.asarray(effect.torque(x.copy(), u.copy(), t=t.copy(), tau=tau.copy()), dtype=float)
+        whole = np.array(np.broadcast_to(out, x.shape))
+    except Exception:  # what is wrong with it is said of single numbers
+        return None
+    for k in np.linspace(0, len(x) - 1, min(TRIED, len(x))).astype(int):
+        alone = _single(effect, float(x[k]), float(u[k]), float(t[k]), float(tau[k]))
+        if not np.isclose(alone, whole[k], rtol=1e-9, atol=1e-12, equal_nan=True):
+            return None
+    return whole

@@ -1,0 +1,136 @@
+"""Data that takes no part in a fit: what it says of a model, and whether it wants an effect."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.estimate import BLOCK, Fit, Hypothesis, Workspace
+from flexdyn.diagnose.gap import Shot, shoot
+from flexdyn.diagnose.windows import Windows
+
+Array = NDArray[np.float64]
+SURE = 3.0
+"""Standard errors by which data that took no part must be less off with an effect than without it."""
+FAIR = 2.0
+"""The same for an effect that is beyond doubt in the data that it was fitted to: there the check must only agree."""
+EXPLAINED = 1.3
+"""A median window that is off by no more than so many times the floor is explained."""
+BULK = 0.5
+"""Share of what is left over noise that an effect must take where windows alone do not decide."""
+SOLID = 100.0
+"""Drop of the squared white rows from which the equations alone may speak for an effect."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A model over data that took no part in its fit.
+
+    Attributes:
+        shot: its simulated windows.
+        rows: squared white rows of its equations by blocks of half a second (blocks,).
+        count: of rows that say something in each (blocks,).
+    """
+
+    shot: Shot
+    rows: Array
+    count: Array
+
+    @property
+    def gap(self) -> float:
+        """Of all windows [1]."""
+        return self.shot.gap
+
+    @property
+    def median(self) -> float:
+        """Gap of the median window [1]."""
+        return float(np.median(self.shot.by_window))
+
+    @property
+    def excess(self) -> float:
+        """What the equations leave over noise, by all rows."""
+        return max(float(self.rows.sum() - self.count.sum()), 0.0)
+
+    @property
+    def at_noise(self) -> bool:
+        """Whether the equations leave no more than noise."""
+        rows, count = float(self.rows.sum()), float(self.count.sum())
+        return rows < count + 2.0 * math.sqrt(2.0 * count)
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """Recordings that take no part in the fit, cut into windows, and their equations.
+
+    Attributes:
+        windows: with their own noise.
+        space: their equations and weights.
+    """
+
+    windows: Windows
+    space: Workspace
+
+    def of(self, hypothesis: Hypothesis) -> Trial:
+        """Try a hypothesis on them."""
+        white = self._white(hypothesis)
+        equations, mask = self.space.equations, self.space.whiten.mask
+        block = max(1, round(BLOCK / (equations.filters.every * equations.data[0].dt))) * len(equations.kinds)
+        begins = np.arange(0, len(white), block)
+        rows, count = (np.add.reduceat(each, begins) for each in (white**2, (~mask).astype(float)))
+        return Trial(shoot(hypothesis.seen(), self.windows), rows[count > 0], count[count > 0])
+
+    def _white(self, hypothesis: Hypothesis) -> Array:
+        """White rows (rows,), the encoders' counts taken off."""
+        space = self.space
+        white = space.whiten(space.equations.of(hypothesis.model()).residual)
+        offsets = {effect.channel: effect.offset for effect in hypothesis.counts}
+        return np.asarray(white + space.nuisance @ np.array([offsets.get(name, 0.0) for name in space.channels]))
+
+
+def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
+    """Whether data that took no part wants an effect.
+
+    Its windows must surely be less off, and no more off in all. Where they say little, because noise decides in them
+    what sticks, the equations may speak instead, for an effect that takes the bulk of what was left; if it leaves them
+    nothing but noise, windows need only not object. An effect that only puts back numbers of the file which had been
+    bent to do its work must do no harm.
+    """
+    windows = better(now, trial)
+    if unbends(before, after):
+        return windows > -SURE
+    solid = before.chi2 - after.chi2 > SOLID
+    if windows > (FAIR if solid else SURE) and trial.gap <= now.gap:
+        return True
+    bulk = float(now.rows.sum() - trial.rows.sum()) > BULK * now.excess
+    rows = significance(now.rows - trial.rows)
+    return solid and bulk and windows > (-1.0 if trial.at_noise else 0.0) and rows > SURE
+
+
+def unbends(before: Fit, after: Fit) -> bool:
+    """Whether the file's numbers had been bent to do an effect's work."""
+    gained = before.chi2 - after.chi2
+    return before.regression.prior_chi2 - after.regression.prior_chi2 > 0.5 * gained
+
+
+def better(before: Trial, after: Trial) -> float:
+    """By how many standard errors a model's windows are less off than another's, by gap or by white surprises.
+
+    The gap sees what adds up over a window, the surprises what is wrong at an instant; an effect may show in one of
+    them alone.
+    """
+    one, two = before.shot, after.shot
+    gaps = np.log(one.by_window) - np.log(two.by_window)
+    surprises = np.log(one.misfit) - np.log(two.misfit)
+    return max(significance(gaps), significance(surprises))
+
+
+def significance(drop: Array) -> float:
+    """Mean over standard error, outermost tenths drawn in: a window on the wrong side of a stick decides nothing."""
+    drop = drop[np.isfinite(drop)]
+    if len(drop) < 2:
+        return 0.0
+    drop = np.clip(drop, *np.quantile(drop, [0.1, 0.9]))
+    return float(drop.mean() / max(float(drop.std(ddof=1)) / np.sqrt(len(drop)), 1e-12))
