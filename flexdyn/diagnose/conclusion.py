@@ -45,8 +45,9 @@ def concluded(
     first, last = stages[0], stages[-1]
     if _explained(last):
         last = _freed(search, last)
-    elif last.named and last.trial.excess > LEFT * first.trial.excess:
-        last = first
+    elif not last.named or last.trial.excess > LEFT * first.trial.excess:
+        held = first.fitted.hypothesis.tolerated()  # a gap that nothing explains bends numbers without reason
+        last = Stage(dataclasses.replace(first.fitted, hypothesis=held), search.check.of(held))
     if not hurry:
         last = contested(search, last, windows)
     numbers = of_fit(last.fitted)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+
+import numpy as np
 
 from flexdyn.diagnose.refine import Refined, refine
 from flexdyn.diagnose.search import ENOUGH, Candidate
@@ -28,15 +31,17 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         rivals = [each for each in named.rivals if _is_of(each, stage)]
         if not rivals or not _is_of(named.candidate, stage):
             continue
-        tried = [(_asked(search, each, windows), each) for each in (named.candidate, *rivals[:ASKED])]
-        tried.sort(key=lambda pair: pair[0].cost + pair[1].cost)
-        winner, best = tried[0]
-        scale = max(1.0, winner.cost / winner.rows)
-        least = ENOUGH + DOUBT * max(winner.cost - winner.rows - 2.0 * math.sqrt(2.0 * winner.rows), 0.0) / scale
-        kept = [
-            each for refined, each in tried[1:] if (refined.cost - winner.cost) / scale + each.cost - best.cost <= least
-        ]
-        stage = _with(search, stage, place, Named(best, (*kept, *rivals[ASKED:]), named.among))
+        entries = [named.candidate, *rivals[:ASKED]]
+        asked = [_asked(search, each, windows) for each in entries]
+        least = min(asked, key=lambda each: each.cost)
+        scale = max(1.0, least.cost / least.rows)
+        costs = [refined.cost / scale + each.cost for refined, each in zip(asked, entries, strict=True)]
+        over = least.cost - least.rows - 2.0 * math.sqrt(2.0 * least.rows)
+        most = min(costs) + ENOUGH + DOUBT * max(over, 0.0) / scale
+        winner = 0 if costs[0] <= most else int(np.argmin(costs))  # a name stays where nothing speaks for another
+        kept = [each for each, cost in zip(entries, costs, strict=True) if cost <= most]
+        others = (*(each for each in kept if each is not entries[winner]), *rivals[ASKED:])
+        stage = _with(search, stage, place, dataclasses.replace(named, candidate=entries[winner], rivals=others))
     return stage
 
 

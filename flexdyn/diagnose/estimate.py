@@ -28,6 +28,8 @@ SETTLED = 0.05
 """Drop of chi^2 below which another step is not worth its time."""
 BLOCK = 0.5
 """Length of the blocks over which rows are taken to be correlated [s]."""
+FAR = 0.05
+"""Relative distance of a number from its given value beyond which its derivative is another one."""
 LOOSE = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
 
@@ -155,7 +157,7 @@ class Workspace:
         return int((~self.whiten.mask).sum())
 
 
-def fit(start: Hypothesis, space: Workspace, steps: int = 6) -> Fit:
+def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
     """Gauss-Newton from a hypothesis: every number of the file within its prior, every unknown of its effects.
 
     Args:
@@ -189,7 +191,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
     at, whiten = space.equations.of(hypothesis.model()), space.whiten
     unknowns = hypothesis.unknowns()
     scales = tuple(_scale(effect, name) for effect, name in unknowns)
-    slopes = [space.numbers]
+    slopes = [_slopes_of_numbers(hypothesis, at, space)]
     if unknowns:
         raw = [s * columns.of_parameter(at, e, name, 0.1 * s) for (e, name), s in zip(unknowns, scales, strict=True)]
         slopes.append(whiten(np.stack(raw, axis=1)))
@@ -203,6 +205,20 @@ def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
         nuisances=space.nuisance.shape[1],
     )
     return Fit(hypothesis, at, regression, space, scales)
+
+
+def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
+    """Whitened derivatives of the file's numbers (rows, numbers), anew for those that are far from what was given.
+
+    A link's mass, its place and its inertia multiply one another: where one of them is far off, all are taken anew.
+    """
+    far = {n for n, factor in hypothesis.factors.items() if n in hypothesis.freed and abs(factor - 1.0) > FAR}
+    links = any(number.joint is None for number in far)
+    slopes = space.numbers.copy() if far else space.numbers
+    for k, (number, factor) in enumerate(hypothesis.factors.items()):
+        if number in far or (links and number.joint is None):
+            slopes[:, k] = space.whiten(columns.of_number(at, number)) / factor
+    return slopes
 
 
 def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:

@@ -12,7 +12,7 @@ from flexdyn.diagnose.refine import Refined
 from flexdyn.diagnose.result import Calibration, Finding, Number, Suspect, Tried
 from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.stage import Alternative
-from flexdyn.effects import Effect, unit_for
+from flexdyn.effects import Effect, JointElasticity, unit_for
 from flexdyn.model import FlexibleJointModel
 
 PLACES = ("channel", "other", "frame", "of", "parameter")
@@ -47,6 +47,8 @@ def finding(
 
 def _is_there(effect: Effect, std: Mapping[tuple[Effect, str], float]) -> bool:
     """Whether the numbers that make an effect do something are away from those at which it does nothing."""
+    if isinstance(effect, JointElasticity):  # which does nothing where it has no compliance
+        return effect.stiffness > AWAY * std.get((effect, "stiffness"), 0.0)
     return not effect.neutral or any(
         abs(getattr(effect, name) - nothing) > AWAY * std.get((effect, name), 0.0)
         for name, nothing in effect.neutral.items()

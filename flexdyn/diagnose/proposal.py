@@ -62,6 +62,7 @@ class Extent:
         seconds: duration of the longest recording [s].
         low, high: ends of the link's range [rad].
         ratio: of the gear [1].
+        turns: whether the joint turns, so that what it does may come again once a turn.
     """
 
     speed: float
@@ -72,6 +73,7 @@ class Extent:
     low: float
     high: float
     ratio: float
+    turns: bool = True
 
     @classmethod
     def of(cls, equations: Equations, j: int) -> Extent:
@@ -90,6 +92,7 @@ class Extent:
             low=float(q.min()),
             high=float(q.max()),
             ratio=float(equations.true.joints[equations.true.joint_names[j]].gear_ratio),
+            turns=equations.true.robot.kinds[j] != "prismatic",
         )
 
 

@@ -48,7 +48,7 @@ def _friction(place: Mapping[str, str], extent: Extent) -> Iterator[Proposal]:
     times = [{"time_constant": float(s)} for s in extent.seconds * np.geomspace(0.04, 1.5, 7)]
     yield linear({"effect": "warm_up_friction", **place}, "coefficient", times)
     yield _asymmetric({"effect": "asymmetric_friction", **place})
-    yield _swinging({"effect": "position_dependent_friction", **place})
+    yield _swinging({"effect": "position_dependent_friction", **place}, extent)
     yield _presliding({"effect": "presliding_friction", **place}, extent)
 
 
@@ -65,7 +65,7 @@ def _asymmetric(place: Mapping[str, str]) -> Proposal:
     )
 
 
-def _swinging(place: Mapping[str, str]) -> Proposal:
+def _swinging(place: Mapping[str, str], extent: Extent) -> Proposal:
     """``amplitude (1 + sin(harmonic x + phase)) Sgn(u)``: a level, a sine and a cosine part."""
 
     def build(point: Point, amplitude: float, phase: float) -> Effect:
@@ -79,7 +79,7 @@ def _swinging(place: Mapping[str, str]) -> Proposal:
         place,
         make=make,
         units=lambda point: [(build(point, 1.0, phase), 1.0) for phase in (0.0, math.pi / 2, math.pi)],
-        grid=tuple((h,) for h in SLOW_HARMONICS),
+        grid=tuple((h,) for h in (SLOW_HARMONICS if extent.turns else (extent.ratio, 2.0 * extent.ratio))),
         numbers=3,
     )
 
@@ -127,7 +127,8 @@ def _actuator(joint: str, extent: Extent) -> Iterator[Proposal]:
     motor = {"joint": joint, "side": "motor"}
     yield linear({"effect": "torque_offset", **motor}, "offset")
     yield linear({"effect": "torque_constant_error", **motor}, "gain")
-    turns = (*SLOW_HARMONICS, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0)))
+    slow = SLOW_HARMONICS if extent.turns else ()
+    turns = (*slow, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0)))
     yield wave({"effect": "torque_ripple", **motor}, turns, extent.torque)
     yield given({"effect": "command_delay", **motor}, ("delay",), [(d,) for d in (0.0005, 0.001, 0.002, 0.004, 0.008)])
     shares, speeds = (0.3, 0.45, 0.6, 0.75, 0.9, 1.2), (1.1, 1.5, 2.0, 3.0, 10.0)
@@ -139,6 +140,9 @@ def _link(joint: str, extent: Extent) -> Iterator[Proposal]:
     link = {"joint": joint, "side": "link"}
     rests = np.linspace(extent.low - extent.span, extent.high + extent.span, 13)
     yield linear({"effect": "parallel_spring", **link}, "stiffness", [{"rest": float(r)} for r in rests])
+    yield _end_stop({"effect": "end_stop", **link}, extent)
+    if not extent.turns:
+        return
     cables, names = {"effect": "position_torque", **link}, ("cos_1", "sin_1", "cos_2", "sin_2")
     yield Proposal(
         cables,
@@ -146,7 +150,6 @@ def _link(joint: str, extent: Extent) -> Iterator[Proposal]:
         units=lambda point: [(at(cables, **dict(zip(names, row, strict=True))), 1.0) for row in np.eye(4).tolist()],
         numbers=4,
     )
-    yield _end_stop({"effect": "end_stop", **link}, extent)
 
 
 def _end_stop(place: Mapping[str, str], extent: Extent) -> Proposal:

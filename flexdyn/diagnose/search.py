@@ -210,7 +210,8 @@ def candidates(space: Workspace, screen: Screen, made: Fit) -> list[Candidate]:
             found.append(made_of)
     if any(each.number is not None and each.number.joint is None for each in found):
         found += _payloads(space, made)
-    return sorted(found, key=_order)
+    scale = max(1.0, min((each.fitted.reduced for each in found), default=1.0))
+    return sorted(found, key=lambda each: _order(each, scale))
 
 
 def _candidate(before: Fit, after: Fit, cost: float, number: FileNumber | None) -> Candidate:
@@ -238,9 +239,9 @@ def softened(start: Hypothesis, space: Workspace) -> Fit:
     return made
 
 
-def _order(each: Candidate) -> float:
+def _order(each: Candidate, scale: float) -> float:
     """Best first; a payload, which only adds, before a link's number that does the same."""
-    return each.chi2 + each.cost - (ENOUGH if isinstance(each.effect, Payload) else 0.0)
+    return each.chi2 / scale + each.cost - (ENOUGH if isinstance(each.effect, Payload) else 0.0)
 
 
 def _payloads(space: Workspace, made: Fit) -> list[Candidate]:

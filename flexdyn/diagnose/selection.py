@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -20,10 +19,12 @@ TRIED = 4
 """Candidates of one round that may fail the check before the search ends."""
 LEAST = 0.3
 """Share of the best candidate's drop from which another is tried where the check does not confirm the best."""
-DOUBT = 0.5
+DOUBT = 1.0
 """Share of what the best candidate leaves over noise by which another may do worse: its own errors are as large."""
 AHEAD = 0.3
 """Share of what is left that an effect must take to be kept in hope, while others hide what it does to the windows."""
+HARMLESS = 1.05
+"""Factor on the gap of the check by which a choice that explains as much may be worse there."""
 HOPES = 2
 """Effects that are kept in hope one after the other."""
 
@@ -80,22 +81,20 @@ def following(search: Search, now: Stage) -> tuple[Stage | None, bool]:
 
 
 def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stage, gaps: dict[int, float]) -> Stage:
-    """A confirmed stage with the candidates that do as well as its own; the plainest of those that contain others."""
+    """Of a confirmed candidate and those that do as well the plainest, of these the one that the check likes best."""
     best = stage.named[-1].candidate
-    near = [other for other in ranked if other is not best and other.behind(best) <= slack(best.fitted)]
-    for other in near:
-        if contains(best, other):
-            trial = search.check.of(other.fitted.hypothesis)
-            gaps[id(other)] = trial.gap
-            return Stage(other.fitted, trial, (*now.named, Named(other, among=_among(ranked, other, gaps))))
-    rivals = []
-    for other in near:
-        trial = search.check.of(other.fitted.hypothesis)
-        gaps[id(other)] = trial.gap
-        plain = not contains(other, best) and not any(contains(other, each) for each in near)
-        if plain and better(trial, stage.trial) < SURE:
-            rivals.append(other)
-    return dataclasses.replace(stage, named=(*now.named, Named(best, tuple(rivals), _among(ranked, best, gaps))))
+    near = [best, *(other for other in ranked if other is not best and other.behind(best) <= slack(best.fitted))]
+    plain = [each for each in near if not any(contains(each, other) for other in near)]
+    trials = [stage.trial if each is best else search.check.of(each.fitted.hypothesis) for each in plain]
+    gaps.update({id(each): trial.gap for each, trial in zip(plain, trials, strict=True)})
+    first = 0
+    for k, trial in enumerate(trials):
+        if better(trials[first], trial) > SURE:
+            first = k
+    rivals = [each for each, trial in zip(plain, trials, strict=True) if better(trial, trials[first]) < SURE]
+    named = plain[first]
+    others = tuple(each for each in rivals if each is not named)
+    return Stage(named.fitted, trials[first], (*now.named, Named(named, others, _among(ranked, named, gaps))))
 
 
 def _among(ranked: Sequence[Candidate], best: Candidate, gaps: Mapping[int, float]) -> tuple[Alternative, ...]:
@@ -151,9 +150,15 @@ def _exchanged(search: Search, stage: Stage) -> Stage:
         search.say("choosing again beside the others", 0.0)
         place = next(k for k, each in enumerate(stage.named) if each is old)
         after, sure = following(search, _less(search, stage, {place}))
-        if after is not None and sure and after.fitted.chi2 <= stage.fitted.chi2 + slack(stage.fitted):
+        if after is not None and sure and _as_good(after, stage):
             stage = after
     return stage
+
+
+def _as_good(after: Stage, stage: Stage) -> bool:
+    """Whether another choice explains the data of the fit as well, and the check no worse."""
+    explains = after.fitted.chi2 <= stage.fitted.chi2 + slack(stage.fitted)
+    return explains and after.trial.gap <= HARMLESS * stage.trial.gap
 
 
 def _merged(search: Search, stage: Stage) -> Stage:
@@ -163,6 +168,6 @@ def _merged(search: Search, stage: Stage) -> Stage:
             continue
         search.say("asking whether one does for two", 0.0)
         after, sure = following(search, _less(search, stage, {i, j}))
-        if after is not None and sure and after.fitted.chi2 <= stage.fitted.chi2 + slack(stage.fitted):
+        if after is not None and sure and _as_good(after, stage):
             return _merged(search, after)
     return stage

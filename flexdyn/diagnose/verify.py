@@ -99,13 +99,13 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     bent to do its work must do no harm.
     """
     windows = better(now, trial)
+    rows = significance(now.rows - trial.rows)
     if unbends(before, after):
-        return windows > -SURE
+        return min(windows, rows) > -SURE
     solid = before.chi2 - after.chi2 > SOLID
     if windows > (FAIR if solid else SURE) and trial.gap <= now.gap:
         return True
     bulk = float(now.rows.sum() - trial.rows.sum()) > BULK * now.excess
-    rows = significance(now.rows - trial.rows)
     return solid and bulk and windows > (-1.0 if trial.at_noise else 0.0) and rows > SURE
 
 

@@ -85,14 +85,14 @@ class Account:
         left: root mean square by record, about its mean, before and after every term, in the order of choice [rad].
         terms: chosen, best first.
         estimates: of all three records by term, all chosen terms together.
-        refused: the terms that the check did not want, with the least share by which they lowered B and C.
+        refused: the terms that the check did not want, with what each would be by record beside those that were chosen.
         zeros: mean of theta - q by record [rad].
     """
 
     left: Sequence[Mapping[str, float]]
     terms: tuple[str, ...]
     estimates: Mapping[str, Mapping[str, float]]
-    refused: Mapping[str, float]
+    refused: Mapping[str, Mapping[str, float]]
     zeros: Mapping[str, float]
 
 
@@ -110,7 +110,12 @@ def account(seen: Mapping[str, Difference]) -> Account:
         left.append(trials[good[0]])
     estimates = {name: dict(zip(chosen, _fitted(of, chosen).tolist(), strict=True)) for name, of in seen.items()}
     by_term = {term: {name: each[term] for name, each in estimates.items()} for term in chosen}
-    return Account(tuple(left), chosen, by_term, gains, {name: float(of.left.mean()) for name, of in seen.items()})
+    refused = {
+        term: {name: float(_fitted(of, (*chosen, term))[-1]) for name, of in seen.items()}
+        for term in TERMS
+        if term not in chosen
+    }
+    return Account(tuple(left), chosen, by_term, refused, {name: float(of.left.mean()) for name, of in seen.items()})
 
 
 def _centred(of: Difference, terms: Sequence[str]) -> tuple[Array, Array]:
