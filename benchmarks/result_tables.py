@@ -74,6 +74,98 @@ def effect_checks_table(results: Mapping[str, Any]) -> str:
     return markdown_table(header, rows)
 
 
+_FAMILIES = {
+    "single": "one effect",
+    "hard": "one effect of 0.3 of the size, ten times the noise, masses wrong too",
+    "pair": "two effects",
+    "motor_only": "one effect, encoders on the motors alone",
+    "link_only": "one effect, encoders on the links alone",
+    "rigid": "one effect on an arm of rigid joints, or a joint that is elastic after all",
+    "six": "one effect on a six-joint arm",
+    "none": "nothing",
+    "outside": "something that is not in the catalogue",
+}
+"""What the hidden-effect benchmark hides, in the order of the table."""
+
+
+def discovery_table(results: Mapping[str, Any]) -> str:
+    """What the diagnosis said of hidden effects, family by family; every case is in one of four columns."""
+    header = [
+        "what is hidden",
+        "cases",
+        "right",
+        '"A or B"',
+        "a false name",
+        "not found",
+        "points",
+        "error of the numbers",
+        "truth in the 95 % interval",
+        "gap on the check / noise",
+        "time [s]",
+    ]
+    unknown = results["summary"].keys() - _FAMILIES
+    if unknown:
+        raise ValueError(f"no words for: {', '.join(sorted(unknown))}")
+    rows = []
+    for family, words in _FAMILIES.items():
+        if family in results["summary"]:
+            row = results["summary"][family]
+            false, silent = row["wrong"] + row["beside"] + row["forced"], row["missed"] + row["failed"]
+            counts = [f"{count}" for count in (row["cases"], row["right"], row["half"], false, silent)]
+            numbers = (
+                _number(row["points"], ".1%"),
+                _number(row["median_parameter_error"], ".2%"),
+                _number(row["coverage"], ".0%"),
+                _number(row["check_gap_over_floor"], ".2f"),
+                _number(row["median_seconds"], ".0f"),
+            )
+            rows.append([words, *counts, *numbers])
+    return markdown_table(header, rows)
+
+
+_ROBOTS = {
+    "emps": "EMPS, one sliding axis in its control loop",
+    "double_pendulum": "double pendulum, two quasi-direct drives",
+    "kuka_kr300": "KUKA KR 300, six axes",
+    "screw_drives": "screw drives",
+}
+"""Studies of measured robots, in the order of the table."""
+
+
+def measured_table(results: Mapping[str, Mapping[str, Any]]) -> str:
+    """Measured robots: what was named, and what must hold beside what does.
+
+    Args:
+        results: result files by name.
+    """
+    rows = []
+    for name, words in _ROBOTS.items():
+        found = results[name]
+        for k, bound in enumerate(found["bounds"]):
+            value = f"{bound['value']:.3g}" + ("" if bound["passed"] else " (not reached)")
+            first = [f"[{words}](benchmarks/results/{name}/page.md)", _named(found)] if k == 0 else ["", ""]
+            rows.append([*first, bound["name"], value, f"{bound['bound']:g}"])
+    return markdown_table(["robot", "named", "what must hold", "found", "at most"], rows, text=3)
+
+
+def _named(found: Mapping[str, Any]) -> str:
+    """The effects that a study named, each with its joint, or with the drive and direction."""
+    if "drives" in found:
+        names = [
+            f"{name} ({drive['what']}, {direction})"
+            for drive in found["drives"].values()
+            for direction, each in drive["directions"].items()
+            for name in each["named"]
+        ]
+    else:
+        names = [f"{each['effect']} ({each['joint']})" for each in found["diagnosis"]["findings"]]
+    return ", ".join(name.replace("_", " ") for name in names) or "nothing"
+
+
+def _number(number: float | None, form: str) -> str:
+    return "-" if number is None else format(number, form).replace("%", " %")
+
+
 def _taken(row: Mapping[str, Any]) -> str:
     if "taken" not in row or row["taken"] == 0.0:
         return "-"

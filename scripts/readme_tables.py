@@ -3,8 +3,8 @@
     python scripts/readme_tables.py            writes README.md
     python scripts/readme_tables.py --check    exit code 1 if README.md is not what that would write
 
-A table stands between ``<!-- table:NAME -->`` and ``<!-- /table:NAME -->``; NAME is accuracy, peers, effects,
-effect_checks, formats or robots.
+A table stands between ``<!-- table:NAME -->`` and ``<!-- /table:NAME -->``; NAME is accuracy, discovery, peers,
+effects, effect_checks, formats, measured or robots.
 """
 
 from __future__ import annotations
@@ -28,7 +28,14 @@ ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
-from result_tables import accuracy_table, effect_checks_table, markdown_table, peers_table  # noqa: E402
+from result_tables import (  # noqa: E402
+    accuracy_table,
+    discovery_table,
+    effect_checks_table,
+    markdown_table,
+    measured_table,
+    peers_table,
+)
 
 MARKER = re.compile(r"<!-- (/?)table:(\w+) -->")
 
@@ -38,9 +45,19 @@ def accuracy() -> str:
     return accuracy_table(_results("analytic_two_link"))
 
 
+def discovery() -> str:
+    """Hidden effects, and what the diagnosis said."""
+    return discovery_table(_results("discovery"))
+
+
 def peers() -> str:
     """One step and five seconds of motion, flexdyn and its peers."""
     return peers_table(_results("peers"))
+
+
+def measured() -> str:
+    """Measured robots: what was named, and whether what must hold does."""
+    return measured_table({name: _results(name) for name in ("emps", "double_pendulum", "kuka_kr300", "screw_drives")})
 
 
 _NO_SIDE = {"inertia": "link", "model": "any"}
@@ -106,10 +123,12 @@ def formats() -> str:
 
 TABLES: dict[str, Callable[[], str]] = {
     "accuracy": accuracy,
+    "discovery": discovery,
     "peers": peers,
     "effects": effects,
     "effect_checks": effect_checks,
     "formats": formats,
+    "measured": measured,
     "robots": robots,
 }
 

@@ -33,6 +33,8 @@ NEVER = {
     "diagnose": ("viewer", "cli"),
     "errors": ("model", "robot", "effects", "records", "simulate", "_core"),
 }
+PROPOSING = {"proposal", "proposals", "search", "selection", "own_effects"}
+"""Of `flexdyn.diagnose`: what thinks of names. What verifies them does not know where they came from."""
 
 
 def name_of(path: Path) -> str:
@@ -77,6 +79,23 @@ def test_forbidden_imports(path: Path) -> None:
     for library, owner in FORMATS.items():
         if library in roots:
             assert path.is_relative_to(PACKAGE / owner), f"{path} imports {library}, which belongs to {owner}"
+
+
+def test_who_verifies_does_not_propose() -> None:
+    """Nothing that the verification of a diagnosis imports, by whatever way, proposes names."""
+    folder = PACKAGE / "diagnose"
+    seen, ahead = set(), ["verify"]
+    while ahead:
+        here = ahead.pop()
+        seen.add(here)
+        names = {module.split(".")[2] for module in imports(folder / f"{here}.py") if _of_diagnose(module)}
+        ahead += [name for name in names if (folder / f"{name}.py").exists() and name not in seen]
+    assert {"verify", "gap", "windows"} <= seen
+    assert not seen & PROPOSING
+
+
+def _of_diagnose(module: str) -> bool:
+    return module.startswith("flexdyn.diagnose.")
 
 
 @pytest.mark.parametrize("path", FILES, ids=name_of)

@@ -106,6 +106,38 @@ def test_the_formats_table_has_every_suffix(script: ModuleType) -> None:
     assert all(row[3] == "-" or 1.0 <= float(row[3]) < 3.0 for row in rows)
 
 
+def test_the_table_of_hidden_effects_has_every_case_in_one_column(script: ModuleType) -> None:
+    """Names that are false, beside a right one or not, are counted together; what is not known is a dash."""
+    outcomes = {"right": 93, "half": 2, "beside": 1, "wrong": 1, "missed": 2, "forced": 0, "failed": 1}
+    numbers = {
+        "median_parameter_error": 0.00412,
+        "coverage": 1.0,
+        "check_gap_over_floor": 1.034,
+        "median_seconds": 22.6,
+    }
+    nothing = dict.fromkeys(numbers) | {"cases": 40, "points": 1.0} | dict.fromkeys(outcomes, 0) | {"right": 40}
+    results = {"summary": {"none": nothing, "single": {"cases": 100, "points": 0.94, **outcomes, **numbers}}}
+    rows = [row.strip("| ").split(" | ") for row in script.discovery_table(results).splitlines()[2:]]
+    assert rows == [
+        ["one effect", "100", "93", "2", "2", "3", "94.0 %", "0.41 %", "100 %", "1.03", "23"],
+        ["nothing", "40", "40", "0", "0", "0", "100.0 %", "-", "-", "-", "-"],
+    ]
+    with pytest.raises(ValueError, match="strange"):
+        script.discovery_table({"summary": {"strange": nothing}})
+
+
+def test_every_family_of_hidden_effects_has_a_row(script: ModuleType) -> None:
+    """None that the benchmark can make is left out of the table."""
+    text = (ROOT / "benchmarks" / "discovery" / "README.md").read_text(encoding="utf-8")
+    table = text.partition("| family |")[2].partition("\n\n")[0]
+    families = [name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.split("|")[1:2][0])]
+    assert len(families) == 9
+    row = dict.fromkeys(("right", "half", "beside", "wrong", "missed", "forced", "failed"), 0) | {"cases": 0}
+    rest = dict.fromkeys(("points", "median_parameter_error", "coverage", "check_gap_over_floor", "median_seconds"))
+    table = script.discovery_table({"summary": dict.fromkeys(families, row | rest)})
+    assert len(table.splitlines()) == 2 + len(families)
+
+
 @pytest.mark.parametrize("name", ["analytic_two_link", "effects", "peers"])
 def test_results_say_how_they_were_made(name: str) -> None:
     """A committed result names its command, versions and date, and every bound it was held to held."""

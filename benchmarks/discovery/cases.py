@@ -19,6 +19,7 @@ from model_text import ERROR, MASS_ERROR, known_effects, mistaken
 from motions import Style, draw_style
 from outside import OUTSIDE, draw_outside, enter_outside
 from recording import TORQUE_NOISE, Sensors, record
+from sizes import FRICTION as LAWS
 from sizes import Scale
 from two_link_run import Control, Plant, Truth, controlled
 
@@ -70,8 +71,9 @@ def possible(family: str) -> list[Site]:
     spring = "joint_elasticity"
     found = [site for site in sites() if missing is None or site[2] != missing]
     if family == "rigid":
-        wound = ("transmission", "load_dependent_friction")
-        return [s for s in found if s[0] == spring or not ({s[0], s[2]} & set(wound) or s[2] in ("theta", "stiffness"))]
+        wound = {"transmission", "load_dependent_friction", "theta", "stiffness"}
+        twice = [(name, j, "link") for name in LAWS for j in (0, 1)]  # the motor's side is the same there
+        return [s for s in found if s[0] == spring or not ({s[0], s[2]} & wound or s in twice)]
     return found
 
 

@@ -26,6 +26,9 @@ from flexdyn.model import FlexibleJointModel
 
 ROUGH = 2.0
 """Mean square of the equations' white residuals above which the filters, and not the noise, limit the fit."""
+BENT, TRACE = 3.0, 0.01
+"""What the equations of a right model may leave over noise: so many times that, or a share of what was there before:
+windows hardly see what a stiff spring does fast."""
 LEFT = 0.1
 """Share of what was unexplained that may be left for names to stand, where not all is explained."""
 
@@ -43,28 +46,29 @@ def concluded(
         hurry: leave out what only makes the numbers better.
     """
     first, last = stages[0], stages[-1]
-    if _explained(last):
-        last = _freed(search, last)
+    refined: Refined | None = None
+    if last.named and not hurry and (last.fitted.reduced > ROUGH or not _explained(last, first)):
+        last, refined = _simulated(search, last, windows)
+    if _explained(last, first):
+        before, last = last, _freed(search, last)
+        refined = refined if last is before else None
     elif not last.named or last.trial.excess > LEFT * first.trial.excess:
-        held = first.fitted.hypothesis.tolerated()  # a gap that nothing explains bends numbers without reason
-        last = Stage(dataclasses.replace(first.fitted, hypothesis=held), search.check.of(held))
-    if not hurry:
+        last, refined = _unbent(search, first), None
+    if refined is None and not hurry:
         last = contested(search, last, windows)
-    numbers = of_fit(last.fitted)
-    if last.named and last.fitted.reduced > ROUGH and not hurry:
-        last, numbers = _simulated(search, last, windows)
-    numbers = simplified(numbers)
+    numbers = simplified(refined or of_fit(last.fitted))
     corrected, calibrated = numbers.hypothesis.seen(), first.fitted
+    within = _unbent(search, first).fitted.hypothesis.seen()
     gaps = []
     for each in (windows, search.check.windows):
         after = shoot(corrected, each)
-        given = shoot(calibrated.hypothesis.seen(), each)
+        given = shoot(within, each)
         gaps.append(Gap(shoot(model, each).gap, given.gap, after.gap, after.floor()))
     findings = _findings(model, search, first, last, numbers, hurry=hurry)
     space, corrected = calibrated.space, numbers.hypothesis.model()
     mask = space.whiten.mask
     left = calibrated.regression.left[: len(mask)]  # white rows, a count more or less of the encoders allowed for
-    verdict = "unexplained" if not _explained(last) else "explained" if findings else "no_discrepancy"
+    verdict = "unexplained" if not _explained(last, first) else "explained" if findings else "no_discrepancy"
     return Diagnosis(
         verdict=verdict,
         findings=findings,
@@ -78,8 +82,23 @@ def concluded(
     )
 
 
-def _explained(stage: Stage) -> bool:
-    return stage.trial.median <= EXPLAINED * max(stage.trial.shot.floor(), 1.0)
+def _explained(stage: Stage, first: Stage) -> bool:
+    """Whether windows are as near as noise lets them, and the equations as near as their filters do."""
+    near = stage.trial.median <= EXPLAINED * max(stage.trial.shot.floor(), 1.0)
+    bent = max(BENT * float(stage.trial.count.sum()), TRACE * first.trial.excess)
+    return near and stage.trial.excess <= bent
+
+
+def _unbent(search: Search, first: Stage) -> Stage:
+    """The first stage with numbers within their tolerance, as given where that is nearer.
+
+    A gap that nothing explains bends numbers without reason.
+    """
+    made = first.fitted
+    given = dataclasses.replace(made.hypothesis, factors=dict.fromkeys(made.hypothesis.factors, 1.0))
+    tried = [(search.check.of(each), each) for each in (made.hypothesis.tolerated(), given)]
+    trial, held = min(tried, key=lambda pair: pair[0].gap)
+    return Stage(dataclasses.replace(made, hypothesis=held), trial)
 
 
 def _freed(search: Search, stage: Stage) -> Stage:
@@ -94,16 +113,15 @@ def _freed(search: Search, stage: Stage) -> Stage:
     return Stage(made, search.check.of(made.hypothesis), (*stage.named, *named))
 
 
-def _simulated(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refined]:
+def _simulated(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refined | None]:
     """The stage with its numbers fitted to simulated windows, where the check is surely less off with them."""
-    what, by_rows = "fitting simulated windows", of_fit(stage.fitted)
+    what = "fitting simulated windows"
     refined = refine(stage.fitted.hypothesis, windows, progress=lambda share: search.say(what, share))
     trial = search.check.of(refined.hypothesis)
     if better(stage.trial, trial) < SURE:
-        return stage, by_rows
-    return dataclasses.replace(stage, trial=trial), dataclasses.replace(
-        refined, std=np.maximum(refined.std, by_rows.std)
-    )
+        return stage, None
+    std = np.maximum(refined.std, of_fit(stage.fitted).std)
+    return dataclasses.replace(stage, trial=trial), dataclasses.replace(refined, std=std)
 
 
 def _findings(

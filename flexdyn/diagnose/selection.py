@@ -81,12 +81,18 @@ def following(search: Search, now: Stage) -> tuple[Stage | None, bool]:
 
 
 def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stage, gaps: dict[int, float]) -> Stage:
-    """Of a confirmed candidate and those that do as well the plainest, of these the one that the check likes best."""
+    """Of a confirmed candidate and those that do as well the plainest, of these the one that the check likes best.
+
+    One that contains another stays where the check surely needs what it has more.
+    """
     best = stage.named[-1].candidate
     near = [best, *(other for other in ranked if other is not best and other.behind(best) <= slack(best.fitted))]
-    plain = [each for each in near if not any(contains(each, other) for other in near)]
-    trials = [stage.trial if each is best else search.check.of(each.fitted.hypothesis) for each in plain]
-    gaps.update({id(each): trial.gap for each, trial in zip(plain, trials, strict=True)})
+    tried = {id(e): stage.trial if e is best else search.check.of(e.fitted.hypothesis) for e in near}
+    plain = [
+        each for each in near if all(better(tried[id(e)], tried[id(each)]) > SURE for e in near if contains(each, e))
+    ]
+    trials = [tried[id(each)] for each in plain]
+    gaps.update({key: trial.gap for key, trial in tried.items()})
     first = 0
     for k, trial in enumerate(trials):
         if better(trials[first], trial) > SURE:

@@ -33,11 +33,13 @@ class Trial:
         shot: its simulated windows.
         rows: squared white rows of its equations by blocks of half a second (blocks,).
         count: of rows that say something in each (blocks,).
+        exact: whether no position had to be made up: else the equations are bent by what nobody saw.
     """
 
     shot: Shot
     rows: Array
     count: Array
+    exact: bool = True
 
     @property
     def gap(self) -> float:
@@ -80,7 +82,9 @@ class Check:
         block = max(1, round(BLOCK / (equations.filters.every * equations.data[0].dt))) * len(equations.kinds)
         begins = np.arange(0, len(white), block)
         rows, count = (np.add.reduceat(each, begins) for each in (white**2, (~mask).astype(float)))
-        return Trial(shoot(hypothesis.seen(), self.windows), rows[count > 0], count[count > 0])
+        data, elastic = equations.data[0], equations.true.elastic
+        exact = bool((data.has_q & data.has_theta)[elastic].all())
+        return Trial(shoot(hypothesis.seen(), self.windows), rows[count > 0], count[count > 0], exact)
 
     def _white(self, hypothesis: Hypothesis) -> Array:
         """White rows (rows,), the encoders' counts taken off."""
@@ -102,7 +106,7 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     rows = significance(now.rows - trial.rows)
     if unbends(before, after):
         return min(windows, rows) > -SURE
-    solid = before.chi2 - after.chi2 > SOLID
+    solid = trial.exact and before.chi2 - after.chi2 > SOLID
     if windows > (FAIR if solid else SURE) and trial.gap <= now.gap:
         return True
     bulk = float(now.rows.sum() - trial.rows.sum()) > BULK * now.excess

@@ -2,34 +2,45 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
-from cases import sensors_of
-from make import build, write_case
 from score import outcome
 
-import flexdyn as fd
+from tests.discovery.shortened import diagnosed
 
 CASES = [
-    ("single", 3, 3),  # Coulomb friction on a link
-    ("single", 3, 5),  # Stribeck friction on a motor
-    ("single", 3, 11),  # a torque offset
-    ("single", 3, 17),  # an encoder that lags
-    ("none", 4, 0),
-    ("none", 4, 1),
-    ("outside", 4, 0),  # a torque that drifts: no effect of the catalogue
+    ("single", 3, 3, "Coulomb friction on a link"),
+    ("single", 3, 5, "Stribeck friction on a motor"),
+    ("single", 3, 11, "a torque offset"),
+    ("single", 3, 17, "a link's encoder that lags"),
+    ("single", 5, 1, "backlash"),
+    ("single", 5, 6, "presliding friction on a motor"),
+    ("single", 5, 9, "a wrong stiffness"),
+    ("single", 5, 21, "a payload"),
+    ("single", 5, 26, "a hardening spring"),
+    ("single", 5, 54, "commands that come late"),
+    ("single", 5, 57, "a torque that depends on position"),
+    ("single", 5, 59, "a wrong mass"),
+    ("single", 5, 79, "torque ripple"),
+    ("pair", 5, 5, "Coulomb friction on a link and its motor's encoder that lags"),
+    ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
+    ("motor_only", 5, 10, "Coulomb friction on a motor"),
+    ("link_only", 5, 0, "Stribeck friction on a link"),
+    ("rigid", 5, 7, "viscous friction"),
+    ("none", 4, 0, "nothing"),
+    ("none", 4, 1, "nothing"),
+    ("outside", 4, 0, "a torque that drifts"),
+    ("outside", 4, 3, "a cable across two joints"),
 ]
 
 
-@pytest.mark.parametrize(("family", "seed", "number"), CASES, ids=[f"{f}-{s}-{n}" for f, s, n in CASES])
+@pytest.mark.parametrize(
+    ("family", "seed", "number"),
+    [case[:3] for case in CASES],
+    ids=[f"{family}-{seed}-{number}: {hidden}" for family, seed, number, hidden in CASES],
+)
 def test_what_is_hidden_is_named_and_nothing_else(family: str, seed: int, number: int, tmp_path: Path) -> None:
     """Effect, joint and side, with a model file up to 3 % wrong in every number; none named where none is there."""
-    case = build(family, seed, number, 24.0, 8.0, sensors_of(family))
-    folder = write_case(case, tmp_path / family)
-    model = fd.load_model(folder / "model.yaml")
-    fit, check = (fd.read_recording(folder / f"{part}.npz") for part in ("fit", "check"))
-    found = fd.diagnose(model, [fit], [check]).to_dict()
-    truth = json.loads((tmp_path / f"{family}.truth" / f"{folder.name}.json").read_text())
+    found, truth = diagnosed(family, seed, number, tmp_path)
     assert outcome(truth, found) == "right", (found["findings"], truth["hidden"])

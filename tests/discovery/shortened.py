@@ -1,0 +1,22 @@
+"""Cases of the benchmark with shorter recordings, from files to the verdict."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from cases import sensors_of
+from make import build, write_case
+
+import flexdyn as fd
+
+FIT, CHECK = 20.0, 8.0  # s
+
+
+def diagnosed(family: str, seed: int, number: int, folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the diagnosis says of a case; then the truth, which is read after it."""
+    case = write_case(build(family, seed, number, FIT, CHECK, sensors_of(family)), folder / family)
+    fit, check = (fd.read_recording(case / f"{part}.npz") for part in ("fit", "check"))
+    found = fd.diagnose(fd.load_model(case / "model.yaml"), [fit], [check]).to_dict()
+    return found, json.loads((folder / f"{family}.truth" / f"{case.name}.json").read_text())
