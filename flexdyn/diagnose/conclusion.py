@@ -10,6 +10,7 @@ import numpy as np
 from flexdyn.diagnose.contest import contested
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.experiment import with_experiment
+from flexdyn.diagnose.filter_bias import with_filter_bias
 from flexdyn.diagnose.findings import calibrations, finding, out_of_tolerance, suspected, tried
 from flexdyn.diagnose.gap import shoot
 from flexdyn.diagnose.localise import localise, traces
@@ -56,7 +57,8 @@ def concluded(
         last, refined = _unbent(search, first), None
     if refined is None and not hurry:
         last = contested(search, last, windows)
-    numbers = simplified(refined or of_fit(last.fitted))
+    plain = with_filter_bias if last.named and not hurry else of_fit
+    numbers = simplified(refined or plain(last.fitted))
     corrected, calibrated = numbers.hypothesis.seen(), first.fitted
     within = _unbent(search, first).fitted.hypothesis.seen()
     gaps = []

@@ -104,13 +104,20 @@ def _tried(model: FlexibleJointModel, finding: Finding) -> str:
     for each in others[:SHOWN]:
         same = (each.suspect.joint, each.suspect.side) == (finding.suspect.joint, finding.suspect.side)
         wider = same and is_simpler(finding.suspect.effect, each.suspect.effect)
-        note = ' <span class="soft">(contains it, and is not needed)</span>' if wider else ""
+        note = f' <span class="soft">({_more(each)})</span>' if wider else ""
         rows += f"<tr><td>{_name(model, each.suspect)}{note}</td>{_marks(each)}</tr>"
     top = (
-        '<tr><th>tried in its place</th><th class="n">worse by &Delta;BIC, data of the fit</th>'
+        '<tr><th>tried in its place, when it was chosen</th><th class="n">worse by &Delta;BIC, data of the fit</th>'
         '<th class="n">gap, data not used</th></tr>'
     )
     return f'<div class="wide"><table class="tried">{top}{rows}</table></div>'
+
+
+def _more(wider: Tried) -> str:
+    """What is said of a law that contains the one that was chosen."""
+    if wider.behind < 0.0:
+        return "contains it; the rest of it was looked for afterwards"
+    return "contains it, and is not needed"
 
 
 def _same(one: Suspect, other: Suspect) -> bool:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.equations import LINK, SENSOR, TRANSMISSION, Equations
 from flexdyn.diagnose.motion import Motion
 from flexdyn.diagnose.regime import Quantity, regime
-from flexdyn.diagnose.result import Place, Trace
+from flexdyn.diagnose.result import Place
+from flexdyn.diagnose.trace import Trace
 
 Array = NDArray[np.float64]
 BLOCK = 0.025

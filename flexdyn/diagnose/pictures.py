@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.result import Experiment, Suspect, Trace
+from flexdyn.diagnose.result import Experiment, Suspect
+from flexdyn.diagnose.trace import Trace
 from flexdyn.effects import Effect, catalogue
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel

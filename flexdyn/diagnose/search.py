@@ -63,17 +63,29 @@ def workspace(
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     torque = np.maximum(recorded_torque_noise(data), 1e-12)
     noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
-    equations = _filtered(with_factors(model, {}, start.effects), data, noise)
-    mask = sign_mask(equations, noise)
+    space = weighed(_filtered(with_factors(model, {}, start.effects), data, noise), noise, start)
+    for _ in range(2):
+        made = fit(start, space, steps=3)
+        left, mask = made.equations.residual, space.whiten.mask
+        noise = dataclasses.replace(noise, tau=torque_noise(made.equations, left, mask, noise))
+        space = weighed(space.equations, noise, start, mask)
+    return space, start, noise
+
+
+def weighed(equations: Equations, noise: Noise, start: Hypothesis, mask: NDArray[np.bool_] | None = None) -> Workspace:
+    """Equations with the weights that a noise gives them.
+
+    Args:
+        equations: to be fitted.
+        noise: of the channels.
+        start: whose numbers of the file are fitted.
+        mask: rows that say nothing; None: found by the noise.
+    """
+    mask = sign_mask(equations, noise) if mask is None else mask
+    whiten = whitener(equations, noise, mask)
     raw = np.stack([columns.of_number(equations, number) for number in start.factors], axis=1)
     channels, offsets, sigma = _offsets(equations, noise)
-    for _ in range(2):
-        whiten = whitener(equations, noise, mask)
-        space = Workspace(equations, whiten, noise, whiten(raw), whiten(offsets), sigma, channels)
-        made = fit(start, space, steps=3)
-        noise = dataclasses.replace(noise, tau=torque_noise(made.equations, made.equations.residual, mask, noise))
-    whiten = whitener(equations, noise, mask)
-    return Workspace(equations, whiten, noise, whiten(raw), whiten(offsets), sigma, channels), start, noise
+    return Workspace(equations, whiten, noise, whiten(raw), whiten(offsets), sigma, channels)
 
 
 def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: Noise) -> Equations:

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 import flexdyn as fd
-from flexdyn.diagnose.result import Calibration, Diagnosis, Finding, Gap, Number, Place, Suspect, Trace, Tried
+from flexdyn.diagnose.result import Calibration, Diagnosis, Finding, Gap, Number, Place, Suspect, Tried
+from flexdyn.diagnose.trace import Trace
 
 STRIBECK = Suspect(
     "stribeck_friction",

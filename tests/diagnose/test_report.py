@@ -14,20 +14,15 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.pictures import effect_of, law_picture, residual_figure
-from flexdyn.diagnose.result import Calibration, Diagnosis, Finding, Gap, Interrupted, Number, Place, Suspect, Trace
-from flexdyn.diagnose.sections import calibration
+from flexdyn.diagnose.pictures import effect_of, law_picture
+from flexdyn.diagnose.result import Diagnosis, Finding, Gap, Interrupted, Number, Place, Suspect
+from flexdyn.diagnose.trace import Trace
 from flexdyn.diagnose.words import (
-    estimate_text,
-    finding_phrase,
-    interval_text,
     next_measurements,
-    relative,
-    value_text,
     verdict_sentence,
 )
 from flexdyn.plots.laws import law_figure
-from tests.arms import SLIDER, repickled
+from tests.arms import SLIDER
 from tests.browser import open_page
 from tests.diagnose import answers
 
@@ -228,95 +223,6 @@ def test_every_law_of_the_catalogue_can_stand_in_a_report() -> None:
     drawn = {name: law_picture(_example(kind), model) for name, kind in fd.effects.catalogue().items()}
     assert {name for name, picture in drawn.items() if picture is None} == {"payload", "parameter_error"}
     assert all(picture is None or picture.startswith("data:image/svg+xml;base64,") for picture in drawn.values())
-
-
-def test_words_of_rivals_and_wrong_numbers() -> None:
-    """Rivals in one place share its name; a wrong number says by how much; an effect of the file is named."""
-    model = fd.load_model("scara_two_link")
-    rival = dataclasses.replace(answers.WRONG, place={"of": "effects[0]", "parameter": "stall_torque"})
-    assert finding_phrase(model, Finding(answers.STRIBECK, 1.0, 1.0, (answers.PRESLIDING,))) == (
-        "Stribeck friction or presliding friction on the motor side of elbow"
-    )
-    assert finding_phrase(model, Finding(answers.WRONG, 1.0, 1.0, (rival,))) == (
-        "a wrong stiffness of shoulder (+31 %), or a wrong stall torque of torque speed limit on the motor side of"
-        " shoulder (+31 %)"
-    )
-
-
-def test_digits_follow_from_the_uncertainty() -> None:
-    """Two digits of the standard deviation, and the interval that holds 95 %."""
-    assert value_text(1.23456, 0.05) == "1.235"
-    assert value_text(123.456, 20.0) == "123"
-    assert value_text(-0.000123456, 1e-6) == "\N{MINUS SIGN}1.235e\N{MINUS SIGN}04"
-    assert estimate_text(Number(0.40004, 4.6e-4, "N m")) == "0.40004 ± 0.00046 N m"
-    assert estimate_text(Number(1.0, 0.0, "1")) == "1"
-    assert estimate_text(Number(2e6, 3e3, "N m/rad")) == "2.0000e+06 ± 3.0e+03 N m/rad"
-    assert interval_text(Number(0.0, 1.0, "N m")) == "\N{MINUS SIGN}2.0 to 2.0 N m"
-    assert interval_text(Number(1.0, math.nan, "N m")) == "not known"
-    assert interval_text(Number(1.0, 0.0, "1")) == "assumed, not estimated"
-
-
-def test_changes_read_as_percent() -> None:
-    """Two digits below ten percent, whole ones above; no change is none; a multiple is a multiple."""
-    minus = "\N{MINUS SIGN}"
-    told = {factor: relative(factor) for factor in (1.0123, 0.9, 2.9, 1.0 + 1e-9, 4.0)}
-    assert list(told.values()) == ["+1.2 %", f"{minus}10 %", "+190 %", "none", "4 times what is given"]
-
-
-def test_a_number_beyond_its_tolerance_is_not_said_to_be_within() -> None:
-    """Where something is left unexplained, it may bend a number of the file farther than its tolerance lets it."""
-    bent = (Calibration("elbow", "stiffness", 2.9, 0.2, 0.02), Calibration("elbow", "damping", 1.01, 0.2, 0.02))
-    diagnosis = answers.no_discrepancy()
-    assert "They moved no farther than" in calibration(diagnosis)
-    told = calibration(dataclasses.replace(diagnosis, calibration=bent))
-    assert "1 number went beyond" in told
-    assert "They moved no farther than" not in told
-
-
-def test_averages_show_a_law_under_noise() -> None:
-    """Through dots of ten times its size the averages follow the law before, and are nothing after."""
-    draw = np.random.default_rng(4)
-    v = draw.uniform(-0.5, 0.5, 40_000)
-    noise = 0.3 * draw.standard_normal(len(v))
-    cloud = Trace.thinned("elbow", "v [rad/s]", "r [N m]", v, noise + 0.03 * np.sign(v), noise)
-    assert len(cloud.x) < 2000
-    x, before, after = cloud.means.T
-    off = np.abs(x) > 0.02
-    np.testing.assert_allclose((before - after)[off], 0.03 * np.sign(x[off]), atol=1e-12)
-    assert np.abs(after).max() < 5.0 * 0.3 / np.sqrt(len(v) / len(x))
-    low, high = residual_figure(cloud)["layout"]["yaxis"]["range"]
-    assert 0.1 < high == -low < 1.0
-    assert len(repickled(cloud).means) == len(x)
-    line = Trace.thinned("elbow", "t [s]", "r [N m]", np.arange(5000.0), v[:5000], v[:5000])
-    assert len(line.means) == 0
-    assert "range" not in residual_figure(line)["layout"]["yaxis"]
-
-
-def test_long_residuals_are_thinned_and_keep_their_peaks() -> None:
-    """Over time every peak stays, and so does a hole; a cloud keeps its points unchanged, fewer of them."""
-    t = np.arange(0.0, 50.0, 1e-3)
-    before, after = np.sin(t), 0.1 * np.cos(t)
-    before[12345], before[100:200] = 7.0, math.nan
-    line = Trace.thinned("elbow", "t [s]", "r [N m]", t, before, after)
-    assert len(line.x) < 0.2 * len(t)
-    assert np.nanmax(line.before) == 7.0
-    assert np.isnan(line.before).any()
-    cloud = Trace.thinned("elbow", "omega [rad/s]", "r [N m]", np.cos(t), before, after)
-    assert len(cloud.x) <= 1500
-    rows = {(x, y) for x, y in zip(np.cos(t).tolist(), after.tolist(), strict=True)}
-    assert {(x, y) for x, y in zip(cloud.x.tolist(), cloud.after.tolist(), strict=True)} <= rows
-
-
-def test_traces_are_locked_and_checked() -> None:
-    """Columns of one length; nobody changes them, not in another process either."""
-    trace = answers.residuals("elbow")[0]
-    for each in (trace, repickled(trace)):
-        with pytest.raises(ValueError, match="read-only"):
-            each.before[0] = 1.0
-    with pytest.raises(fd.InputError, match="columns of one length"):
-        Trace("", "", "", np.zeros(3), np.zeros(3), np.zeros(2))
-    with pytest.raises(fd.InputError, match="finite numbers"):
-        Trace("", "", "", np.array([math.nan]), np.zeros(1), np.zeros(1))
 
 
 def test_an_interrupt_is_one_that_carries_what_is_known() -> None:

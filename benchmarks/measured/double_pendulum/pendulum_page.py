@@ -69,7 +69,9 @@ def _errors(made: Study) -> Iterator[str]:
     yield (
         "Every window starts from the measured position and velocity (a cubic over 40 ms) and is driven by the torque "
         "asked for, open loop. The swing passes upright, where a small error grows fast: its errors say as much about "
-        "that as about the model."
+        "that as about the model. Where what was found does worse there than the published friction, this is why it "
+        "may: half of the data of the fit are excitations, in which the arm hangs and masses and lengths show little, "
+        "and in the swings the torque that was asked for was not given in full (below)."
     )
     yield "![windows](windows.png)"
     yield "## The torque asked for, and what the current says"
