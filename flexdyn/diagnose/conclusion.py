@@ -6,9 +6,10 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexdyn.diagnose.contest import contested
-from flexdyn.diagnose.estimate import fit
+from flexdyn.diagnose.estimate import ROUGH, fit
 from flexdyn.diagnose.experiment import with_experiment
 from flexdyn.diagnose.filter_bias import with_filter_bias
 from flexdyn.diagnose.findings import calibrations, finding, out_of_tolerance, suspected, tried
@@ -19,14 +20,13 @@ from flexdyn.diagnose.nesting import simplified
 from flexdyn.diagnose.refine import Refined, of_fit, refine
 from flexdyn.diagnose.result import Diagnosis, Finding, Gap
 from flexdyn.diagnose.search import Candidate
-from flexdyn.diagnose.selection import Search
+from flexdyn.diagnose.selection import Search, again
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.verify import EXPLAINED, SURE, better
 from flexdyn.diagnose.windows import Windows
 from flexdyn.model import FlexibleJointModel
 
-ROUGH = 2.0
-"""Mean square of the equations' white residuals above which the filters, and not the noise, limit the fit."""
+Array = NDArray[np.float64]
 BENT, TRACE = 3.0, 0.01
 """What the equations of a right model may leave over noise: so many times that, or a share of what was there before:
 windows hardly see what a stiff spring does fast."""
@@ -50,11 +50,13 @@ def concluded(
     refined: Refined | None = None
     if last.named and not hurry and (last.fitted.reduced > ROUGH or not _explained(last, first)):
         last, refined = _simulated(search, last, windows)
-    if _explained(last, first):
-        before, last = last, _freed(search, last)
-        refined = refined if last is before else None
-    elif not last.named or last.trial.excess > LEFT * first.trial.excess:
-        last, refined = _unbent(search, first), None
+    if last.fitted.reduced > ROUGH and not hurry and not _explained(last, first):
+        search, once_more = again(search, stages[-1], windows)
+        first, last = once_more[0], once_more[-1]
+        last, refined = _simulated(search, last, windows) if last.named else (last, None)
+    before = last
+    last = _freed(search, last) if _explained(last, first) else _standing(search, first, last)
+    refined = refined if last is before else None
     if refined is None and not hurry:
         last = contested(search, last, windows)
     plain = with_filter_bias if last.named and not hurry else of_fit
@@ -91,6 +93,33 @@ def _explained(stage: Stage, first: Stage) -> bool:
     return near and stage.trial.excess <= bent
 
 
+def _standing(search: Search, first: Stage, last: Stage) -> Stage:
+    """The stage with those names that leave little unexplained: in all, or at their own joints, if much was there.
+
+    What is missing at one joint says nothing against a name at another.
+    """
+    if last.trial.excess > LEFT * first.trial.excess:
+        before, after = _excess(first), _excess(last)
+        names = last.fitted.equations.true.joint_names
+        gone = set()
+        for k, each in enumerate(last.named):
+            at = list(range(len(names))) if each.joint is None else [names.index(each.joint)]
+            was, left = before[at].sum(), after[at].sum()
+            if left > LEFT * was or was < LEFT * before.sum():
+                gone.add(k)
+        last = search.stage(*last.without(gone)) if gone else last
+    return last if last.named else _unbent(search, first)
+
+
+def _excess(stage: Stage) -> Array:
+    """What the equations of every joint leave over noise on the data of the fit (n,)."""
+    made = stage.fitted
+    mask, kinds = made.space.whiten.mask, made.equations.kinds
+    squares = np.where(mask, 0.0, made.regression.left[: len(mask)] ** 2 - 1.0).reshape(-1, len(kinds)).sum(axis=0)
+    of = np.array([i for i, _ in kinds])
+    return np.array([max(1.0, float(squares[of == j].sum())) for j in range(made.equations.true.n)])
+
+
 def _unbent(search: Search, first: Stage) -> Stage:
     """The first stage with numbers within their tolerance, as given where that is nearer.
 
@@ -118,7 +147,8 @@ def _freed(search: Search, stage: Stage) -> Stage:
 def _simulated(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refined | None]:
     """The stage with its numbers fitted to simulated windows, where the check is surely less off with them."""
     what = "fitting simulated windows"
-    refined = refine(stage.fitted.hypothesis, windows, progress=lambda share: search.say(what, share))
+    temper = search.space.temper
+    refined = refine(stage.fitted.hypothesis, windows, progress=lambda share: search.say(what, share), temper=temper)
     trial = search.check.of(refined.hypothesis)
     if better(stage.trial, trial) < SURE:
         return stage, None

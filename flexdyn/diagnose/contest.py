@@ -48,7 +48,8 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
 def _asked(search: Search, candidate: Candidate, windows: Windows) -> Refined:
     what = "asking simulated windows"
     hypothesis = candidate.fitted.hypothesis
-    return refine(hypothesis, windows, ROUNDS, progress=lambda share: search.say(what, share))
+    temper = search.space.temper
+    return refine(hypothesis, windows, ROUNDS, progress=lambda share: search.say(what, share), temper=temper)
 
 
 def _is_of(candidate: Candidate, stage: Stage) -> bool:
@@ -63,4 +64,4 @@ def _with(search: Search, stage: Stage, place: int, named: Named) -> Stage:
     if named.candidate is stage.named[place].candidate:
         return Stage(stage.fitted, stage.trial, tuple(named if k == place else e for k, e in enumerate(stage.named)))
     fitted = named.candidate.fitted
-    return Stage(fitted, search.check.of(fitted.hypothesis), (*others, named))
+    return search.tried(fitted, (*others, named))

@@ -32,6 +32,10 @@ FAR = 0.05
 """Relative distance of a number from its given value beyond which its derivative is another one."""
 LOOSE = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
+ROUGH = 2.0
+"""Mean square of the equations' white residuals above which the filters, and not the noise, limit the fit."""
+ALIKE = 0.1
+"""Autocorrelation of what is left below which rows are taken to be independent of one another."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +145,7 @@ class Workspace:
         nuisance: whitened columns of offsets of the encoders, which must be allowed for and are not reported (rows, k).
         nuisance_sigma: how large those are (k,).
         channels: whose offsets they are.
+        temper: factor on the priors of the file's numbers, where more than noise is left.
     """
 
     equations: Equations
@@ -150,6 +155,7 @@ class Workspace:
     nuisance: Array
     nuisance_sigma: Array
     channels: tuple[str, ...] = ()
+    temper: float = 1.0
 
     @property
     def rows(self) -> int:
@@ -195,7 +201,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
     if unknowns:
         raw = [s * columns.of_parameter(at, e, name, 0.1 * s) for (e, name), s in zip(unknowns, scales, strict=True)]
         slopes.append(whiten(np.stack(raw, axis=1)))
-    centre, sigma = _priors(hypothesis, len(unknowns))
+    centre, sigma = _priors(hypothesis, len(unknowns), space.temper)
     regression = Regression(
         y=whiten(at.residual),
         X=np.hstack([*slopes, space.nuisance]),
@@ -205,6 +211,23 @@ def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
         nuisances=space.nuisance.shape[1],
     )
     return Fit(hypothesis, at, regression, space, scales)
+
+
+def tempering(made: Fit) -> float:
+    """Factor on the priors with which they weigh against what is left, not against a noise that is not reached.
+
+    The mean square of what is left, times rows for each independent one by their mean autocorrelation.
+    """
+    if made.reduced <= ROUGH:
+        return 1.0
+    rows = made.regression.left[: len(made.regression.y)].reshape(-1, len(made.equations.kinds))
+    power, total = float((rows**2).sum()), 1.0
+    for lag in range(1, len(rows) // 4):
+        alike = float((rows[lag:] * rows[:-lag]).sum()) / power
+        if alike < ALIKE:
+            break
+        total += 2.0 * alike
+    return total * made.reduced
 
 
 def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
@@ -266,9 +289,7 @@ def _scale(effect: Effect, name: str) -> float:
     return 0.01 * value if value > 0.0 else {"damping": 1e-3, "offset": 1e-4}.get(name, 1e-4)
 
 
-def _priors(hypothesis: Hypothesis, unknowns: int) -> tuple[Array, Array]:
+def _priors(hypothesis: Hypothesis, unknowns: int, temper: float) -> tuple[Array, Array]:
     centre = [1.0 - factor for factor in hypothesis.factors.values()] + [0.0] * unknowns
-    sigma = [LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors] + [
-        math.inf
-    ] * unknowns
-    return np.array(centre), np.array(sigma)
+    widths = [LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors]
+    return np.array(centre), np.array([width / math.sqrt(temper) for width in widths] + [math.inf] * unknowns)

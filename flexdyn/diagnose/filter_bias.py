@@ -36,7 +36,8 @@ def with_filter_bias(made: Fit) -> Refined:
     first = Filters.of_rate(dt, first=WIDER * max(FIRST, 1.25 * dt)).first
     filters = dataclasses.replace(space.equations.filters, first=first)
     wider = Equations(space.equations.model, space.equations.data, filters, space.equations.stiffness)
-    again = fit(made.hypothesis, weighed(wider, space.noise, made.hypothesis), STEPS)
+    behind = dataclasses.replace(weighed(wider, space.noise, made.hypothesis), temper=space.temper)
+    again = fit(made.hypothesis, behind, STEPS)
     change = _values(again.hypothesis) - _values(made.hypothesis)
     return dataclasses.replace(numbers, std=np.hypot(numbers.std, np.where(np.isfinite(change), change, 0.0)))
 

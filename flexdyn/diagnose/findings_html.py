@@ -51,11 +51,13 @@ def _title(model: FlexibleJointModel, place: int, finding: Finding) -> str:
     kind = catalogue().get(suspect.effect)
     where = where_phrase(model, suspect)
     wrong = suspect.effect == "parameter_error"
-    names = [f"wrong {where}" if wrong else effect_name(suspect.effect)]
-    names += [effect_name(rival.effect) for rival in finding.rivals]
+    alike = [] if wrong else [rival for rival in finding.rivals if where_phrase(model, rival) == where]
+    names = [f"wrong {where}" if wrong else effect_name(suspect.effect), *(effect_name(each.effect) for each in alike)]
     name = " or ".join(dict.fromkeys(names))
     law = f"<p><code>{escape(kind.law)}</code></p>" if kind is not None and kind.law else ""
-    return f"<h3>{place}. {escape(capital(name))}</h3>{'' if wrong else f'<p>{escape(where)}</p>'}{law}"
+    elsewhere = [f"or {suspect_phrase(model, rival)}" for rival in finding.rivals if rival not in alike]
+    told = ", ".join([*([] if wrong else [where]), *elsewhere])
+    return f"<h3>{place}. {escape(capital(name))}</h3>{f'<p>{escape(told)}</p>' if told else ''}{law}"
 
 
 def _numbers(finding: Finding) -> str:

@@ -84,7 +84,11 @@ def of_fit(made: Fit) -> Refined:
 
 
 def refine(
-    start: Hypothesis, windows: Windows, rounds: int = 3, progress: Callable[[float], None] | None = None
+    start: Hypothesis,
+    windows: Windows,
+    rounds: int = 3,
+    progress: Callable[[float], None] | None = None,
+    temper: float = 1.0,
 ) -> Refined:
     """Gauss-Newton on the whitened surprises of simulated windows, with the priors of the file's numbers.
 
@@ -92,16 +96,16 @@ def refine(
     """
     current = start
     shot = shoot(current.seen(), windows)
-    best = _cost(current, shot)
+    best = _cost(current, shot, temper)
     std = np.zeros(len(current.factors) + len(current.unknowns()))
-    for k in range(rounds):
+    for k in range(rounds if math.isfinite(best) else 0):
         J, scales = _slopes(current, shot, progress, k / rounds, (k + 1) / rounds)
-        step, std = _step(current, shot, J, scales)
+        step, std = _step(current, shot, J, scales, temper)
         accepted = False
         for share in (1.0, 0.3):
             trial = moved(current, share * step, scales)
             after = shoot(trial.seen(), windows)
-            cost = _cost(trial, after)
+            cost = _cost(trial, after, temper)
             if cost < best:
                 gained, accepted = best - cost, True
                 current, shot, best = trial, after, cost
@@ -131,7 +135,8 @@ def _slopes(
     now = shot.whitened()
     columns = []
     for k, (model, step) in enumerate(zip(models, steps, strict=True)):
-        columns.append((shot.whitened(model) - now).ravel() / step)
+        slope = (shot.whitened(model) - now).ravel() / step
+        columns.append(np.where(np.isfinite(slope), slope, 0.0))  # windows that cannot be simulated do not tell
         if progress is not None:
             progress(low + (high - low) * (k + 1) / len(models))
     return np.stack(columns, axis=1), tuple(scales)
@@ -145,14 +150,16 @@ def _size(effect: Effect, name: str) -> float:
     return value if value > 0.0 else 1e-3
 
 
-def _step(hypothesis: Hypothesis, shot: Shot, J: Array, scales: tuple[float, ...]) -> tuple[Array, Array]:
+def _step(
+    hypothesis: Hypothesis, shot: Shot, J: Array, scales: tuple[float, ...], temper: float
+) -> tuple[Array, Array]:
     """The step, and standard deviations from the sandwich of windows' gradients."""
     surprises = shot.whitened()
     r = surprises.ravel()
     weight = 1.0 / (1.0 + (r / ROBUST) ** 2)
     numbers = len(hypothesis.factors)
     sigma = np.array([LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors])
-    prior = np.concatenate([1.0 / sigma**2, np.zeros(J.shape[1] - numbers)])
+    prior = np.concatenate([temper / sigma**2, np.zeros(J.shape[1] - numbers)])
     off = np.concatenate([np.array(list(hypothesis.factors.values())) - 1.0, np.zeros(J.shape[1] - numbers)])
     H = (J * weight[:, None]).T @ J + np.diag(prior)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
@@ -165,10 +172,10 @@ def _step(hypothesis: Hypothesis, shot: Shot, J: Array, scales: tuple[float, ...
     return step, std * np.concatenate([np.ones(numbers), np.array(scales)])
 
 
-def _cost(hypothesis: Hypothesis, shot: Shot) -> float:
+def _cost(hypothesis: Hypothesis, shot: Shot, temper: float) -> float:
     """Robust sum of squares of surprises and priors."""
     r = shot.whitened()
     prior = sum(
         ((f - 1.0) / max(n.tolerance, 1e-9)) ** 2 for n, f in hypothesis.factors.items() if n not in hypothesis.freed
     )
-    return float((ROBUST**2 * np.log1p((r / ROBUST) ** 2)).sum() + prior)
+    return float((ROBUST**2 * np.log1p((r / ROBUST) ** 2)).sum() + temper * prior)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from flexdyn.diagnose.estimate import Fit, Hypothesis, Workspace, fit
+from flexdyn.diagnose.estimate import Fit, Hypothesis, Workspace, fit, linearised, tempering
 from flexdyn.diagnose.nesting import is_simpler
+from flexdyn.diagnose.refine import refine
 from flexdyn.diagnose.search import ENOUGH, Candidate, Screen, candidates
 from flexdyn.diagnose.stage import Alternative, Named, Stage
-from flexdyn.diagnose.verify import EXPLAINED, SURE, Check, better, confirmed, significance
+from flexdyn.diagnose.verify import EXPLAINED, SURE, Check, Trial, better, confirmed, significance
+from flexdyn.diagnose.windows import Windows
+from flexdyn.effects import JointElasticity
 
 MOST = 6
 """Effects that are named at most."""
@@ -27,28 +31,65 @@ HARMLESS = 1.05
 """Factor on the gap of the check by which a choice that explains as much may be worse there."""
 HOPES = 2
 """Effects that are kept in hope one after the other."""
+REFINEMENTS = 1
+"""Gauss-Newton steps on simulated windows before the check is asked, where equations are rough."""
+TEMPERINGS, TEMPERED = 4, 0.1
+"""Fits with priors of another weight, until it changes by less than such a share."""
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What all rounds share."""
+    """What all rounds share.
+
+    Attributes:
+        space: of the fit.
+        screen: of what may be missing.
+        check: data that takes no part.
+        say: progress.
+        windows: of the fit, on which everything is refined before the check is asked, where equations alone are rough.
+    """
 
     space: Workspace
     screen: Screen
     check: Check
     say: Callable[[str, float], None]
+    windows: Windows | None = None
 
     def stage(self, start: Hypothesis, named: tuple[Named, ...] = ()) -> Stage:
         """A hypothesis fitted and tried."""
-        made = fit(start, self.space)
+        return self.tried(fit(start, self.space), named)
+
+    def tried(self, made: Fit, named: tuple[Named, ...] = ()) -> Stage:
+        """A fitted hypothesis tried on the check."""
+        if self.windows is not None:
+            refined = refine(made.hypothesis, self.windows, REFINEMENTS, temper=self.space.temper)
+            made = linearised(refined.hypothesis, made.space)
         return Stage(made, self.check.of(made.hypothesis), named)
 
+    def tempered(self, stage: Stage) -> tuple[Search, Stage]:
+        """The search with priors that weigh against what a stage leaves, and the stage with them."""
+        search, made = self, stage.fitted
+        for _ in range(TEMPERINGS):
+            weight = tempering(made)
+            if abs(math.log(weight / search.space.temper)) < TEMPERED:
+                break
+            search = dataclasses.replace(search, space=dataclasses.replace(search.space, temper=weight))
+            made = fit(made.hypothesis.tolerated(), search.space)
+        return search, stage if made is stage.fitted else search.tried(made, stage.named)
 
-def forward(search: Search, stages: list[Stage]) -> None:
+    def prefers(self, one: Trial, other: Trial) -> bool:
+        """Whether the check is surely less off with one; where equations are rough, by more than any law is."""
+        return better(other, one) > SURE and (self.windows is None or HARMLESS * one.gap < other.gap)
+
+
+def forward(search: Search, stages: list[Stage]) -> Search:
     """Add effects until none is wanted any more; `stages` grows meanwhile.
 
     An effect that the check does not confirm is kept in hope where it takes much of what is left: beside another one
     that is still missing, windows may be as far off with it as without.
+
+    Returns:
+        The search with the last stage's weights.
     """
     hopes = 0
     while len(stages[-1].named) < MOST:
@@ -56,21 +97,28 @@ def forward(search: Search, stages: list[Stage]) -> None:
         after, sure = following(search, stages[-1])
         hopes = 0 if sure else hopes + 1
         if after is None or hopes > HOPES:
-            return
-        stages.append(after)
+            break
         if after.fitted.space is not search.space:  # other equations: all begins anew
-            return
+            stages.append(after)
+            break
+        if search.windows is not None:
+            search, after = search.tempered(after)
+        stages.append(after)
+    return search
 
 
 def following(search: Search, now: Stage) -> tuple[Stage | None, bool]:
     """The best candidate that the check confirms, or one to keep in hope; and whether it was confirmed."""
     ranked = candidates(search.space, search.screen, now.fitted)
+    if search.windows is not None:  # what is rigid and what is not has been decided by then
+        ranked = [each for each in ranked if not isinstance(each.effect, JointElasticity)]
     hope: Stage | None = None
     gaps: dict[int, float] = {}
     for candidate in [each for each in ranked if each.drop > LEAST * ranked[0].drop][:TRIED]:
-        trial = search.check.of(candidate.fitted.hypothesis)
-        gaps[id(candidate)] = trial.gap
-        stage = Stage(candidate.fitted, trial, (*now.named, Named(candidate, among=_among(ranked, candidate, gaps))))
+        stage = search.tried(candidate.fitted)
+        trial, gaps[id(candidate)] = stage.trial, stage.trial.gap
+        named = Named(candidate, among=_among(ranked, candidate, gaps))
+        stage = dataclasses.replace(stage, named=(*now.named, named))
         if confirmed(now.trial, now.fitted, trial, candidate.fitted):
             return _chosen(search, now, ranked, stage, gaps), True
         rough = now.trial.median > EXPLAINED
@@ -87,20 +135,20 @@ def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stag
     """
     best = stage.named[-1].candidate
     near = [best, *(other for other in ranked if other is not best and other.behind(best) <= slack(best.fitted))]
-    tried = {id(e): stage.trial if e is best else search.check.of(e.fitted.hypothesis) for e in near}
-    plain = [
-        each for each in near if all(better(tried[id(e)], tried[id(each)]) > SURE for e in near if contains(each, e))
-    ]
-    trials = [tried[id(each)] for each in plain]
-    gaps.update({key: trial.gap for key, trial in tried.items()})
+    tried = {id(each): stage if each is best else search.tried(each.fitted) for each in near}
+    of = {key: each.trial for key, each in tried.items()}
+    plain = [each for each in near if all(search.prefers(of[id(each)], of[id(e)]) for e in near if contains(each, e))]
+    trials = [of[id(each)] for each in plain]
+    gaps.update({key: trial.gap for key, trial in of.items()})
     first = 0
     for k, trial in enumerate(trials):
-        if better(trials[first], trial) > SURE:
+        if search.prefers(trial, trials[first]):
             first = k
-    rivals = [each for each, trial in zip(plain, trials, strict=True) if better(trial, trials[first]) < SURE]
+    rivals = [each for each, trial in zip(plain, trials, strict=True) if not search.prefers(trials[first], trial)]
     named = plain[first]
     others = tuple(each for each in rivals if each is not named)
-    return Stage(named.fitted, trials[first], (*now.named, Named(named, others, _among(ranked, named, gaps))))
+    last = Named(named, others, _among(ranked, named, gaps))
+    return dataclasses.replace(tried[id(named)], named=(*now.named, last))
 
 
 def _among(ranked: Sequence[Candidate], best: Candidate, gaps: Mapping[int, float]) -> tuple[Alternative, ...]:
@@ -123,6 +171,24 @@ def contains(one: Candidate, other: Candidate) -> bool:
         return False
     same = all(getattr(one.effect, key, None) == getattr(other.effect, key, None) for key in ("joint", "side"))
     return same and is_simpler(other.effect.name, one.effect.name)
+
+
+def again(search: Search, last: Stage, windows: Windows) -> tuple[Search, list[Stage]]:
+    """The search taken on, with what rough equations need: priors of their weight, and numbers of simulated windows.
+
+    Args:
+        search: that came to an end and left more than noise.
+        last: its last stage.
+        windows: of the data of the fit.
+    """
+    start, kept = last.without({k for k, each in enumerate(last.named) if not each.stays})
+    search = dataclasses.replace(search, windows=windows)
+    _, first = search.tempered(Stage(fit(start, search.space), last.trial, kept))
+    search, now = search.tempered(last)
+    stages = [first, pruned(search, now)]
+    search = forward(search, stages)
+    stages.append(pruned(search, stages[-1]))
+    return search, stages
 
 
 def settled(search: Search, stage: Stage) -> Stage:

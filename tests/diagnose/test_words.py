@@ -65,3 +65,13 @@ def test_a_wider_law_is_called_needless_only_where_it_is() -> None:
         told = finding_article(model, 1, Finding(chosen, 1e4, 0.3, tried=(Tried(chosen, 0.0, 1.1), wider)))
         assert "contains it" in told
         assert ("not needed" in told) == needless
+
+
+def test_a_title_says_where_each_of_its_names_acts() -> None:
+    """Rivals of one place share it; those elsewhere, and wrong numbers, come with a place of their own."""
+    model = fd.load_model("scara_two_link")
+    here, elsewhere = answers.PRESLIDING, dataclasses.replace(answers.PRESLIDING, joint="shoulder")
+    told = finding_article(model, 1, Finding(answers.STRIBECK, 1.0, 1.0, (here, elsewhere, answers.WRONG)))
+    assert "<h3>1. Stribeck friction or presliding friction</h3>" in told
+    place = "on the motor side of elbow, or presliding friction on the motor side of shoulder, or a wrong stiffness of"
+    assert f"<p>{place} shoulder" in told

@@ -14,7 +14,6 @@ CASES = [
     ("single", 3, 5, "Stribeck friction on a motor"),
     ("single", 3, 11, "a torque offset"),
     ("single", 3, 17, "a link's encoder that lags"),
-    ("single", 5, 1, "backlash"),
     ("single", 5, 6, "presliding friction on a motor"),
     ("single", 5, 9, "a wrong stiffness"),
     ("single", 5, 21, "a payload"),
