@@ -80,6 +80,10 @@ def diagnose(
         Path | None,
         typer.Option("--output", "-o", metavar="DIR", help="Folder for report.html, report.json and model.yaml."),
     ] = None,
+    thorough: Annotated[
+        bool,
+        typer.Option("--thorough", help="Look again where much is left: minutes, worth it for measured robots."),
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find where model and measurement disagree, and name what is missing in the model.
@@ -98,7 +102,7 @@ def diagnose(
 
     try:
         with naming({"fit": "FIT", "check": CHECK}, file=_named(fit), files={}), _progress() as progress:
-            diagnosis = run(arm, recordings[0], recordings[1], progress=progress)
+            diagnosis = run(arm, recordings[0], recordings[1], thorough=thorough, progress=progress)
     except Partial as stop:
         if stop.diagnosis is not None:
             replace(stop.diagnosis, notes=(*stop.diagnosis.notes, "interrupted")).save(folder)

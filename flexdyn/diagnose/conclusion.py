@@ -35,7 +35,13 @@ LEFT = 0.1
 
 
 def concluded(
-    model: FlexibleJointModel, search: Search, stages: Sequence[Stage], windows: Windows, *, hurry: bool = False
+    model: FlexibleJointModel,
+    search: Search,
+    stages: Sequence[Stage],
+    windows: Windows,
+    *,
+    hurry: bool = False,
+    thorough: bool = False,
 ) -> Diagnosis:
     """What the stages say, with the gap of the model as given, calibrated and corrected.
 
@@ -45,12 +51,13 @@ def concluded(
         stages: the first one without any effect, the last one with all.
         windows: of the data of the fit.
         hurry: leave out what only makes the numbers better.
+        thorough: look again where more than noise is left.
     """
     first, last = stages[0], stages[-1]
     refined: Refined | None = None
     if last.named and not hurry and (last.fitted.reduced > ROUGH or not _explained(last, first)):
         last, refined = _simulated(search, last, windows)
-    if last.fitted.reduced > ROUGH and not hurry and not _explained(last, first):
+    if thorough and last.fitted.reduced > ROUGH and not _explained(last, first):
         search, once_more = again(search, stages[-1], windows)
         first, last = once_more[0], once_more[-1]
         last, refined = _simulated(search, last, windows) if last.named else (last, None)
@@ -69,7 +76,7 @@ def concluded(
         given = shoot(within, each)
         gaps.append(Gap(shoot(model, each).gap, given.gap, after.gap, after.floor()))
     findings = _findings(model, search, first, last, numbers, hurry=hurry)
-    space, corrected = calibrated.space, numbers.hypothesis.model()
+    space = calibrated.space
     mask = space.whiten.mask
     left = calibrated.regression.left[: len(mask)]  # white rows, a count more or less of the encoders allowed for
     verdict = "unexplained" if not _explained(last, first) else "explained" if findings else "no_discrepancy"
@@ -80,7 +87,7 @@ def concluded(
         fit=gaps[0],
         check=gaps[1],
         where=() if verdict == "no_discrepancy" else localise(calibrated.equations, left, mask),
-        model=corrected,
+        model=numbers.hypothesis.model(),
         notes=_notes(model, search.space.equations.data),
         residuals=traces(space.equations, space.equations.of(corrected), mask),
     )

@@ -27,6 +27,8 @@ DOUBT = 1.0
 """Share of what the best candidate leaves over noise by which another may do worse: its own errors are as large."""
 AHEAD = 0.3
 """Share of what is left that an effect must take to be kept in hope, while others hide what it does to the windows."""
+PROMISING = 0.3
+"""Share of what was unexplained below which effects are asked whether others would do better."""
 HARMLESS = 1.05
 """Factor on the gap of the check by which a choice that explains as much may be worse there."""
 HOPES = 2
@@ -191,10 +193,19 @@ def again(search: Search, last: Stage, windows: Windows) -> tuple[Search, list[S
     return search, stages
 
 
-def settled(search: Search, stage: Stage) -> Stage:
-    """The stage with every effect that still earns its place, and the best for each place beside the others."""
+def settled(search: Search, first: Stage, stage: Stage) -> Stage:
+    """The stage with every effect that still earns its place, and the best for each place beside the others.
+
+    Many effects that together leave much are not worth that: none of their names will stand.
+
+    Args:
+        search: that made the stages.
+        first: without any effect.
+        stage: the last one.
+    """
     stage = pruned(search, stage)
-    if len(stage.named) > 1:
+    good = stage.trial.excess < PROMISING * first.trial.excess or stage.trial.median < EXPLAINED
+    if len(stage.named) > 1 and good:
         stage = _merged(search, _exchanged(search, stage))
     return stage
 
