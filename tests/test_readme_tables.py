@@ -38,7 +38,10 @@ def test_readme_shows_what_its_sources_give(script: ModuleType) -> None:
     assert script.filled(text) == text
 
 
-@pytest.mark.parametrize("name", ["accuracy", "discovery", "peers", "effects", "effect_checks", "formats", "measured", "robots"])
+TABLES = ["accuracy", "discovery", "peers", "effects", "effect_checks", "formats", "measured", "robots"]
+
+
+@pytest.mark.parametrize("name", TABLES)
 def test_filling_twice_changes_nothing_more(script: ModuleType, name: str) -> None:
     """A stale table is noticed, filled between its markers only, and then stays as it is."""
     text = f"before\n<!-- table:{name} -->\nold\n<!-- /table:{name} -->\nafter\n"

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from flexdyn.diagnose.trace import Trace
 
 import flexdyn as fd
 from flexdyn.diagnose.pictures import residual_figure
+from flexdyn.diagnose.trace import Trace
 from tests.arms import repickled
 from tests.diagnose import answers
 
