@@ -126,9 +126,14 @@ def better(before: Trial, after: Trial) -> float:
     them alone.
     """
     one, two = before.shot, after.shot
-    gaps = np.log(one.by_window) - np.log(two.by_window)
-    surprises = np.log(one.misfit) - np.log(two.misfit)
+    gaps = _logs(one.by_window) - _logs(two.by_window)
+    surprises = _logs(one.misfit) - _logs(two.misfit)
     return max(significance(gaps), significance(surprises))
+
+
+def _logs(size: Array) -> Array:
+    """Logarithms; a window that counts nothing is as far off with one model as with the other."""
+    return np.asarray(np.log(np.maximum(size, 1e-12)))
 
 
 def significance(drop: Array) -> float:
