@@ -49,9 +49,7 @@ def test_a_payload_and_a_heavier_tool_are_one_law(tmp_path: Path) -> None:
     assert outcome(truth, found) == "half", (found["findings"], truth["hidden"])
     (finding,) = found["findings"]
     assert finding["effect"] == "payload"
-    assert [(each["effect"], each["parameter"]) for each in finding["indistinguishable_from"]] == [
-        ("parameter_error", "link_mass")
-    ]
+    assert "link_mass" in [each["parameter"] for each in finding["indistinguishable_from"]]
 
 
 @pytest.mark.xfail(strict=True, reason="a lag of milliseconds hides dry friction of the same joint: unexplained so far")
