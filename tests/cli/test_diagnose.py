@@ -41,6 +41,7 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> Answer:
             fit: Sequence[fd.Recording],
             check: Sequence[fd.Recording] = (),
             *,
+            thorough: bool = False,
             progress: Callable[[str, float], None] | None = None,
         ) -> Diagnosis:
             given.update(model=model, fit=[each.name for each in fit], check=[each.name for each in check])
