@@ -20,7 +20,8 @@ from flexdyn.diagnose.nesting import simplified
 from flexdyn.diagnose.refine import Refined, of_fit, refine
 from flexdyn.diagnose.result import Diagnosis, Finding, Gap
 from flexdyn.diagnose.search import Candidate
-from flexdyn.diagnose.selection import Search, again
+from flexdyn.diagnose.selection import Search
+from flexdyn.diagnose.settling import again
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.verify import EXPLAINED, SURE, better
 from flexdyn.diagnose.windows import Windows
@@ -134,7 +135,7 @@ def _unbent(search: Search, first: Stage) -> Stage:
     """
     made = first.fitted
     given = dataclasses.replace(made.hypothesis, factors=dict.fromkeys(made.hypothesis.factors, 1.0))
-    tried = [(search.check.of(each), each) for each in (made.hypothesis.tolerated(), given)]
+    tried = [(search.trial(each), each) for each in (made.hypothesis.tolerated(), given)]
     trial, held = min(tried, key=lambda pair: pair[0].gap)
     return Stage(dataclasses.replace(made, hypothesis=held), trial)
 
@@ -148,7 +149,7 @@ def _freed(search: Search, stage: Stage) -> Stage:
     made = fit(dataclasses.replace(hypothesis, freed=hypothesis.freed | set(wrong)), search.space)
     drop = stage.fitted.chi2 - made.chi2
     named = tuple(Named(Candidate(made, drop, 0.0, None, number, made.chi2)) for number in wrong)
-    return Stage(made, search.check.of(made.hypothesis), (*stage.named, *named))
+    return Stage(made, search.trial(made.hypothesis), (*stage.named, *named))
 
 
 def _simulated(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refined | None]:
@@ -156,7 +157,7 @@ def _simulated(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, R
     what = "fitting simulated windows"
     temper = search.space.temper
     refined = refine(stage.fitted.hypothesis, windows, progress=lambda share: search.say(what, share), temper=temper)
-    trial = search.check.of(refined.hypothesis)
+    trial = search.trial(refined.hypothesis)
     if better(stage.trial, trial) < SURE:
         return stage, None
     std = np.maximum(refined.std, of_fit(stage.fitted).std)

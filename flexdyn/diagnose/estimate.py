@@ -16,7 +16,7 @@ from flexdyn.diagnose.covariance import Noise, Whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber, with_factors
 from flexdyn.diagnose.regression import Regression
-from flexdyn.effects import Effect, SensorOffset
+from flexdyn.effects import Effect, PreslidingFriction, SensorOffset
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
@@ -24,6 +24,8 @@ DISCRETE = ("harmonic", "exponent")
 """Parameters that are counted and not measured."""
 POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
 """Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
+BRISTLE = 0.1
+"""Longest time constant of bristles, damping/stiffness [s]: where they hardly bend, nothing holds their damping."""
 SETTLED = 0.05
 """Drop of chi^2 below which another step is not worth its time."""
 BLOCK = 0.5
@@ -258,6 +260,8 @@ def _bounded(effect: Effect, name: str, step: float) -> float:
     """A value after a step that neither leaves its bound nor more than halves or triples what must stay positive."""
     entry = next(f for f in effect.parameters() if f.name == name)
     value, lower = getattr(effect, name), entry.metadata["lower"]
+    if isinstance(effect, PreslidingFriction) and name == "damping":
+        return float(np.clip(value + step, 0.0, BRISTLE * effect.stiffness))
     if (name in POSITIVE or entry.metadata["strict"]) and value > lower == 0.0:
         return float(np.clip(value + step, value / 2.5, value * 2.5))
     return float(max(value + step, lower))

@@ -27,6 +27,8 @@ SHORTER = 0.3
 """A correction that made it worse is tried again, this much shorter."""
 FRAGILE = 3.0
 """A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
+HOPELESS = 0.3
+"""Share of windows that cannot be simulated from which first states are not corrected: the law is no law."""
 FAILED = 3.0
 """A sample that the simulation did not reach counts as off by so many times what its channel moves (plus 1 rad)."""
 
@@ -51,6 +53,7 @@ class Shot:
         states: simulated, [q, theta, v, omega, internal] at the first sample of every block (windows, blocks, nx).
         fragile: factor on `std` of windows in which drawn noise does more than it does in the linear response, because
             it decides whether a joint sticks (windows,) [1].
+        failed: windows that could not be simulated to their end, or in which noise would excuse anything (windows,).
     """
 
     model: FlexibleJointModel
@@ -61,6 +64,7 @@ class Shot:
     used: NDArray[np.bool_]
     states: Array
     fragile: Array
+    failed: NDArray[np.bool_]
     _filter: Filter
     _moved: Array
 
@@ -104,8 +108,12 @@ class Shot:
 
     @property
     def misfit(self) -> Array:
-        """Chi squared of every window: the squared length of its whitened residual (windows,)."""
-        return self._filter.misfit(self.residual, self._moved) / self.fragile**2
+        """Chi squared of every window: the squared length of its whitened residual (windows,).
+
+        Of one that has failed, of the residual as it is.
+        """
+        white = self._filter.misfit(self.residual, self._moved) / self.fragile**2
+        return np.where(self.failed, (self.scaled**2 * self.used).sum(axis=(1, 2)), white)
 
     def whitened(self, model: FlexibleJointModel | None = None) -> Array:
         """Residuals made white: of unit variance and uncorrelated if the model is right (windows, rows of each).
@@ -142,7 +150,7 @@ class Shot:
         shooter, used = Shooter(self.model, self.windows), self.used
         residual = _drawn(shooter, self.x0, self.residual, used, seed)
         wanted = -self._filter.first_error(residual, np.zeros_like(self._moved))
-        left = residual + _residual(shooter, shooter.run(self.x0 + wanted), used) - self.residual
+        left = residual + _residual(shooter, shooter.run(shooter.bounded(self.x0 + wanted)), used) - self.residual
         better = self._filter.scaled(left) < self._filter.scaled(residual)
         residual[better] = left[better]
         return float(np.sqrt(((residual / self.std)[used] ** 2).mean()))
@@ -169,9 +177,11 @@ def shoot(model: FlexibleJointModel, windows: Windows) -> Shot:
     drawn = _drawn(shooter, x0, residual, used, seed=0)
     expected = np.repeat(filter_.unfitted, windows.block, axis=1)
     size = np.sqrt((drawn**2 / expected).sum(axis=(1, 2)) / np.maximum(used.sum(axis=(1, 2)), 1))
-    fragile = np.where(size > FRAGILE, size, 1.0)
+    failed = (motion.written < windows.rows) | filter_.wild  # nothing excuses them
+    fragile = np.where((size > FRAGILE) & ~failed, size, 1.0)
     std *= fragile[:, None, None]
-    return Shot(model, windows, x0, residual, std, used, motion.x, fragile, filter_, moved)
+    std[failed] = windows.sensor_noise
+    return Shot(model, windows, x0, residual, std, used, motion.x, fragile, failed, filter_, moved)
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,8 +205,11 @@ def _fitted(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Ar
     residual = _residual(shooter, motion, used)
     fit = _Fit(moved, residual, motion, Filter.of(shooter.windows, spread(shooter, motion), starts.std, used))
     factor = np.ones(len(moved))
+    if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
+        return fit
     for _ in range(ROUNDS):
         wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
+        wanted = shooter.bounded(starts.x + np.nan_to_num(wanted)) - starts.x
         again = shooter.run(starts.x + wanted)
         left = _residual(shooter, again, used)
         before, after = (fit.filter.scaled(each) for each in (fit.residual, left))

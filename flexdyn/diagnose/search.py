@@ -198,13 +198,20 @@ class Candidate:
         return (self.chi2 - best.chi2) / scale + self.cost - best.cost
 
 
-def candidates(space: Workspace, screen: Screen, made: Fit) -> list[Candidate]:
-    """The most promising proposals, fitted in full, best first."""
+def candidates(space: Workspace, screen: Screen, made: Fit, least: float = ENOUGH) -> list[Candidate]:
+    """The most promising proposals, fitted in full, best first.
+
+    Args:
+        space: of the fit.
+        screen: of the proposals.
+        made: what they come on top of.
+        least: drop of BIC that a linear step must promise.
+    """
     found = []
     scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
     ranked = screen.ranked(made, scale)
     for choice in ranked[:KEPT]:
-        if choice.score < max(ENOUGH, WORTH * ranked[0].score):
+        if choice.score < max(ENOUGH, least, WORTH * ranked[0].score):
             break
         after = extended(made, choice)
         if after is None:

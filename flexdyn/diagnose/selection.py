@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from flexdyn.diagnose.estimate import Fit, Hypothesis, Workspace, fit, linearised, tempering
 from flexdyn.diagnose.nesting import is_simpler
@@ -27,12 +26,12 @@ DOUBT = 1.0
 """Share of what the best candidate leaves over noise by which another may do worse: its own errors are as large."""
 AHEAD = 0.3
 """Share of what is left that an effect must take to be kept in hope, while others hide what it does to the windows."""
-PROMISING = 0.3
-"""Share of what was unexplained below which effects are asked whether others would do better."""
 HARMLESS = 1.05
 """Factor on the gap of the check by which a choice that explains as much may be worse there."""
 HOPES = 2
 """Effects that are kept in hope one after the other."""
+REMEMBERED = 12
+"""Trials that are kept for when they are asked for again; each holds the response of every window."""
 REFINEMENTS = 1
 """Gauss-Newton steps on simulated windows before the check is asked, where equations are rough."""
 TEMPERINGS, TEMPERED = 4, 0.1
@@ -56,6 +55,7 @@ class Search:
     check: Check
     say: Callable[[str, float], None]
     windows: Windows | None = None
+    _known: dict[object, Trial] = field(default_factory=dict, repr=False)
 
     def stage(self, start: Hypothesis, named: tuple[Named, ...] = ()) -> Stage:
         """A hypothesis fitted and tried."""
@@ -66,7 +66,16 @@ class Search:
         if self.windows is not None:
             refined = refine(made.hypothesis, self.windows, REFINEMENTS, temper=self.space.temper)
             made = linearised(refined.hypothesis, made.space)
-        return Stage(made, self.check.of(made.hypothesis), named)
+        return Stage(made, self.trial(made.hypothesis), named)
+
+    def trial(self, hypothesis: Hypothesis) -> Trial:
+        """On the check; what was tried before is remembered, as the same question comes again."""
+        key = (hypothesis.effects, hypothesis.freed, hypothesis.counts, tuple(hypothesis.factors.values()))
+        if key not in self._known:
+            if len(self._known) >= REMEMBERED:
+                self._known.pop(next(iter(self._known)))
+            self._known[key] = self.check.of(hypothesis)
+        return self._known[key]
 
     def tempered(self, stage: Stage) -> tuple[Search, Stage]:
         """The search with priors that weigh against what a stage leaves, and the stage with them."""
@@ -109,9 +118,15 @@ def forward(search: Search, stages: list[Stage]) -> Search:
     return search
 
 
-def following(search: Search, now: Stage) -> tuple[Stage | None, bool]:
-    """The best candidate that the check confirms, or one to keep in hope; and whether it was confirmed."""
-    ranked = candidates(search.space, search.screen, now.fitted)
+def following(search: Search, now: Stage, ranked: Sequence[Candidate] | None = None) -> tuple[Stage | None, bool]:
+    """The best candidate that the check confirms, or one to keep in hope; and whether it was confirmed.
+
+    Args:
+        search: that made the stage.
+        now: what is named so far.
+        ranked: candidates, best first; None: all that are promising.
+    """
+    ranked = candidates(search.space, search.screen, now.fitted) if ranked is None else ranked
     if search.windows is not None:  # what is rigid and what is not has been decided by then
         ranked = [each for each in ranked if not isinstance(each.effect, JointElasticity)]
     hope: Stage | None = None
@@ -173,84 +188,3 @@ def contains(one: Candidate, other: Candidate) -> bool:
         return False
     same = all(getattr(one.effect, key, None) == getattr(other.effect, key, None) for key in ("joint", "side"))
     return same and is_simpler(other.effect.name, one.effect.name)
-
-
-def again(search: Search, last: Stage, windows: Windows) -> tuple[Search, list[Stage]]:
-    """The search taken on, with what rough equations need: priors of their weight, and numbers of simulated windows.
-
-    Args:
-        search: that came to an end and left more than noise.
-        last: its last stage.
-        windows: of the data of the fit.
-    """
-    start, kept = last.without({k for k, each in enumerate(last.named) if not each.stays})
-    search = dataclasses.replace(search, windows=windows)
-    _, first = search.tempered(Stage(fit(start, search.space), last.trial, kept))
-    search, now = search.tempered(last)
-    stages = [first, pruned(search, now)]
-    search = forward(search, stages)
-    stages.append(pruned(search, stages[-1]))
-    return search, stages
-
-
-def settled(search: Search, first: Stage, stage: Stage) -> Stage:
-    """The stage with every effect that still earns its place, and the best for each place beside the others.
-
-    Many effects that together leave much are not worth that: none of their names will stand.
-
-    Args:
-        search: that made the stages.
-        first: without any effect.
-        stage: the last one.
-    """
-    stage = pruned(search, stage)
-    good = stage.trial.excess < PROMISING * first.trial.excess or stage.trial.median < EXPLAINED
-    if len(stage.named) > 1 and good:
-        stage = _merged(search, _exchanged(search, stage))
-    return stage
-
-
-def pruned(search: Search, stage: Stage) -> Stage:
-    """Effects that the check does not miss are taken out, the weakest first."""
-    while stage.named:
-        search.say("asking what can be left out", 0.0)
-        less = [_less(search, stage, {k}) for k, each in enumerate(stage.named) if not each.stays]
-        idle = [each for each in less if not confirmed(each.trial, each.fitted, stage.trial, stage.fitted)]
-        if not idle:
-            break
-        stage = min(idle, key=lambda each: each.fitted.chi2)
-    return stage
-
-
-def _less(search: Search, stage: Stage, gone: Collection[int]) -> Stage:
-    """The stage without some of what was named."""
-    return search.stage(*stage.without(gone))
-
-
-def _exchanged(search: Search, stage: Stage) -> Stage:
-    """Each effect chosen anew beside the others: what hid the right one when it was chosen may be known by now."""
-    for old in [each for each in stage.named if not each.stays]:
-        search.say("choosing again beside the others", 0.0)
-        place = next(k for k, each in enumerate(stage.named) if each is old)
-        after, sure = following(search, _less(search, stage, {place}))
-        if after is not None and sure and _as_good(after, stage):
-            stage = after
-    return stage
-
-
-def _as_good(after: Stage, stage: Stage) -> bool:
-    """Whether another choice explains the data of the fit as well, and the check no worse."""
-    explains = after.fitted.chi2 <= stage.fitted.chi2 + slack(stage.fitted)
-    return explains and after.trial.gap <= HARMLESS * stage.trial.gap
-
-
-def _merged(search: Search, stage: Stage) -> Stage:
-    """Two effects of one place that a single one explains as well are that one."""
-    for i, j in itertools.combinations(range(len(stage.named)), 2):
-        if stage.named[i].joint != stage.named[j].joint or stage.named[i].stays or stage.named[j].stays:
-            continue
-        search.say("asking whether one does for two", 0.0)
-        after, sure = following(search, _less(search, stage, {i, j}))
-        if after is not None and sure and _as_good(after, stage):
-            return _merged(search, after)
-    return stage

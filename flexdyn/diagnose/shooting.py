@@ -33,6 +33,8 @@ PATIENCE = 5.0
 """Runs that are given to the threads together have this long [s]; those not done then have failed."""
 IN_PYTHON = 10.0
 """The same with laws that users have written, times as long."""
+BEYOND = 2.0
+"""Internal states of first states are at most so many times their reach: corrections are linear, bristles are not."""
 AT_ONCE = 256
 """Runs that are given to the threads together."""
 
@@ -125,6 +127,13 @@ class Shooter:
         motion.q[held], motion.theta[held] = q, theta
         motion.x[held] = np.nan_to_num(np.concatenate([part[:, every] for part in parts], axis=2))
         motion.written[held] = reached
+
+    def bounded(self, x0: Array) -> Array:
+        """First states whose internal states are not far beyond their reach, where no path takes them (windows, nx)."""
+        reach = BEYOND * np.array([effect.reach for effect in self.memory])
+        x0 = x0.copy()
+        x0[:, x0.shape[1] - len(reach) :] = np.clip(x0[:, x0.shape[1] - len(reach) :], -reach, reach)
+        return x0
 
     def torques(self, w: int) -> Array:
         """Torques that arrive at the first sample of every block of a window (blocks, n)."""

@@ -12,7 +12,7 @@ from flexdyn.diagnose.windows import Windows
 
 Array = NDArray[np.float64]
 EXCUSE = 0.2
-"""Noise excuses no more than this of what a channel moves: an unstable model makes much of little."""
+"""Noise that would excuse more than this of what a channel moves excuses nothing: the linear response is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +31,7 @@ class Filter:
         unfitted: the same with the true first state.
         counted: 1 where a block was measured, else 0 (windows, blocks, channels).
         block: samples in a block.
+        wild: windows in which noise would excuse anything (windows,).
     """
 
     response: Spread
@@ -41,6 +42,7 @@ class Filter:
     unfitted: Array
     counted: Array
     block: int
+    wild: NDArray[np.bool_]
 
     @classmethod
     def of(cls, windows: Windows, response: Spread, std: Array, used: NDArray[np.bool_]) -> Filter:
@@ -83,7 +85,8 @@ class Filter:
         most = (EXCUSE * (np.nanmax(windows.measured, axis=(0, 1)) - np.nanmin(windows.measured, axis=(0, 1)))) ** 2
         variance = sensor + np.clip(carried - doubt, 0.0, most)
         unfitted = sensor + np.minimum(carried, most)
-        return cls(response, gain, first_gain, whitener, variance, unfitted, counted, windows.block)
+        wild = (carried > most).any(axis=(1, 2))
+        return cls(response, gain, first_gain, whitener, variance, unfitted, counted, windows.block, wild)
 
     def _run(self, residual: Array, error: Array) -> tuple[Array, Array]:
         """Whitened surprises (windows, blocks, channels) and the estimated error of the first states (windows, nx)."""

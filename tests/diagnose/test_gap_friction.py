@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,7 +12,9 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.gap import gap, shoot
 from flexdyn.diagnose.shooting import Shooter
+from flexdyn.diagnose.spread import spread
 from flexdyn.diagnose.starts import first_states
+from flexdyn.diagnose.whiten import Filter
 from flexdyn.diagnose.windows import Windows
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 from tests.oracles.integrate import held
@@ -94,3 +97,30 @@ def test_windows_are_pieces_of_one_long_run(tmp_path: Path, effect: fd.effects.E
     windows = Windows.of(model, [recording], Levels(1e-6, 1e-4).noise(1))
     shot = shoot(model, windows)
     assert np.abs(shot.residual[1:]).max() < 3e-6
+
+
+def test_noise_that_would_excuse_any_motion_is_told(tmp_path: Path) -> None:
+    """A response that grows tenfold from block to block carries noise to any size: such windows are wild."""
+    levels, model = Levels(5e-5, 1e-3), slider_model(tmp_path)
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS, 0.0)
+    windows = Windows.of(model, [slider_recording(x, FORCE, RATE, levels, 0)], levels.noise(1))
+    shooter = Shooter(model, windows)
+    starts = first_states(shooter)
+    response = spread(shooter, shooter.run(starts.x))
+    grown = dataclasses.replace(response, flow=10.0 * response.flow)
+    used = np.ones(windows.measured.shape, bool)
+    told = [Filter.of(windows, each, starts.std, used).wild for each in (response, grown)]
+    assert not told[0].any()
+    assert told[1].all()
+
+
+def test_first_states_bend_no_bristle_far_beyond_its_reach(tmp_path: Path) -> None:
+    """However far a linear correction would go, a bristle slips at its reach."""
+    effect = fd.effects.PreslidingFriction("lift", side="link", level=LEVEL, stiffness=600.0)
+    levels, model = Levels(1e-6, 1e-3), slider_model(tmp_path, [effect])
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS, 0.0)
+    windows = Windows.of(model, [slider_recording(x, FORCE, RATE, levels, 0)], levels.noise(1))
+    far = np.full((len(windows), 3), 5.0)
+    bounded = Shooter(model, windows).bounded(far)
+    assert (bounded[:, 2] <= 2.0 * effect.reach).all()
+    np.testing.assert_array_equal(bounded[:, :2], far[:, :2])
