@@ -9,7 +9,6 @@ does nothing.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -20,8 +19,10 @@ from pendulum_data import CHECK, FIT, HERE, JOINTS, Current, Windows, current, p
 
 import flexdyn as fd
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from measure import Bound, write_results
+from command import Outcome, command
+from measure import Bound
 
 MOST = {"joint1": 0.03, "joint2": 0.05}
 """Bounds of the errors on 143524 [rad]."""
@@ -79,25 +80,18 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     }
 
 
-def main() -> int:
-    """The command."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", type=Path, required=True, help="the result file; the page goes into a folder beside it")
-    parser.add_argument("--data", type=Path, default=Path("../shared/data"), help="folder of the measured data")
-    options = parser.parse_args()
-    folder = options.data / "dfki_double_pendulum"
-    if not folder.is_dir():
-        print(f"skipped: there is no {folder} (--data)")
-        return 0
+def outcome(folder: Path) -> Outcome:
+    """The study with its bounds and its page."""
     from pendulum_page import write_page
 
     made = study(folder)
     held = bounds(made)
-    write_results(options.o, "python benchmarks/measured/double_pendulum/pendulum_study.py", results(made, held))
-    write_page(made, held, options.o.with_suffix(""))
-    print(*held, sep="\n")
-    return 0 if all(each.passed for each in held) else 1
+    return Outcome(held, results(made, held), lambda place: write_page(made, held, place))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(
+        command(
+            __file__, __doc__, "dfki_double_pendulum", tuple(f"20230629-{name}.csv" for name in (*FIT, *CHECK)), outcome
+        )
+    )

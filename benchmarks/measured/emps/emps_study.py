@@ -9,7 +9,6 @@ says so and does nothing.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -32,8 +31,10 @@ from emps_friction import ViscousAsymmetry
 
 import flexdyn as fd
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from measure import Bound, write_results
+from command import Outcome, command
+from measure import Bound
 
 MOST = {"closed loop, DATA_EMPS": 0.039, "closed loop, PULSES": 0.05, "inverse model, DATA_EMPS": 0.032}
 """Bounds of the force errors [1]."""
@@ -124,25 +125,14 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     }
 
 
-def main() -> int:
-    """The command."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", type=Path, required=True, help="the result file; the page goes into a folder beside it")
-    parser.add_argument("--data", type=Path, default=Path("../shared/data"), help="folder of the measured data")
-    options = parser.parse_args()
-    folder = options.data / "emps"
-    if not (folder / "DATA_EMPS.mat").is_file():
-        print(f"skipped: {folder} does not hold DATA_EMPS.mat and DATA_EMPS_PULSES.mat (--data)")
-        return 0
+def outcome(folder: Path) -> Outcome:
+    """The study with its bounds and its page."""
     from emps_page import write_page
 
     made = study(folder)
     held = bounds(made)
-    write_results(options.o, "python benchmarks/measured/emps/emps_study.py", results(made, held))
-    write_page(made, held, options.o.with_suffix(""))
-    print(*held, sep="\n")
-    return 0 if all(each.passed for each in held) else 1
+    return Outcome(held, results(made, held), lambda place: write_page(made, held, place))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(command(__file__, __doc__, "emps", ("DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"), outcome))

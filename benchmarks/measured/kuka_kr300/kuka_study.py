@@ -8,19 +8,20 @@ with the page, its pictures and the diagnosis' own report. Without the data fold
 
 from __future__ import annotations
 
-import argparse
 import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from kuka_encoders import Account, Difference, Ripple, account, differences, ripple
-from kuka_torque import HERE, Inverse, inverse, motor_side, read_records, references, torque_noise
+from kuka_torque import HERE, RECORDS, Inverse, inverse, motor_side, read_records, references, torque_noise
 
 import flexdyn as fd
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from measure import Bound, write_results
+from command import Outcome, command
+from measure import Bound
 
 AXIS = 1
 """The second axis, which carries most of the weight."""
@@ -107,25 +108,14 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     }
 
 
-def main() -> int:
-    """The command."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", type=Path, required=True, help="the result file; the page goes into a folder beside it")
-    parser.add_argument("--data", type=Path, default=Path("../shared/data"), help="folder of the measured data")
-    options = parser.parse_args()
-    folder = options.data / "kuka_kr300"
-    if not (folder / "recorded_A.mat").is_file():
-        print(f"skipped: {folder} does not hold recorded_A.mat, recorded_B.mat, recorded_C.mat (--data)")
-        return 0
+def outcome(folder: Path) -> Outcome:
+    """The study with its bounds and its page."""
     from kuka_page import write_page
 
     made = study(folder)
     held = bounds(made)
-    write_results(options.o, "python benchmarks/measured/kuka_kr300/kuka_study.py", results(made, held))
-    write_page(made, held, options.o.with_suffix(""))
-    print(*held, sep="\n")
-    return 0 if all(each.passed for each in held) else 1
+    return Outcome(held, results(made, held), lambda place: write_page(made, held, place))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(command(__file__, __doc__, "kuka_kr300", tuple(f"recorded_{name}.mat" for name in RECORDS), outcome))

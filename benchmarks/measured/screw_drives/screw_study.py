@@ -9,7 +9,6 @@ the other half better with them, and the start-stop files, which take no part, d
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 from collections.abc import Mapping
@@ -21,8 +20,10 @@ import numpy as np
 
 import flexdyn as fd
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from measure import Bound, write_results
+from command import Outcome, command
+from measure import Bound
 
 HERE = Path(__file__).parent
 EDITED = {"driveNo3": ("1.csv", "2.csv", "n1.csv")}
@@ -197,25 +198,14 @@ def asdict_of(trial: fd.LawTrial) -> dict[str, Any]:
     return vars(trial) | {"numbers": dict(trial.numbers), "intervals": dict(trial.intervals)}
 
 
-def main() -> int:
-    """The command."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("-o", type=Path, required=True, help="the result file; the page goes into a folder beside it")
-    parser.add_argument("--data", type=Path, default=Path("../shared/data"), help="folder of the measured data")
-    options = parser.parse_args()
-    folder = options.data / "screw_drives"
-    if not (folder / "driveNo1").is_dir():
-        print(f"skipped: {folder} does not hold driveNo1, driveNo2, driveNo3 (--data)")
-        return 0
+def outcome(folder: Path) -> Outcome:
+    """The study with its bounds and its page."""
     from screw_page import write_page
 
     made = tuple(studied(folder, drive) for drive in DRIVES)
     held = bounds(made)
-    write_results(options.o, "python benchmarks/measured/screw_drives/screw_study.py", results(made, held))
-    write_page(made, held, options.o.with_suffix(""))
-    print(*held, sep="\n")
-    return 0 if all(each.passed for each in held) else 1
+    return Outcome(held, results(made, held), lambda place: write_page(made, held, place))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(command(__file__, __doc__, "screw_drives", ("driveNo1", "driveNo2", "driveNo3"), outcome))
