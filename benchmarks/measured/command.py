@@ -53,7 +53,7 @@ def command(script: str, about: str, data: str, needs: Sequence[str], study: Cal
         return 0
     made = study(folder)
     name = Path(script).resolve().relative_to(ROOT).as_posix()
-    write_results(options.o, f"python {name}", made.results, made.bounds)
+    write_results(options.o, f"python {name}", made.results)
     made.write_page(options.o.with_suffix(""))
     print(*made.bounds, sep="\n")
     return 0 if all(each.passed for each in made.bounds) else 1
