@@ -189,9 +189,8 @@ def _sensors(equations: Equations, j: int, extent: Extent) -> Iterator[Proposal]
         yield linear({"effect": "channel_lag", **place}, "delay", unit=1e-4)
         turns = (1.0, 2.0) if signal == "q" else (1.0, 2.0, extent.ratio, 2.0 * extent.ratio)
         yield wave({"effect": "encoder_eccentricity", **place}, turns, 1e-6)
-        if both:
+        if both or any(model.gravity):  # one encoder alone: gravity's shape tells, inertias would hide a gain
             yield linear({"effect": "sensor_gain", **place}, "gain", unit=1e-4)
-        if (both and signal == "q") or any(model.gravity):
             yield linear({"effect": "sensor_offset", **place}, "offset", unit=1e-5)
     if data.has_tau_s[j]:
         for name, number in (("sensor_offset", "offset"), ("sensor_gain", "gain")):

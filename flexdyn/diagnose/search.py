@@ -35,6 +35,13 @@ MANY = 200.0
 """Recordings must be so many times as long as a wider filter."""
 SOFTENINGS, SOFTENED = 4, 0.1
 """Workspaces that are made for a joint that becomes elastic, until its stiffness changes by less than such a share."""
+SCALES = {
+    "presliding_friction": "stiffness",
+    "spring_hysteresis": "width",
+    "stribeck_friction": "velocity",
+    "warm_up_friction": "time_constant",
+}
+"""Laws that become a plainer one as this number grows or falls."""
 ENOUGH = 10.0
 """Least drop of BIC for which an effect is named."""
 
@@ -198,20 +205,20 @@ class Candidate:
         return (self.chi2 - best.chi2) / scale + self.cost - best.cost
 
 
-def candidates(space: Workspace, screen: Screen, made: Fit, least: float = ENOUGH) -> list[Candidate]:
+def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) -> list[Candidate]:
     """The most promising proposals, fitted in full, best first.
 
     Args:
         space: of the fit.
         screen: of the proposals.
         made: what they come on top of.
-        least: drop of BIC that a linear step must promise.
+        least: drop of chi^2 that a linear step must promise.
     """
     found = []
     scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
     ranked = screen.ranked(made, scale)
     for choice in ranked[:KEPT]:
-        if choice.score < max(ENOUGH, least, WORTH * ranked[0].score):
+        if choice.score < max(ENOUGH, least / scale, WORTH * ranked[0].score):
             break
         after = extended(made, choice)
         if after is None:
@@ -225,7 +232,7 @@ def candidates(space: Workspace, screen: Screen, made: Fit, least: float = ENOUG
             made_of = _candidate(made, fit(after, space), cost, choice.number)
         except InputError:  # a user's law that fails elsewhere
             continue
-        if made_of.drop >= ENOUGH:
+        if made_of.drop >= ENOUGH and not _is_a_limit(made_of):
             found.append(made_of)
     if any(each.number is not None and each.number.joint is None for each in found):
         found += _payloads(space, made)
@@ -237,6 +244,15 @@ def _candidate(before: Fit, after: Fit, cost: float, number: FileNumber | None) 
     drop = (before.chi2 - after.chi2) / max(1.0, after.reduced) - cost
     effect = None if number is not None else after.hypothesis.effects[-1]
     return Candidate(after, drop, cost, effect, number, after.chi2)
+
+
+def _is_a_limit(candidate: Candidate) -> bool:
+    """Whether the data does not hold the scale of a law: it is then what the law becomes, which has its own name."""
+    effect = candidate.effect
+    if effect is None or effect.name not in SCALES:
+        return False
+    name = SCALES[effect.name]
+    return bool(candidate.fitted.std()[effect, name] > getattr(effect, name))
 
 
 def _softened(before: Fit, start: Hypothesis, choice: Screened, cost: float, scale: float) -> Candidate:

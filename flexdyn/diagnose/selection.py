@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from flexdyn.diagnose.estimate import Fit, Hypothesis, Workspace, fit, linearised, tempering
+from flexdyn.diagnose.estimate import ROUGH, Fit, Hypothesis, Workspace, fit, linearised, tempering
 from flexdyn.diagnose.nesting import is_simpler
 from flexdyn.diagnose.refine import refine
 from flexdyn.diagnose.search import ENOUGH, Candidate, Screen, candidates
@@ -21,7 +21,7 @@ MOST = 6
 TRIED = 4
 """Candidates of one round that may fail the check before the search ends."""
 LEAST = 0.3
-"""Share of the best candidate's drop from which another is tried where the check does not confirm the best."""
+"""Share of what the best candidate takes from which another is tried where the check does not confirm the best."""
 DOUBT = 1.0
 """Share of what the best candidate leaves over noise by which another may do worse: its own errors are as large."""
 AHEAD = 0.3
@@ -89,8 +89,15 @@ class Search:
         return search, stage if made is stage.fitted else search.tried(made, stage.named)
 
     def prefers(self, one: Trial, other: Trial) -> bool:
-        """Whether the check is surely less off with one; where equations are rough, by more than any law is."""
-        return better(other, one) > SURE and (self.windows is None or HARMLESS * one.gap < other.gap)
+        """Whether the check is surely less off with one, by windows or by equations, and neither says otherwise.
+
+        Where equations are rough, it must be less off by more than any law is.
+        """
+        if self.windows is not None:
+            return better(other, one) > SURE and HARMLESS * one.gap < other.gap
+        windows, rows = better(other, one), significance(other.rows - one.rows)
+        harmless = one.gap <= HARMLESS * other.gap and rows > -SURE
+        return harmless and (windows > SURE or (one.exact and rows > SURE and windows > 0.0))
 
 
 def forward(search: Search, stages: list[Stage]) -> Search:
@@ -131,7 +138,7 @@ def following(search: Search, now: Stage, ranked: Sequence[Candidate] | None = N
         ranked = [each for each in ranked if not isinstance(each.effect, JointElasticity)]
     hope: Stage | None = None
     gaps: dict[int, float] = {}
-    for candidate in [each for each in ranked if each.drop > LEAST * ranked[0].drop][:TRIED]:
+    for candidate in _worth_a_try(now.fitted, ranked)[:TRIED]:
         stage = search.tried(candidate.fitted)
         trial, gaps[id(candidate)] = stage.trial, stage.trial.gap
         named = Named(candidate, among=_among(ranked, candidate, gaps))
@@ -143,6 +150,19 @@ def following(search: Search, now: Stage, ranked: Sequence[Candidate] | None = N
         if hope is None and rough and much and significance(now.trial.rows - trial.rows) > SURE:
             hope = stage
     return hope, False
+
+
+def _worth_a_try(before: Fit, ranked: Sequence[Candidate]) -> list[Candidate]:
+    """The best candidate, and those that might be the truth if the check does not confirm it.
+
+    Beside one that leaves noise alone these are such that explain as much; where all leave more, many may be.
+    """
+    if not ranked:
+        return []
+    best = ranked[0]
+    if best.fitted.reduced < ROUGH:
+        return [each for each in ranked if each.behind(best) <= slack(best.fitted)]
+    return [each for each in ranked if before.chi2 - each.chi2 > LEAST * (before.chi2 - best.chi2)]
 
 
 def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stage, gaps: dict[int, float]) -> Stage:

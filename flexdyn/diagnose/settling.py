@@ -91,8 +91,7 @@ def _instead(search: Search, stage: Stage, gone: Collection[int]) -> Stage | Non
     """The stage with one effect for some of what was named, if it explains the fit as well and the check no worse."""
     start, kept = stage.without(gone)
     made, goal = fit(start, search.space), stage.fitted
-    scale = max(1.0, made.reduced)
-    ranked = candidates(search.space, search.screen, made, NEARLY * (made.chi2 - goal.chi2) / scale)
+    ranked = candidates(search.space, search.screen, made, NEARLY * (made.chi2 - goal.chi2))
     ranked = [each for each in ranked if each.chi2 <= goal.chi2 + slack(goal)]
     if not any(_what(each) not in {_what(stage.named[k].candidate) for k in gone} for each in ranked):
         return None

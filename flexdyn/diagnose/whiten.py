@@ -83,9 +83,10 @@ class Filter:
             lever[:, k] = C @ moved
         doubt = np.einsum("wkci,wkci->wkc", lever @ first[:, None], lever)
         most = (EXCUSE * (np.nanmax(windows.measured, axis=(0, 1)) - np.nanmin(windows.measured, axis=(0, 1)))) ** 2
-        variance = sensor + np.clip(carried - doubt, 0.0, most)
+        left = carried - doubt
+        variance = sensor + np.clip(left, 0.0, most)
         unfitted = sensor + np.minimum(carried, most)
-        wild = (carried > most).any(axis=(1, 2))
+        wild = ((carried > most) | (left > most)).any(axis=(1, 2))
         return cls(response, gain, first_gain, whitener, variance, unfitted, counted, windows.block, wild)
 
     def _run(self, residual: Array, error: Array) -> tuple[Array, Array]:

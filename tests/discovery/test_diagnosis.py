@@ -52,7 +52,6 @@ def test_a_payload_and_a_heavier_tool_are_one_law(tmp_path: Path) -> None:
     assert "link_mass" in [each["parameter"] for each in finding["indistinguishable_from"]]
 
 
-@pytest.mark.xfail(strict=True, reason="a lag of milliseconds hides dry friction of the same joint: unexplained so far")
 def test_a_late_encoder_beside_friction_of_its_joint(tmp_path: Path) -> None:
     """Coulomb friction on a link and 3.6 ms of lag of its motor's encoder."""
     found, truth = diagnosed("pair", 5, 5, tmp_path)

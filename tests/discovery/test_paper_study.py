@@ -52,7 +52,6 @@ def test_both_simulators_move_the_arm_alike(plant: Plant) -> None:
     np.testing.assert_allclose(ours.theta, theirs.y[:, 2:4], atol=2e-6)
 
 
-@pytest.mark.xfail(strict=True, reason="three of four are named: Coulomb friction of the shoulder is left out")
 def test_the_hidden_friction_is_found_in_what_another_simulator_made(plant: Plant) -> None:
     """Every effect that the study hides is named, nothing else is, and its numbers hold the true ones."""
     noise = np.random.default_rng(11)
