@@ -23,6 +23,7 @@ from flexdyn.analysis import (
     steady_friction,
     steady_points,
 )
+from flexdyn.batch import run_study
 from flexdyn.commands import PD, Controller, FrameWrench, Samples, State
 from flexdyn.compare import ChannelError, Comparison, compare
 from flexdyn.diagnose import Diagnosis, diagnose
@@ -109,6 +110,7 @@ __all__ = [
     "read_map",
     "read_recording",
     "robot_names",
+    "run_study",
     "save_model",
     "shipped_models",
     "simulate",

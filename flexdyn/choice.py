@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,13 +44,15 @@ def choose_solver(
         solver = make_solver(solver)
     if not isinstance(solver, Solver):
         raise InputError("a solver is needed", key="solver", value=solver, remedy="use fd.solvers.DormandPrince()")
+    width = getattr(solver, "smoothing", None)
+    if width is None and not isinstance(solver, RungeKutta4):
+        return solver, tuple(notes)
     dry = [effect for effect in model.all_effects if effect.stage == "dry" and not effect.is_neutral]
-    if dry and isinstance(solver, RungeKutta4) and solver.smoothing is None:
+    if dry and width is None:
         remedy = "use DormandPrince, or give RungeKutta4 a smoothing in rad/s"
         problem = f"RungeKutta4 takes smooth laws only, and the model has {dry[0].name}"
         raise InputError(problem, key="solver", remedy=remedy)
-    width = getattr(solver, "smoothing", None)
-    if dry and width is not None:
+    if dry:
         notes.append(f"dry friction is smoothed over {width:g} rad/s: a loaded joint creeps instead of sticking")
     return solver, tuple(notes)
 
@@ -64,6 +67,7 @@ def fastest_rate(plant: _core.Plant, x0: NDArray[np.float64]) -> float:
     return float(np.abs(np.linalg.eigvals(jacobian)).max())
 
 
+@lru_cache(maxsize=64)
 def core_settings(solver: Solver) -> _core.SolverSettings:
     """A solver's settings for the core."""
     settings = {key: float(value) for key, value in asdict(solver).items() if value is not None}

@@ -55,6 +55,41 @@ class Job:
         return Run(**self.out, model=self.model, solver=self.solver, notes=self.notes, stats=stats, inputs=inputs)
 
 
+class Shared:
+    """What runs of one batch have in common, made once: models and commands that are the same object, sample grids.
+
+    Args:
+        rate: of the samples [Hz].
+        times: of the samples [s], or None.
+    """
+
+    def __init__(self, rate: float, times: ArrayLike | None) -> None:
+        self._rate, self._times = rate, times
+        self._plants: dict[int, tuple[FlexibleJointModel, _core.Plant]] = {}  # held: an id is not given again
+        self._drives: dict[Any, tuple[Any, Drive]] = {}
+        self._grids: dict[float, Array] = {}
+
+    def drive(self, model: FlexibleJointModel, command: Any, duration: Any) -> Drive:
+        """The command made ready for a model."""
+        key = (id(command), model.joint_names, model.elastic.tobytes(), str(duration))
+        if key not in self._drives:
+            self._drives[key] = (command, make_drive(model, command, duration))
+        return self._drives[key][1]
+
+    def plant(self, model: FlexibleJointModel) -> _core.Plant:
+        """The plant of a model."""
+        if id(model) not in self._plants:
+            self._plants[id(model)] = (model, build_plant(model))
+        return self._plants[id(model)][1]
+
+    def grid(self, span: float) -> Array:
+        """Times of the samples of a run of this duration, locked."""
+        if span not in self._grids:
+            self._grids[span] = _grid(span, self._rate, self._times)
+            self._grids[span].setflags(write=False)
+        return self._grids[span]
+
+
 def prepare(
     model: FlexibleJointModel,
     command: Any,
@@ -64,7 +99,7 @@ def prepare(
     rate: float,
     times: ArrayLike | None,
     external: Any,
-    plant: _core.Plant | None = None,
+    shared: Shared | None = None,
 ) -> Job:
     """Make a run ready; arguments as `simulate` takes them.
 
@@ -77,22 +112,23 @@ def prepare(
         rate: of the samples [Hz].
         times: of the samples [s], or None.
         external: wrenches.
-        plant: of the model, if it has been built already.
+        shared: of the batch that the run is one of; with the same rate and times.
 
     Raises:
         InputError: anything that does not fit.
     """
     if not isinstance(model, FlexibleJointModel):
         raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
-    drive = make_drive(model, command, duration)
+    shared = Shared(rate, times) if shared is None else shared
+    drive = shared.drive(model, command, duration)
     span = _duration(duration, drive)
-    plant = build_plant(model) if plant is None else plant
+    plant = shared.plant(model)
     x0 = first_state(model, drive, dict(starts))
     x0 = np.concatenate([x0, np.zeros(plant.state_size - len(x0))])  # internal states start at rest
     chosen, notes = choose_solver(model, solver, plant, x0)
     if isinstance(chosen, RungeKutta4 | TimeStepping) and span / chosen.step > MAX_STEPS:
         raise InputError(f"more than {MAX_STEPS:g} steps", key="solver.step", value=chosen.step)
-    grid = _grid(span, rate, times)
+    grid = shared.grid(span)
     out = {"t": grid} | {signal: np.empty((len(grid), model.n)) for signal in SIGNALS}
     out["z"] = np.empty((len(grid), plant.internal_states))
     wrenches = () if external is None else tuple(external) if isinstance(external, list | tuple) else (external,)

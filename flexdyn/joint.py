@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 from flexdyn.checks import as_number
@@ -33,12 +33,12 @@ class Joint:
 
     def __post_init__(self) -> None:
         """Check every number."""
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for name in NUMBERS:
+            value = getattr(self, name)
             number = as_number(value)
             if math.isnan(number):
-                raise InputError("a number is needed", key=field.name, value=value)
-            object.__setattr__(self, field.name, number)
+                raise InputError("a number is needed", key=name, value=value)
+            object.__setattr__(self, name, number)
         self._above_zero("gear_ratio", self.gear_ratio, finite=True)
         self._above_zero("stiffness", self.stiffness, finite=False)
         for name in ("rotor_inertia", "damping"):
@@ -64,7 +64,7 @@ class Joint:
 
     def to_dict(self) -> dict[str, float]:
         """As a model file writes it."""
-        return asdict(self)
+        return {name: getattr(self, name) for name in NUMBERS}
 
     @staticmethod
     def numbers(entry: Any) -> dict[str, Any]:
@@ -79,16 +79,19 @@ class Joint:
             raise InputError(
                 "a joint is a mapping of its numbers", value=entry, remedy="write {stiffness: 4000.0, ...}"
             )
-        known = [field.name for field in fields(Joint)]
         for key in entry:
-            if key not in known:
-                raise InputError("a joint has no such key", key=str(key), remedy=did_you_mean(str(key), known))
+            if key not in NUMBERS:
+                raise InputError("a joint has no such key", key=str(key), remedy=did_you_mean(str(key), NUMBERS))
         return {str(key): value for key, value in entry.items()}
 
     def _above_zero(self, name: str, value: float, *, finite: bool) -> None:
         if value <= 0 or (finite and math.isinf(value)):
             remedy = "" if finite else "use .inf for a rigid joint"
             raise InputError("it must be above 0", key=name, value=value, remedy=remedy)
+
+
+NUMBERS = tuple(field.name for field in fields(Joint))
+"""Names of a joint's numbers."""
 
 
 def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Joint]:
@@ -107,8 +110,12 @@ def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[s
         if name != "*" and name not in names:
             problem = "the robot has no such joint"
             raise InputError(problem, key=f"joints.{name}", remedy=did_you_mean(str(name), names))
-    resolved = {}
+    resolved: dict[str, Joint] = {}
     for name in names:
+        given = entries.get(name)
+        if isinstance(given, Joint):  # it has every number, checked
+            resolved[name] = given
+            continue
         shared, own = (_entry(entries, key) for key in ("*", name))
         try:
             resolved[name] = Joint(**(shared | own))

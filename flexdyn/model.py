@@ -130,7 +130,7 @@ class FlexibleJointModel:
         """In the order of q."""
         return self.robot.joint_names
 
-    @property
+    @cached_property
     def stiffness(self) -> Array:
         """K of every joint (n,) [N m/rad or N/m], infinite where rigid; with the effect joint_elasticity folded in."""
         stiffness = self._numbers("stiffness")
@@ -140,22 +140,22 @@ class FlexibleJointModel:
                 stiffness[j] = effect.stiffness + (stiffness[j] if np.isfinite(stiffness[j]) else 0.0)
         return _locked(stiffness)
 
-    @property
+    @cached_property
     def damping(self) -> Array:
         """D of every joint (n,) [N m s/rad or N s/m]."""
         return _locked(self._numbers("damping"))
 
-    @property
+    @cached_property
     def rotor_inertia(self) -> Array:
         """J of every joint, reflected to the link side (n,) [kg m^2 or kg]."""
         return _locked(self._numbers("reflected_inertia"))
 
-    @property
+    @cached_property
     def elastic(self) -> NDArray[np.bool_]:
         """Which joints have a finite stiffness (n,)."""
-        return np.isfinite(self.stiffness)
+        return _locked(np.isfinite(self.stiffness))
 
-    @property
+    @cached_property
     def all_effects(self) -> tuple[Effect, ...]:
         """The model's effects, then those that come from the URDF's <dynamics>."""
         return self.effects + self.urdf_effects
@@ -166,10 +166,12 @@ class FlexibleJointModel:
         Args:
             changes: as the constructor takes them; ``joints`` is merged number by number into what is there.
         """
-        joints: dict[str, Any] = {name: joint.to_dict() for name, joint in self.joints.items()}
+        if changes.keys() == {"initial"}:
+            return self._starting(changes["initial"])
+        joints: dict[str, Any] = dict(self.joints)
         for name, numbers in changes.pop("joints", {}).items():
             for each in self.joint_names if name == "*" else (name,):
-                joints[each] = joints.get(each, {}) | Joint.numbers(numbers)
+                joints[each] = Joint.numbers(joints.get(each, {})) | Joint.numbers(numbers)
         robot, effects = changes.pop("robot", self.robot), changes.pop("effects", self.effects)
         return FlexibleJointModel(robot, joints, effects, **(self._settings() | changes))
 
@@ -199,6 +201,13 @@ class FlexibleJointModel:
         """
         return self.robot.joint_index(joint)
 
+    def _starting(self, initial: Any) -> FlexibleJointModel:
+        """The same model with another first state; what was checked and computed of it stays."""
+        kept = {key: value for key, value in vars(self).items() if key != "_resolved"}
+        twin = object.__new__(type(self))
+        twin.__dict__.update(kept, initial=initial_checked({} if initial is None else initial, self.joint_names))
+        return twin
+
     def _numbers(self, attribute: str) -> Array:
         return np.array([getattr(joint, attribute) for joint in self.joints.values()])
 
@@ -223,7 +232,7 @@ def _rebuild(robot: Robot, joints: Any, effects: Any, settings: dict[str, Any]) 
     return FlexibleJointModel(robot, joints, effects, **settings)
 
 
-def _locked(array: Array) -> Array:
+def _locked(array: NDArray[Any]) -> NDArray[Any]:
     array.setflags(write=False)
     return array
 

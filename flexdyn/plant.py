@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from flexdyn import _core
 from flexdyn.effects import Effect, JointCoupling, JointEffect, Payload, TorqueConstantError
 from flexdyn.errors import InputError
+from flexdyn.joint import Joint
 from flexdyn.model import FlexibleJointModel
+from flexdyn.robot import Robot
 from flexdyn.robot.tree import Tree
 
 Array = NDArray[np.float64]
@@ -29,17 +32,42 @@ PYTHON_STAGES = {"actuator": ("motor",), "spring": ("transmission",), "friction"
 def build_plant(model: FlexibleJointModel) -> _core.Plant:
     """The compiled plant of a model; neutral effects are left out, so that they change nothing, bit for bit.
 
+    Models with the same numbers share one, whatever their first states are.
+
     Raises:
         InputError: a rigid joint that moves no inertia at all.
     """
     true = model.resolved()
     links = build_links(true)
-    laws = [_law(true, effect) for effect in acting_effects(true)]
     _check_inertia(true, links)
-    plant = _core.plant(links, true.stiffness, true.damping, true.rotor_inertia, rotor_spin(true), laws)
+    effects = tuple(acting_effects(true))
+    parts = _Parts(links, tuple(true.joints.values()), effects, true.rotor_coupling, true)
+    # A law in Python may remember what it was asked: every plant has its own.
+    plant = _assembled(parts) if any(effect.is_python for effect in effects) else _shared(parts)
     if plant.coupled:
         _check_coupling(true, plant)
     return plant
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """All that a plant is made of; two with equal parts are the same plant."""
+
+    links: _core.LinkDynamics
+    joints: tuple[Joint, ...]
+    effects: tuple[Effect, ...]
+    rotor_coupling: str
+    model: FlexibleJointModel = field(compare=False)
+
+
+def _assembled(parts: _Parts) -> _core.Plant:
+    model = parts.model
+    laws = [_law(model, effect) for effect in parts.effects]
+    J, spin = model.rotor_inertia, rotor_spin(model)
+    return _core.plant(parts.links, model.stiffness, model.damping, J, spin, laws)
+
+
+_shared = lru_cache(maxsize=64)(_assembled)
 
 
 def rotor_spin(model: FlexibleJointModel) -> Array:
@@ -54,7 +82,17 @@ def rotor_spin(model: FlexibleJointModel) -> Array:
 
 def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
     """The compiled link side: M(q), h(q, v), with payloads, and J of rigid joints as armature."""
-    return _core.link_dynamics(_arrays(_loaded_tree(model.resolved())), np.array(model.gravity))
+    true = model.resolved()
+    payloads = tuple(effect for effect in true.all_effects if isinstance(effect, Payload))
+    armature = tuple(0.0 if joint.elastic else joint.reflected_inertia for joint in true.joints.values())
+    return _links(true.robot, payloads, armature, true.gravity)
+
+
+@lru_cache(maxsize=16)
+def _links(
+    robot: Robot, payloads: tuple[Payload, ...], armature: tuple[float, ...], gravity: tuple[float, ...]
+) -> _core.LinkDynamics:
+    return _core.link_dynamics(_arrays(_loaded_tree(robot, payloads, armature)), np.array(gravity))
 
 
 class LinkSide:
@@ -103,15 +141,16 @@ class LinkSide:
         return [np.ascontiguousarray(column) for column in columns]
 
 
-def _loaded_tree(model: FlexibleJointModel) -> Tree:
-    tree = model.robot.tree
-    for effect in model.all_effects:
-        if isinstance(effect, Payload):
-            frame = model.robot.tip if effect.frame is None else effect.frame
-            tree = tree.with_point_mass(model.robot.frame(frame), effect.mass)
+def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tuple[float, ...]) -> Tree:
+    tree = robot.tree
+    for payload in payloads:
+        frame = robot.tip if payload.frame is None else payload.frame
+        tree = tree.with_point_mass(robot.frame(frame), payload.mass)
+    if not any(rigid_inertia):
+        return tree
     armature = tree.armature.copy()
-    for joint in np.flatnonzero(~model.elastic):
-        armature[_own_row(tree, int(joint))] += model.rotor_inertia[joint]
+    for joint in np.flatnonzero(rigid_inertia):
+        armature[_own_row(tree, int(joint))] += rigid_inertia[joint]
     return replace(tree, armature=armature)
 
 
@@ -158,10 +197,13 @@ def _law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
         return _core.python_law(effect.stage, joint, side, _caller(effect))
     other = model.index(effect.other) if isinstance(effect, JointCoupling) else -1
     try:
-        return _core.law(effect.name, joint, side, effect.values, other)
+        return _core_law(effect.name, joint, side, effect.values, other)
     except ValueError:
         remedy = "write its law in Python: override torque(self, x, u, *, t, tau)"
         raise InputError("the core has no law of this name", key=effect.name, remedy=remedy) from None
+
+
+_core_law = lru_cache(maxsize=256)(_core.law)
 
 
 def _check_stage(effect: JointEffect) -> None:
@@ -184,13 +226,12 @@ def _caller(effect: JointEffect) -> Any:
 
 def _check_inertia(model: FlexibleJointModel, links: _core.LinkDynamics) -> None:
     """A joint that turns nothing has no acceleration: say so before ABA divides by zero."""
-    q = np.array([model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names])
-    M = np.empty((model.n, model.n))
-    links.mass_matrix(q, M)
-    scale = np.sqrt(np.maximum(np.diag(M), 0.0))
-    singular = np.linalg.eigvalsh(M / np.outer(scale, scale))[0] <= 1e-13 if (scale > 0).all() else True
-    if singular:
-        name = model.joint_names[int(np.argmin(scale))]
+    known = model.initial.get("q", {})
+    q = np.array([known.get(joint, 0.0) for joint in model.joint_names])
+    if links.least_inertia(q) <= 1e-13:
+        M = np.empty((model.n, model.n))
+        links.mass_matrix(q, M)
+        name = model.joint_names[int(np.argmin(np.diag(M)))]
         remedy = "give its links mass and inertia, or a rigid joint a rotor_inertia"
         raise InputError("the joint moves no inertia: M(q) is singular", key=f"joints.{name}", remedy=remedy)
 

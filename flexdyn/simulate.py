@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike
 from flexdyn import _core
 from flexdyn.commands import PD, Controller, FrameWrench, Samples
 from flexdyn.errors import FlexdynError, InputError, SimulationError
-from flexdyn.job import Job, prepare
+from flexdyn.job import Job, Shared, prepare
 from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import build_plant
 from flexdyn.run import Run
 from flexdyn.solvers import Solver
 from flexdyn.start import Start
@@ -108,8 +107,8 @@ def simulate_many(
     """
     given = {"model": models, "command": commands, "duration": duration, "solver": solver, "external": external}
     given |= {"q": q0, "v": v0, "theta": theta0, "omega": omega0}
-    plants: dict[int, _core.Plant] = {}
-    runs = [_prepared(each, rate, times, plants) for each in _spread(given)]
+    shared = Shared(rate, times)
+    runs = [_prepared(each, rate, times, shared) for each in _spread(given)]
     jobs = [job for job in runs if isinstance(job, Job)]
     count = threads if threads is not None else len(os.sched_getaffinity(0))
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
@@ -134,18 +133,13 @@ def _is_list(value: Any) -> bool:
     return isinstance(value, list) and not all(isinstance(entry, int | float | np.number) for entry in value)
 
 
-def _prepared(
-    each: Mapping[str, Any], rate: float, times: ArrayLike | None, plants: dict[int, _core.Plant]
-) -> Job | FlexdynError:
-    """The job, or why there is none; models that come again share a plant."""
+def _prepared(each: Mapping[str, Any], rate: float, times: ArrayLike | None, shared: Shared) -> Job | FlexdynError:
+    """The job, or why there is none."""
     starts = {key: each[key] for key in ("q", "v", "theta", "omega")}
     model = each["model"]
     try:
-        if isinstance(model, FlexibleJointModel) and id(model) not in plants:
-            plants[id(model)] = build_plant(model)
-        plant = plants.get(id(model))
         command, solver = each["command"], each["solver"]
-        return prepare(model, command, each["duration"], solver, starts, rate, times, each["external"], plant)
+        return prepare(model, command, each["duration"], solver, starts, rate, times, each["external"], shared)
     except FlexdynError as error:
         return error
     except Exception as error:  # a user's law that fails where auto looks at it

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -21,26 +22,24 @@ Start = ArrayLike | Mapping[str, float] | None
 
 def first_state(model: FlexibleJointModel, drive: Drive, given: dict[str, Any]) -> Array:
     """X = [q, theta, v, omega] from the arguments, over the recording's first row, over the model's `initial`."""
-    values = {
-        signal: _start(model, signal, given[signal], {**model.initial.get(signal, {}), **drive.initial.get(signal, {})})
-        for signal in ("q", "v", "theta", "omega")
-    }
-    for rotor, link in (("theta", "q"), ("omega", "v")):  # a link put elsewhere takes its rotor along
-        if given[rotor] is None and given[link] is not None:
-            values[rotor][_named(model, given[link])] = math.nan
-    q, v = (np.nan_to_num(values[signal], nan=0.0) for signal in ("q", "v"))
-    theta = np.where(np.isnan(values["theta"]), q, values["theta"])
-    omega = np.where(np.isnan(values["omega"]), v, values["omega"])
-    if isinstance(given["theta"], str):
-        theta = equilibrium_theta(model, q)
-    for signal, turned, moved in (("theta", theta, q), ("omega", omega, v)):
-        different = ~model.elastic & (turned != moved)
-        if different.any():
-            joint = model.joint_names[int(np.argmax(different))]
-            twin = {"theta": "q", "omega": "v"}[signal]
-            problem = f"the joint is rigid: {signal} is {twin}"
-            raise InputError(problem, key=f"{signal}0.{joint}", value=float(turned[model.index(joint)]))
-    return np.concatenate([q, theta[model.elastic], v, omega[model.elastic]])
+    links, rotors = [], []
+    elastic = model.elastic.tolist()
+    for link, rotor in (("q", "theta"), ("v", "omega")):
+        moved = [0.0 if math.isnan(x) else x for x in _start(model, drive, link, given[link])]
+        turned = _start(model, drive, rotor, given[rotor])
+        if given[rotor] is None and given[link] is not None:  # a link put elsewhere takes its rotor along
+            for j in _named(model, given[link]):
+                turned[j] = math.nan
+        turned = [x if math.isnan(y) else y for x, y in zip(moved, turned, strict=True)]
+        if isinstance(given[rotor], str):
+            turned = equilibrium_theta(model, np.array(moved)).tolist()
+        for j, soft in enumerate(elastic):
+            if not soft and turned[j] != moved[j]:
+                key = f"{rotor}0.{model.joint_names[j]}"
+                raise InputError(f"the joint is rigid: {rotor} is {link}", key=key, value=turned[j])
+        links.append(moved)
+        rotors.append(itertools.compress(turned, elastic))
+    return np.array([*links[0], *rotors[0], *links[1], *rotors[1]])
 
 
 def _named(model: FlexibleJointModel, given: Start) -> list[int]:
@@ -57,10 +56,11 @@ def equilibrium_theta(model: FlexibleJointModel, q: Array) -> Array:
     return theta
 
 
-def _start(model: FlexibleJointModel, signal: str, given: Any, known: Mapping[str, float]) -> Array:
+def _start(model: FlexibleJointModel, drive: Drive, signal: str, given: Any) -> list[float]:
     """One signal of the first state (n,), NaN where nothing is said."""
     names, key = model.joint_names, f"{signal}0"
-    start = np.array([known.get(joint, math.nan) for joint in names])
+    known = {**model.initial.get(signal, {}), **drive.initial.get(signal, {})}
+    start = [known.get(joint, math.nan) for joint in names]
     if given is None:
         return start
     if isinstance(given, str):
@@ -78,7 +78,7 @@ def _start(model: FlexibleJointModel, signal: str, given: Any, known: Mapping[st
     if array.shape != (model.n,) or not np.isfinite(array).all():
         remedy = f"the joints are {', '.join(names)}"
         raise InputError(f"{model.n} finite numbers are needed", key=key, value=given, remedy=remedy)
-    return array
+    return list(array.tolist())
 
 
 def _number(key: str, value: Any) -> float:

@@ -38,6 +38,7 @@ class Commands(TyperGroup):
 
 def build() -> Any:
     """The click command of the whole program."""
+    from flexdyn.cli.batch import batch
     from flexdyn.cli.compare import compare
     from flexdyn.cli.diagnose import DiagnoseCommand, diagnose
     from flexdyn.cli.effects import effects
@@ -58,7 +59,7 @@ def build() -> Any:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_program)
-    for command in (info, new, effects, simulate, play, plot, compare, paper):
+    for command in (info, new, effects, simulate, play, plot, compare, batch, paper):
         app.command()(command)
     app.command(cls=DiagnoseCommand)(diagnose)
     return typer.main.get_command(app)

@@ -9,7 +9,8 @@ bool same_instant(double a, double b) { return std::abs(a - b) <= 1e-10 + 1e-13 
 
 Drive::Drive(const Plant& plant, Command& command, const std::vector<ExternalWrench>& wrenches, double duration)
     : plant_(plant), command_(command), wrenches_(wrenches), duration_(duration), delayed_(plant.has_delay()),
-      links_(plant.links().workspace()), theta_(plant.n()), omega_(plant.n()), tau_ext_(plant.n()), late_(plant.n()) {}
+      links_(wrenches.empty() ? nullptr : plant.links().workspace()), theta_(plant.n()), omega_(plant.n()),
+      tau_ext_(plant.n()), late_(plant.n()) {}
 
 double Drive::next_limit(double t) const {
   double next = next_command_switch(t);

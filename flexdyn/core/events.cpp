@@ -188,6 +188,8 @@ void Events::settle_resting(const std::vector<std::size_t>& resting, double t, c
   const std::vector<double> drive = work_.drive;
   std::vector<double> reaction(N), acceleration(N);
   std::vector<char> held(N);
+  std::size_t flipped = contacts.size();  // the contact of the last pivot, and how it moved before
+  int before_flip = stuck;
   for (int pivot = 0; pivot < 1000; ++pivot) {
     work_.drive = drive;
     std::fill(held.begin(), held.end(), 0);
@@ -211,6 +213,9 @@ void Events::settle_resting(const std::vector<std::size_t>& resting, double t, c
         motion = backward;
       }
       if (motion == before) continue;
+      if (c == flipped && motion == before_flip) return;  // to and fro: on the edge of its box, up to rounding
+      flipped = c;
+      before_flip = before;
       consistent = false;
       break;
     }

@@ -21,6 +21,16 @@ using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 struct LinkDynamics::Impl {
+  // The independent joints' numbers as those of the whole tree.
+  void expand_position(const double* q, VectorXd& tree) const {
+    if (mimics) tree.noalias() = gain * Map<const VectorXd>(q, gain.cols()) + offset;
+    else tree = Map<const VectorXd>(q, gain.cols());
+  }
+  void expand_rate(const double* v, VectorXd& tree) const {
+    if (mimics) tree.noalias() = gain * Map<const VectorXd>(v, gain.cols());
+    else tree = Map<const VectorXd>(v, gain.cols());
+  }
+
   std::vector<char> prismatic;
   std::vector<int> own_row;  // independent joint -> its own row in the tree, not that of one that mimics it
   Model model;
@@ -35,6 +45,8 @@ struct LinkDynamics::Workspace {
   Data data;
   MatrixXd M;
   VectorXd h;
+  MatrixXd M_free;        // rows and columns of M of the joints that are not held
+  VectorXd a_free;
   Eigen::LLT<MatrixXd> factor;
   VectorXd q, v, a;       // of the whole tree, mimic joints included
   std::vector<int> free;  // joints that are not held

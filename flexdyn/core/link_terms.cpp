@@ -1,6 +1,8 @@
 // The terms of the link side one by one: M, h, their derivatives, energies, wrenches, rotors that ride on links.
 #include <algorithm>
 
+#include <Eigen/Eigenvalues>
+
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/energy.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
@@ -30,52 +32,70 @@ void LinkDynamics::held_acceleration(Workspace& w, const double* q, const double
   for (int j = 0; j < n_; ++j) {
     if (!held[j]) w.free[free++] = j;
   }
-  MatrixXd M(free, free);
-  VectorXd b(free);
+  w.M_free.resize(free, free);
+  w.a_free.resize(free);
   for (int i = 0; i < free; ++i) {
-    b[i] = w.h[w.free[i]];
-    for (int k = 0; k < free; ++k) M(i, k) = w.M(w.free[i], w.free[k]);
+    w.a_free[i] = w.h[w.free[i]];
+    for (int k = 0; k < free; ++k) w.M_free(i, k) = w.M(w.free[i], w.free[k]);
   }
-  const VectorXd moving = free > 0 ? VectorXd(M.llt().solve(b)) : b;
+  if (free > 0) w.factor.compute(w.M_free).solveInPlace(w.a_free);
   std::fill(a, a + n_, 0.0);
-  for (int i = 0; i < free; ++i) a[w.free[i]] = moving[i];
+  for (int i = 0; i < free; ++i) a[w.free[i]] = w.a_free[i];
   for (int j = 0; j < n_; ++j) {
     if (!held[j]) continue;
     double coupling = 0.0;
-    for (int i = 0; i < free; ++i) coupling += w.M(j, w.free[i]) * moving[i];
+    for (int i = 0; i < free; ++i) coupling += w.M(j, w.free[i]) * w.a_free[i];
     reaction[j] = w.h[j] - coupling;
   }
 }
 
 void LinkDynamics::mass_matrix(Workspace& w, const double* q, double* M) const {
-  w.q.noalias() = impl_->gain * Map<const VectorXd>(q, n_) + impl_->offset;
+  impl_->expand_position(q, w.q);
   pin::crba(impl_->model, w.data, w.q, pin::Convention::WORLD);
   w.data.M.triangularView<Eigen::StrictlyLower>() = w.data.M.transpose().triangularView<Eigen::StrictlyLower>();
-  Map<RowMatrix>(M, n_, n_) = impl_->gain.transpose() * w.data.M * impl_->gain;
+  if (impl_->mimics) Map<RowMatrix>(M, n_, n_) = impl_->gain.transpose() * w.data.M * impl_->gain;
+  else Map<RowMatrix>(M, n_, n_) = w.data.M;
+}
+
+double LinkDynamics::least_inertia(Workspace& w, const double* q) const {
+  mass_matrix(w, q, w.M.data());
+  const VectorXd diagonal = w.M.diagonal();
+  if (!(diagonal.minCoeff() > 0.0)) return 0.0;
+  const VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
+  const MatrixXd scaled = scale.asDiagonal() * w.M * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
 void LinkDynamics::bias(Workspace& w, const double* q, const double* v, double* h) const {
-  w.q.noalias() = impl_->gain * Map<const VectorXd>(q, n_) + impl_->offset;
-  w.v.noalias() = impl_->gain * Map<const VectorXd>(v, n_);
-  Map<VectorXd>(h, n_) = impl_->gain.transpose() * pin::nonLinearEffects(impl_->model, w.data, w.q, w.v);
+  impl_->expand_position(q, w.q);
+  impl_->expand_rate(v, w.v);
+  const auto& whole = pin::nonLinearEffects(impl_->model, w.data, w.q, w.v);
+  if (impl_->mimics) Map<VectorXd>(h, n_) = impl_->gain.transpose() * whole;
+  else Map<VectorXd>(h, n_) = whole;
 }
 
 void LinkDynamics::inverse_derivatives(Workspace& w, const double* q, const double* v, const double* a, double* by_q,
                                        double* by_v) const {
   const MatrixXd& gain = impl_->gain;
-  w.q.noalias() = gain * Map<const VectorXd>(q, n_) + impl_->offset;
-  w.v.noalias() = gain * Map<const VectorXd>(v, n_);
-  w.a.noalias() = gain * Map<const VectorXd>(a, n_);
+  impl_->expand_position(q, w.q);
+  impl_->expand_rate(v, w.v);
+  impl_->expand_rate(a, w.a);
   pin::computeRNEADerivatives(impl_->model, w.data, w.q, w.v, w.a);
-  Map<RowMatrix>(by_q, n_, n_) = gain.transpose() * w.data.dtau_dq * gain;
-  Map<RowMatrix>(by_v, n_, n_) = gain.transpose() * w.data.dtau_dv * gain;
+  Map<RowMatrix> of_q(by_q, n_, n_), of_v(by_v, n_, n_);
+  if (impl_->mimics) {
+    of_q = gain.transpose() * w.data.dtau_dq * gain;
+    of_v = gain.transpose() * w.data.dtau_dv * gain;
+  } else {
+    of_q = w.data.dtau_dq;
+    of_v = w.data.dtau_dv;
+  }
 }
 
 void LinkDynamics::rotor_coupling(Workspace& w, const double* q, const double* v, const double* spin,
                                   const double* omega, double* S, double* link_bias, double* rotor_bias) const {
   const MatrixXd& gain = impl_->gain;
-  w.q.noalias() = gain * Map<const VectorXd>(q, n_) + impl_->offset;
-  w.v.noalias() = gain * Map<const VectorXd>(v, n_);
+  impl_->expand_position(q, w.q);
+  impl_->expand_rate(v, w.v);
   w.a.setZero();
   pin::forwardKinematics(impl_->model, w.data, w.q, w.v, w.a);
   Map<RowMatrix> coupling(S, n_, n_);
@@ -102,8 +122,8 @@ void LinkDynamics::rotor_coupling(Workspace& w, const double* q, const double* v
 }
 
 void LinkDynamics::energy(Workspace& w, const double* q, const double* v, double& kinetic, double& potential) const {
-  w.q.noalias() = impl_->gain * Map<const VectorXd>(q, n_) + impl_->offset;
-  w.v.noalias() = impl_->gain * Map<const VectorXd>(v, n_);
+  impl_->expand_position(q, w.q);
+  impl_->expand_rate(v, w.v);
   kinetic = pin::computeKineticEnergy(impl_->model, w.data, w.q, w.v);
   potential = pin::computePotentialEnergy(impl_->model, w.data, w.q);
 }
@@ -112,7 +132,7 @@ void LinkDynamics::add_wrench(Workspace& w, const double* q, const WrenchPoint& 
                               double* tau) const {
   if (point.joint < 0) return;  // the base does not move
   const Model& model = impl_->model;
-  w.q.noalias() = impl_->gain * Map<const VectorXd>(q, n_) + impl_->offset;
+  impl_->expand_position(q, w.q);
   pin::forwardKinematics(model, w.data, w.q);
   const auto tip = static_cast<pin::JointIndex>(point.joint + 1);
   const pin::SE3& placement = w.data.oMi[tip];

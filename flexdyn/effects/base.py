@@ -8,6 +8,7 @@ equations of motion it stands and which numbers it takes. A user's own effect is
 from __future__ import annotations
 
 import dataclasses
+import functools
 import inspect
 import math
 import re
@@ -93,6 +94,7 @@ class Effect:
             object.__setattr__(self, field.name, self._checked(field, getattr(self, field.name)))
 
     @classmethod
+    @functools.cache
     def parameters(cls) -> tuple[dataclasses.Field[Any], ...]:
         """The numbers of the effect, in the order the core takes them."""
         return tuple(f for f in dataclasses.fields(cls) if "unit" in f.metadata)  # type: ignore[arg-type]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -101,7 +102,7 @@ class Robot:
         """Names that frame() knows, in Pinocchio's order."""
         return tuple(dict.fromkeys(entry.name for entry in self._model.frames))
 
-    @property
+    @cached_property
     def tip(self) -> str:
         """Name of the default end frame: the last link on the last joint of a serial chain.
 
@@ -159,11 +160,20 @@ class Robot:
         Raises:
             InputError: no such frame.
         """
+        if isinstance(name, str) and name in self._placements:
+            return self._placements[name]
         found = [entry for entry in self._model.frames if entry.name == name]
         if not found:
             raise InputError("no such frame", key="frame", value=name, remedy=did_you_mean(name, self.frame_names))
         best = min(found, key=lambda entry: _FRAME_ORDER.index(entry.type))
-        return FramePlacement(name, best.parentJoint - 1, best.placement.rotation, best.placement.translation)
+        place = FramePlacement(name, best.parentJoint - 1, best.placement.rotation, best.placement.translation)
+        self._placements[name] = place
+        return place
+
+    @cached_property
+    def _placements(self) -> dict[str, FramePlacement]:
+        """Frames that were asked for already."""
+        return {}
 
     def expand(self, q: Any) -> Floats:
         """Positions of all joints of the tree, followers included: q_tree = G q + g0.

@@ -20,9 +20,9 @@ def test_version_and_help(flexdyn: Runner) -> None:
     """--version is one line; --help, and nothing at all, name every command."""
     assert flexdyn("--version").out == f"flexdyn {fd.__version__}\n"
     text = flexdyn("--help").out
-    assert all(command in text for command in ("info", "new", "effects", "simulate", "paper"))
+    assert all(command in text for command in ("info", "new", "effects", "simulate", "batch", "paper"))
     assert flexdyn() == flexdyn("--help")
-    for command in ("info", "new", "effects", "simulate", "paper"):
+    for command in ("info", "new", "effects", "simulate", "batch", "paper"):
         outcome = flexdyn(command, "--help")
         assert outcome.code == 0
         assert "Usage: flexdyn" in outcome.out

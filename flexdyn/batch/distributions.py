@@ -1,0 +1,190 @@
+"""How a number varies from run to run: drawn at random, or put through every value of a grid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import Any, ClassVar, Self
+
+from flexdyn.checks import as_number
+from flexdyn.errors import InputError, did_you_mean
+
+_STANDARD_NORMAL = NormalDist()
+MAX_GRID = 1_000_000
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Base: two numbers, drawn from by the inverse of its cumulative distribution.
+
+    Class attributes:
+        name: in a study file.
+        numbers: what its two numbers are.
+    """
+
+    name: ClassVar[str] = ""
+    numbers: ClassVar[tuple[str, str]] = ("", "")
+
+    first: float
+    second: float
+
+    def __post_init__(self) -> None:
+        """Check that the numbers make sense.
+
+        Raises:
+            InputError: they do not.
+        """
+        remedy = f"write {{{self.name}: [{', '.join(self.numbers)}]}}"
+        for number in (self.first, self.second):
+            if not math.isfinite(as_number(number)):
+                raise InputError("a finite number is needed", key=self.name, value=number, remedy=remedy)
+        problem = self._problem()
+        if problem:
+            raise InputError(problem, key=self.name, value=[self.first, self.second], remedy=remedy)
+
+    @classmethod
+    def of(cls, entry: Any) -> Self:
+        """Of a study file's two numbers.
+
+        Raises:
+            InputError: they are not two, or make no sense.
+        """
+        if not isinstance(entry, list | tuple) or len(entry) != 2:
+            remedy = f"write {{{cls.name}: [{', '.join(cls.numbers)}]}}"
+            raise InputError("two numbers are needed", key=cls.name, value=entry, remedy=remedy)
+        return cls(*entry)
+
+    def value(self, share: float) -> float:
+        """The number below which this share (0 < share < 1) of the draws lies."""
+        raise NotImplementedError
+
+    @property
+    def centre(self) -> float:
+        """The median."""
+        return self.value(0.5)
+
+    @property
+    def extremes(self) -> tuple[float, ...]:
+        """Numbers that no draw lies beyond, where there are such."""
+        return ()
+
+    def _problem(self) -> str:
+        return ""
+
+
+class Uniform(Distribution):
+    """Every number between two alike."""
+
+    name = "uniform"
+    numbers = ("lowest", "highest")
+
+    def value(self, share: float) -> float:
+        """Between the two, by share."""
+        return self.first + share * (self.second - self.first)
+
+    @property
+    def extremes(self) -> tuple[float, ...]:
+        """Both ends."""
+        return (float(self.first), float(self.second))
+
+    def _problem(self) -> str:
+        return "" if self.first < self.second else "the first number must be the lower one"
+
+
+class Normal(Distribution):
+    """The bell curve."""
+
+    name = "normal"
+    numbers = ("mean", "standard deviation")
+
+    def value(self, share: float) -> float:
+        """Mean plus so many standard deviations."""
+        return self.first + self.second * _STANDARD_NORMAL.inv_cdf(share)
+
+    def _problem(self) -> str:
+        return "" if self.second > 0 else "the standard deviation must be above 0"
+
+
+class LogNormal(Distribution):
+    """The bell curve of the logarithm: always of the median's sign."""
+
+    name = "lognormal"
+    numbers = ("median", "standard deviation of the logarithm")
+
+    def value(self, share: float) -> float:
+        """Median times e to so many standard deviations."""
+        return self.first * math.exp(self.second * _STANDARD_NORMAL.inv_cdf(share))
+
+    def _problem(self) -> str:
+        if not self.first > 0:
+            return "the median must be above 0"
+        return "" if self.second > 0 else "the standard deviation of the logarithm must be above 0"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Every value of a list, with every value of every other grid.
+
+    Args:
+        values: in their order.
+
+    Raises:
+        InputError: not finite numbers, or one of them twice.
+    """
+
+    name: ClassVar[str] = "grid"
+
+    values: tuple[float, ...]
+
+    @classmethod
+    def of(cls, entry: Any) -> Self:
+        """Of a study file's list.
+
+        Raises:
+            InputError: it is no list of different finite numbers.
+        """
+        if not isinstance(entry, list | tuple) or not entry:
+            raise InputError("a list of numbers is needed", key="grid", value=entry, remedy="write {grid: [1, 2, 3]}")
+        if len(entry) > MAX_GRID:
+            raise InputError(f"more than {MAX_GRID} values", key="grid", value=len(entry))
+        seen: set[float] = set()
+        for i, value in enumerate(entry):
+            number = as_number(value)
+            if not math.isfinite(number):
+                raise InputError("a finite number is needed", key=f"grid[{i}]", value=value)
+            if number in seen:
+                raise InputError("the value stands twice in the grid", key=f"grid[{i}]", value=value)
+            seen.add(number)
+        return cls(tuple(float(value) for value in entry))
+
+    @property
+    def centre(self) -> float:
+        """The value in the middle of the list."""
+        return self.values[len(self.values) // 2]
+
+    @property
+    def extremes(self) -> tuple[float, ...]:
+        """The least and the greatest value."""
+        return (min(self.values), max(self.values))
+
+
+DISTRIBUTIONS: dict[str, type[Distribution] | type[Grid]] = {
+    kind.name: kind for kind in (Uniform, Normal, LogNormal, Grid)
+}
+
+
+def distribution(entry: Any) -> Distribution | Grid:
+    """Of a study file's ``{uniform: [2000, 6000]}``.
+
+    Raises:
+        InputError: no such distribution, or numbers that it cannot have.
+    """
+    known = ", ".join(f"{{{name}: [...]}}" for name in DISTRIBUTIONS)
+    if not isinstance(entry, Mapping) or len(entry) != 1:
+        raise InputError("one distribution is needed", value=entry, remedy=f"write one of {known}")
+    ((name, numbers),) = entry.items()
+    if name not in DISTRIBUTIONS:
+        raise InputError("no such distribution", key=str(name), remedy=did_you_mean(str(name), DISTRIBUTIONS))
+    return DISTRIBUTIONS[name].of(numbers)

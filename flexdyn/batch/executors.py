@@ -1,0 +1,93 @@
+"""Who does the chunks of a study: native threads of this process, or whatever else keeps the same promise."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from threading import Event
+from types import TracebackType
+from typing import Protocol, Self
+
+from flexdyn.batch.chunk import Done, Task
+from flexdyn.errors import InputError
+
+
+class Executor(Protocol):
+    """A context manager that does chunks; each is done once, in any order."""
+
+    def __enter__(self) -> Self:
+        """Make ready."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Give up what is still in work, and wait until nothing is."""
+
+    def run(self, task: Task, chunks: Iterable[int]) -> Iterator[Done]:
+        """Do chunks, and tell of each when it is written.
+
+        Args:
+            task: called with the number of a chunk.
+            chunks: their numbers; taken one after the other, as workers become free.
+        """
+        ...
+
+
+class Threads:
+    """Threads of this process: each does whole chunks, and the core works without the interpreter's lock.
+
+    One chunk is made ready and measured while others are integrated.
+
+    Args:
+        workers: default: the processors this process may use.
+
+    Raises:
+        InputError: not a number of workers.
+    """
+
+    def __init__(self, workers: int | None = None) -> None:
+        count = len(os.sched_getaffinity(0)) if workers is None else workers
+        if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+            raise InputError("a number of at least 1 is needed", key="workers", value=workers)
+        self._count = count
+        self._stop = Event()
+        self._pool: ThreadPoolExecutor | None = None
+
+    def __enter__(self) -> Self:
+        """Start with no chunk in work."""
+        self._stop.clear()
+        self._pool = ThreadPoolExecutor(self._count, thread_name_prefix="flexdyn")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Give up what is in work: what is not written yet is left for the next time."""
+        self._stop.set()
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
+            self._pool = None
+
+    def run(self, task: Task, chunks: Iterable[int]) -> Iterator[Done]:
+        """Do chunks, and tell of each when it is written.
+
+        Args:
+            task: called with the number of a chunk.
+            chunks: their numbers; taken one after the other, as threads become free.
+
+        Raises:
+            InputError: the store cannot be written to, or this is outside of the context.
+        """
+        if self._pool is None:
+            raise InputError("the threads are not started", key="workers", remedy="use it in a with statement")
+        waiting, working = iter(chunks), set[Future[Done]]()
+        while True:
+            for chunk in itertools.islice(waiting, 2 * self._count - len(working)):
+                working.add(self._pool.submit(task, chunk, self._stop.is_set))
+            if not working:
+                return
+            finished, working = wait(working, return_when=FIRST_COMPLETED)
+            for future in finished:
+                yield future.result()

@@ -1,0 +1,110 @@
+"""One run of a study taken out again: its model file, its command, and the command line that makes that very run."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flexdyn.batch.cases import cases_of
+from flexdyn.batch.study import Study
+from flexdyn.commands import PD
+from flexdyn.errors import InputError
+from flexdyn.files import write_text
+from flexdyn.modelfile import save_model
+from flexdyn.records import Recording, write_recording
+from flexdyn.yamlfile import dump_yaml
+
+OPTIONS = ("step", "rtol", "atol", "smoothing")
+"""Settings of solvers that ``flexdyn simulate`` takes."""
+
+
+@dataclass(frozen=True)
+class Extracted:
+    """A run taken out of a study.
+
+    Attributes:
+        run: its number.
+        model: path of its model file.
+        command: path of its command file; None: no torque.
+        values: the numbers that were drawn for it, by their path.
+        line: of ``flexdyn simulate`` that makes it.
+    """
+
+    run: int
+    model: Path
+    command: Path | None
+    values: Mapping[str, float]
+    line: str
+
+
+def extract(study: Study, k: int, folder: Path) -> Extracted:
+    """Write the files of one run.
+
+    Args:
+        study: whose run it is.
+        k: its number, from 0.
+        folder: to write them to; it is made if it is not there.
+
+    Raises:
+        InputError: there is no such run, its numbers fit no model, or the folder cannot be written.
+    """
+    if isinstance(k, bool) or not isinstance(k, int) or not 0 <= k < study.count:
+        raise InputError("there is no such run", key="extract", value=k, remedy=f"runs are 0 to {study.count - 1}")
+    cases = cases_of(study)
+    case = cases.case(k)
+    settings = _settings(study.solver)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"the folder cannot be made ({error.strerror})", file=folder) from None
+    model, command = folder / "model.yaml", _write_command(case.command, folder)
+    save_model(case.model, model)
+    words = ["flexdyn", "simulate", str(model)]
+    words += ["--command", str(command)] if command is not None else []
+    words += ["--duration", repr(study.duration), "--rate", repr(study.rate), *settings]
+    for signal, start in case.starts.items():
+        words += [f"--{signal}", ",".join(f"{joint}={float(value)!r}" for joint, value in start.items())]
+    words += ["-o", str(folder / "run.npz")]
+    return Extracted(k, model, command, cases.values(k), shlex.join(words))
+
+
+def _settings(solver: Mapping[str, Any]) -> list[str]:
+    words = ["--solver", str(solver["name"])]
+    for name, value in solver.items():
+        if name in OPTIONS:
+            words += [f"--{name}", repr(float(value))]
+        elif name != "name":
+            remedy = "simulate it in Python: fd.simulate(..., solver=...)"
+            raise InputError("flexdyn simulate does not take this setting", key=f"solver.{name}", remedy=remedy)
+    return words
+
+
+def _write_command(command: Any, folder: Path) -> Path | None:
+    """The command as a file that ``flexdyn simulate`` takes; what it is made of lies beside it."""
+    if command is None:
+        return None
+    if isinstance(command, Recording):
+        write_recording(command, folder / "command.npz")
+        return folder / "command.npz"
+    if not isinstance(command, PD):
+        raise InputError("this command cannot be written as a file", key="command", value=command)
+    entry: dict[str, Any] = {"kp": _plain(command.kp), "kd": _plain(command.kd)}
+    entry |= {"rate": command.rate, "feedback": command.feedback}
+    for key in ("reference", "feedforward"):
+        given = getattr(command, key)
+        if given is not None:
+            write_recording(given, folder / f"{key}.npz")
+            entry[key] = f"{key}.npz"
+    write_text(folder / "command.yaml", dump_yaml({"pd": entry}))
+    return folder / "command.yaml"
+
+
+def _plain(gains: Any) -> Any:
+    """Gains as YAML holds them."""
+    if isinstance(gains, Mapping):
+        return {str(joint): float(value) for joint, value in gains.items()}
+    listed = gains.tolist() if hasattr(gains, "tolist") else gains
+    return [float(value) for value in listed] if isinstance(listed, list | tuple) else float(listed)

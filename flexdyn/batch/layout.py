@@ -1,0 +1,74 @@
+"""The arrays of a study's store: names, shapes, units; all of it follows from the study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flexdyn.batch.cases import Cases
+from flexdyn.records import SIGNALS
+from flexdyn.records.dataset import LONG_NAMES
+from flexdyn.records.units import PRISMATIC
+
+DONE = "ok"
+NOT_DONE = "not done"
+COORDINATES = ("run", "time", "joint")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """One array of a store.
+
+    Attributes:
+        name: of the array.
+        dims: of ``run``, ``time``, ``joint``.
+        shape: in runs, samples, joints.
+        dtype: ``float64``, ``int64`` or ``str``.
+        attrs: kind, units, long_name.
+        values: of a coordinate, which is written at once; None: chunk by chunk.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    dtype: str
+    attrs: Mapping[str, str]
+    values: Any = None
+
+
+def layouts(cases: Cases) -> Iterator[Layout]:
+    """Every array of a study's store; ``status`` is the last.
+
+    Args:
+        cases: of the study.
+    """
+    study, names = cases.study, cases.model.joint_names
+    count, times = study.count, cases.times
+    yield Layout("run", ("run",), (count,), "int64", {"long_name": "number of the run"}, np.arange(count))
+    yield Layout("time", ("time",), times.shape, "float64", {"units": "s", "long_name": "time"}, times)
+    yield Layout("joint", ("joint",), (len(names),), "str", {"long_name": "joint"}, np.array(names, dtype=object))
+    kinds = dict.fromkeys(cases.model.robot.kinds)
+    for signal in study.keep:
+        units = [PRISMATIC[SIGNALS[signal]] if kind == "prismatic" else SIGNALS[signal] for kind in kinds]
+        attrs = {"kind": "channel", "units": " or ".join(units), "long_name": LONG_NAMES[signal]}
+        yield Layout(signal, ("run", "time", "joint"), (count, len(times), len(names)), "float64", attrs)
+    for path in study.vary:
+        attrs = {"kind": "parameter", "units": cases.places[path].unit, "long_name": path}
+        yield Layout(array_name(path), ("run",), (count,), "float64", attrs)
+    for metric in cases.metrics:
+        attrs = {"kind": "metric", "units": metric.unit, "long_name": metric.description}
+        yield Layout(array_name(metric.name), ("run",), (count,), "float64", attrs)
+    attrs = {"kind": "status", "long_name": f"{DONE}, or why the run or a metric of it failed"}
+    yield Layout("status", ("run",), (count,), "str", attrs)
+
+
+def array_name(path: str) -> str:
+    """The name of the array for a number or metric: a slash would make a group of it.
+
+    Args:
+        path: of a number, or a metric's name.
+    """
+    return path.replace("%", "%25").replace("/", "%2F")

@@ -1,0 +1,139 @@
+"""Panels of metrics: over each parameter, and what each parameter does to each metric."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.batch.sensitivity import Sensitivity, sensitivity
+from flexdyn.plots.arrange import Block
+from flexdyn.plots.palette import INK
+from flexdyn.plots.panel import Curve, Panel, limits, short
+
+Array = NDArray[np.float64]
+DOTS = 3000
+"""Runs that are drawn."""
+UPRIGHT, BESIDE = 24, 24
+"""Letters of a name that there is room for along an axis up, and beside a panel."""
+MOST_LINES = 20
+"""Parameters in a tornado."""
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Metrics and parameters of all runs.
+
+    Attributes:
+        metrics: by name, by run (runs,).
+        parameters: by path, by run (runs,).
+        units: of all of them.
+        colours: of all parameters.
+    """
+
+    metrics: Mapping[str, Array]
+    parameters: Mapping[str, Array]
+    units: Mapping[str, str]
+    colours: Mapping[str, str]
+
+    @cached_property
+    def sensitivities(self) -> Mapping[tuple[str, str], Sensitivity]:
+        """By parameter and metric, where that can be said."""
+        found = {
+            (path, name): sensitivity(values, metric)
+            for path, values in self.parameters.items()
+            for name, metric in self.metrics.items()
+        }
+        return {pair: each for pair, each in found.items() if each is not None}
+
+    @property
+    def runs(self) -> int:
+        """How many there are."""
+        return len(next(iter(self.metrics.values())))
+
+    @property
+    def chance(self) -> float:
+        """The greatest rank correlation that chance alone would make in 95 of 100 studies."""
+        return max((each.chance for each in self.sensitivities.values()), default=1.0)
+
+    def strongest(self, most: int) -> list[str]:
+        """The parameters that do the most to any metric, in the study's order."""
+        effect = dict.fromkeys(self.parameters, 0.0)
+        for (path, _), each in self.sensitivities.items():
+            effect[path] = max(effect[path], abs(each.rank_correlation))
+        kept = sorted(effect, key=lambda path: -effect[path])[:most]
+        return [path for path in self.parameters if path in kept]
+
+    def only(self, paths: Sequence[str]) -> Columns:
+        """With these parameters alone."""
+        return replace(self, parameters={path: self.parameters[path] for path in paths})
+
+    def label(self, name: str, letters: int = 48) -> str:
+        """Name, of so many letters at most, and unit."""
+        unit = self.units.get(name, "")
+        return f"{clipped(name, letters)} [{unit}]" if unit not in ("", "1") else clipped(name, letters)
+
+
+def clipped(name: str, letters: int) -> str:
+    """A name of bounded length, which keeps its end, where parameters differ."""
+    return name if len(name) <= letters else f"…{name[1 - letters :]}"
+
+
+def scatter(columns: Columns) -> list[Block]:
+    """A row of panels for each metric, a column for each parameter."""
+    rows = []
+    for name in columns.metrics:
+        last = name == list(columns.metrics)[-1]
+        panels = [_dots(columns, path, name) for path in columns.parameters]
+        rows.append(tuple(replace(panel, labelled=last) for panel in panels))
+    return [Block(tuple(rows), (1.8,) * len(rows), 3.0)]
+
+
+def tornado(columns: Columns) -> list[Block]:
+    """A panel for each metric, a line for each parameter, the strongest uppermost."""
+    panels = [panel for name in columns.metrics if (panel := _lines(columns, name)) is not None]
+    return [Block(((panel,),), (max(0.5, 0.22 * len(panel.curves)),)) for panel in panels]
+
+
+def _dots(columns: Columns, path: str, name: str) -> Panel:
+    x, y = columns.parameters[path], columns.metrics[name]
+    there = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
+    if len(there) > DOTS:
+        there = there[np.linspace(0, len(there) - 1, DOTS).astype(np.intp)]
+    found = columns.sensitivities.get((path, name))
+    colour = columns.colours[path]
+    curve = Curve(x[there], y[there], f"{name} over {path}", short(path), colour, dots=True)
+    finite = [values[np.isfinite(values)] for values in (x, y)]
+    ranges = [limits(values) if len(values) else (0.0, 1.0) for values in finite]
+    return Panel(
+        "" if found is None else f"r = {found.rank_correlation:+.2f}",
+        columns.label(path),
+        columns.label(name, UPRIGHT),
+        (curve,),
+        x_range=ranges[0],
+        y_range=ranges[1],
+        colour=colour if found is not None and abs(found.rank_correlation) > found.chance else INK,
+    )
+
+
+def _lines(columns: Columns, name: str) -> Panel | None:
+    found = [
+        (each, path, columns.colours[path])
+        for path in columns.parameters
+        if (each := columns.sensitivities.get((path, name))) is not None
+    ]
+    if not found:
+        return None
+    found.sort(key=lambda entry: -abs(entry[0].high - entry[0].low))
+    curves = []
+    for rank, (each, path, colour) in enumerate(found[:MOST_LINES], start=1):
+        label = f"{clipped(path.removeprefix('joints.').removeprefix('command.'), BESIDE)} {each.rank_correlation:+.2f}"
+        ends, level = np.array([each.low, each.high]), np.array([rank, rank], dtype=float)
+        curves.append(Curve(ends, level, f"{path}: lowest to highest fifth", label, colour, width=7.0))
+    reach = max(float(np.abs(curve.x).max()) for curve in curves)
+    across = f"change of {columns.label(name)}"
+    sides = limits(np.array([-reach, reach]))
+    return Panel(short(name), across, "rank", tuple(curves), (), sides, (len(curves) + 0.6, 0.4), legend=True)

@@ -1,0 +1,119 @@
+"""The metrics of a study: found by name, checked against the study before anything runs, and measured run by run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from flexdyn.batch.aim import Aim
+from flexdyn.batch.catalogue import METRICS, Metric
+from flexdyn.batch.motion import Motion
+from flexdyn.batch.own_metric import own_function
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.model import FlexibleJointModel
+from flexdyn.run import Run
+
+_SLIDING = {"N m": "N", "rad": "m"}
+"""Units at joints that slide."""
+
+
+def metric(name: str, folder: Path | None = None) -> Metric:
+    """A metric by name.
+
+    Args:
+        name: of the catalogue, of those of joints also for one joint alone (``overshoot.elbow``), or
+            ``package.module:function``: a function of a `Run` that gives a number. Its attribute ``unit``, if it has
+            one, is the number's unit, the first line of its docstring the description.
+        folder: where the function is looked for first, beside what Python can import anyway.
+
+    Raises:
+        InputError: there is no such metric or function.
+    """
+    if not isinstance(name, str):
+        raise InputError("the name of a metric is needed", value=name, remedy=f"known: {', '.join(METRICS)}")
+    if name in METRICS:
+        return METRICS[name]
+    whole, _, joint = name.partition(".")
+    if joint and whole in METRICS and "alike" in METRICS[whole].needs:
+        return replace(METRICS[whole], name=name, joint=joint)
+    if ":" in name:
+        function = own_function(name, folder)
+        about = (function.__doc__ or "").strip().splitlines() or [""]
+        unit = str(getattr(function, "unit", ""))
+        return Metric(name, unit, about[0], "", lambda motion, _: function(motion.run))
+    remedy = f"{did_you_mean(name, METRICS)}; your own function is package.module:function"
+    raise InputError("no such metric", value=name, remedy=remedy)
+
+
+def metrics_of(
+    names: Sequence[str], model: FlexibleJointModel, aim: Aim, folder: Path | None = None
+) -> tuple[Metric, ...]:
+    """The metrics of a study, each checked against what the study has, with the units of its arm.
+
+    Args:
+        names: as the study file writes them.
+        model: the arm.
+        aim: of the command.
+        folder: of the study file.
+
+    Raises:
+        InputError: one that is not there or cannot be measured on this arm under this command; key ``metrics[i]``.
+    """
+    found = []
+    for i, name in enumerate(names):
+        try:
+            each = metric(name, folder)
+            _check_needs(each, model, aim)
+        except InputError as error:
+            raise error.at(key=f"metrics[{i}]") from None
+        found.append(replace(each, unit=_SLIDING.get(each.unit, each.unit)) if _slides(model, each) else each)
+    return tuple(found)
+
+
+def measure(metrics: Sequence[Metric], run: Run, aim: Aim) -> tuple[list[float], list[str]]:
+    """All metrics of a run; one that fails is NaN, and why is said.
+
+    Args:
+        metrics: of the study.
+        run: that went well.
+        aim: of its command.
+
+    Returns:
+        The numbers, and a line ``metric NAME: reason`` for each that has none.
+    """
+    motion = Motion(run, aim)
+    values, reasons = [], []
+    for each in metrics:
+        try:
+            values.append(each.measured(motion))
+        except InputError as error:
+            values.append(float("nan"))
+            reasons.append(str(error))
+    return values, reasons
+
+
+def _check_needs(each: Metric, model: FlexibleJointModel, aim: Aim) -> None:
+    if "reference" in each.needs and aim.reference is None:
+        remedy = "it needs a command with pd:, whose reference is tracked"
+        raise InputError("there is no reference to track", value=each.name, remedy=remedy)
+    if "rest" in each.needs and (aim.rest is None):
+        remedy = "give a duration beyond the command's end"
+        raise InputError("the command does not come to rest before the run ends", value=each.name, remedy=remedy)
+    if "tip" in each.needs:
+        try:
+            _ = model.robot.tip
+        except InputError as error:
+            remedy = "write a metric of your own: package.module:function"
+            raise InputError(error.problem, value=each.name, remedy=remedy) from None
+    if each.joint:
+        model.index(each.joint)
+    elif "alike" in each.needs and len(set(model.robot.kinds)) > 1:
+        remedy = f"name one of them: {each.name}.{model.joint_names[0]}"
+        raise InputError("the arm has joints that turn and joints that slide", value=each.name, remedy=remedy)
+
+
+def _slides(model: FlexibleJointModel, each: Metric) -> bool:
+    """Whether the joints that a metric is about slide."""
+    kinds = model.robot.kinds
+    return "alike" in each.needs and (kinds[model.index(each.joint)] if each.joint else kinds[0]) == "prismatic"

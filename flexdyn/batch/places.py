@@ -1,0 +1,170 @@
+"""The numbers of a study that can vary: what their paths are, and how each finds its way into a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from flexdyn.commands import PD, per_joint
+from flexdyn.effects import Effect, JointEffect
+from flexdyn.effects.base import unit_for
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording
+from flexdyn.robot import load_robot
+
+JOINT_UNITS = {"gear_ratio": "1", "rotor_inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"}
+FIRST_UNITS = {"q": "rad", "theta": "rad", "v": "rad/s", "omega": "rad/s"}
+GAIN_UNITS = {"kp": "N m/rad", "kd": "N m s/rad"}
+
+
+@dataclass
+class Changes:
+    """What is different in one run; filled by the places of its numbers."""
+
+    joints: dict[str, dict[str, float]] = field(default_factory=dict)
+    effects: dict[int, dict[str, float]] = field(default_factory=dict)
+    initial: dict[str, dict[str, float]] = field(default_factory=dict)
+    gravity: dict[int, float] = field(default_factory=dict)
+    lock: dict[str, float] = field(default_factory=dict)
+    gains: dict[str, dict[str, float]] = field(default_factory=dict)
+    rate: float | None = None
+    scale: float | None = None
+
+    def model(self, base: FlexibleJointModel) -> FlexibleJointModel:
+        """The model with the changes; the very same one where there are none.
+
+        Raises:
+            InputError: a number that it cannot have.
+        """
+        changes: dict[str, Any] = {}
+        if self.joints:
+            changes["joints"] = self.joints
+        if self.effects:
+            changes["effects"] = [
+                effect.replace(**self.effects[i]) if i in self.effects else effect
+                for i, effect in enumerate(base.effects)
+            ]
+        if self.initial:
+            signals = dict.fromkeys([*base.initial, *self.initial])
+            changes["initial"] = {
+                each: {**base.initial.get(each, {}), **self.initial.get(each, {})} for each in signals
+            }
+        if self.gravity:
+            changes["gravity"] = [self.gravity.get(i, value) for i, value in enumerate(base.gravity)]
+        if self.lock:
+            robot = base.robot
+            lock = {**robot.lock, **self.lock}
+            changes["robot"] = load_robot(
+                str(robot.source), package_dirs=robot.package_dirs, lock=lock, name=robot.name
+            )
+        return base.replace(**changes) if changes else base
+
+    def command(self, base: Any, joint_names: tuple[str, ...]) -> Any:
+        """The command with the changes; the very same one where there are none."""
+        if isinstance(base, Recording) and self.scale is not None:
+            scale = self.scale
+            channels = {
+                name: column * scale if name.startswith("tau.") else column for name, column in base.channels.items()
+            }
+            return Recording(base.t, channels, meta=base.meta, name=base.name)
+        if isinstance(base, PD) and (self.gains or self.rate is not None):
+            settings = {each.name: getattr(base, each.name) for each in fields(base)}
+            for gain, values in self.gains.items():
+                known = dict(zip(joint_names, per_joint(f"pd.{gain}", settings[gain], joint_names), strict=True))
+                settings[gain] = {joint: float(value) for joint, value in known.items()} | values
+            settings["rate"] = base.rate if self.rate is None else self.rate
+            return PD(**settings)
+        return base
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where one number goes.
+
+    Attributes:
+        unit: of the number.
+        put: writes it into the changes of a run.
+    """
+
+    unit: str
+    put: Callable[[Changes, float], None]
+
+
+def places(model: FlexibleJointModel, command: Any) -> dict[str, Place]:
+    """Every number that can vary, by its path; those of all joints (``*``) come before those of one.
+
+    Args:
+        model: the arm.
+        command: a recording, `PD` or None.
+    """
+    kinds = dict(zip(model.joint_names, model.robot.kinds, strict=True))
+    groups = [("*", tuple(kinds)), *((joint, (joint,)) for joint in kinds)]
+    found: dict[str, Place] = {}
+    for name, joints in groups:
+        slides = all(kinds[joint] == "prismatic" for joint in joints)
+        for number, unit in JOINT_UNITS.items():
+            found[f"joints.{name}.{number}"] = Place(_joint_unit(unit, slides), _nested("joints", joints, (number,)))
+        for signal, unit in FIRST_UNITS.items():
+            found[f"initial.{signal}.{name}"] = Place(_joint_unit(unit, slides), _nested("initial", (signal,), joints))
+    for i, effect in enumerate(model.effects):
+        for parameter in effect.parameters():
+            unit = unit_for(parameter.metadata["unit"], prismatic=_slides(effect, kinds))
+            found[f"effects[{i}].{parameter.name}"] = Place(unit, _nested("effects", (i,), (parameter.name,)))
+    for i in range(3):
+        found[f"robot.gravity[{i}]"] = Place("m/s^2", _item("gravity", i))
+    for joint in model.robot.lock:
+        found[f"robot.lock.{joint}"] = Place("rad or m", _item("lock", joint))
+    return found | _command_places(command, groups, kinds)
+
+
+def _command_places(
+    command: Any, groups: list[tuple[str, tuple[str, ...]]], kinds: Mapping[str, str]
+) -> dict[str, Place]:
+    if isinstance(command, Recording):
+        return {"command.scale": Place("1", _whole("scale"))}
+    if not isinstance(command, PD):
+        return {}
+    found = {"command.pd.rate": Place("Hz", _whole("rate"))}
+    for gain, unit in GAIN_UNITS.items():
+        for name, joints in groups:
+            slides = all(kinds[joint] == "prismatic" for joint in joints)
+            path = f"command.pd.{gain}" if name == "*" else f"command.pd.{gain}.{name}"
+            found[path] = Place(_joint_unit(unit, slides), _nested("gains", (gain,), joints))
+    return found
+
+
+def _nested(group: str, outer: tuple[Any, ...], inner: tuple[str, ...]) -> Callable[[Changes, float], None]:
+    """Put a number under every outer and inner name: joints -> joint -> number, initial -> signal -> joint."""
+
+    def put(changes: Changes, value: float) -> None:
+        for name in outer:
+            getattr(changes, group).setdefault(name, {}).update(dict.fromkeys(inner, value))
+
+    return put
+
+
+def _item(group: str, item: int | str) -> Callable[[Changes, float], None]:
+    def put(changes: Changes, value: float) -> None:
+        getattr(changes, group)[item] = value
+
+    return put
+
+
+def _whole(name: str) -> Callable[[Changes, float], None]:
+    def put(changes: Changes, value: float) -> None:
+        setattr(changes, name, value)
+
+    return put
+
+
+def _joint_unit(unit: str, slides: bool) -> str:
+    if unit in ("1", "kg m^2"):
+        return "rad/m" if slides and unit == "1" else unit
+    return unit_for(unit, prismatic=slides)
+
+
+def _slides(effect: Effect, kinds: Mapping[str, str]) -> bool:
+    """Whether an effect's numbers are those of a joint that slides."""
+    joint = effect.joint if isinstance(effect, JointEffect) else ""
+    return kinds.get(joint) == "prismatic"

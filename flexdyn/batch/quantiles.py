@@ -1,0 +1,62 @@
+"""Quantiles of trajectories over runs in bounded memory, however many runs there are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+EXACT = 4_000_000
+"""Numbers up to which all are held at once (32 MB), and quantiles are exact."""
+BINS = 512
+"""Beyond that quantiles are those of a histogram: off by less than this part of the range at their instant."""
+
+
+def quantiles(blocks: Callable[[], Iterator[Array]], runs: int, shares: Sequence[float]) -> Array:
+    """Quantiles over runs of arrays of one shape.
+
+    Args:
+        blocks: gives the runs from the first, some at a time (some, ...), no entry NaN; it is asked twice.
+        runs: how many there are.
+        shares: of runs below each quantile, 0 to 1.
+
+    Returns:
+        (shares, ...); NaN where there are no runs.
+    """
+    first = next(blocks(), None)
+    if first is None:
+        return np.full((len(shares), 1), np.nan)
+    if runs * first[0].size <= EXACT:
+        return np.asarray(np.quantile(np.concatenate(list(blocks())), shares, axis=0))
+    low, high = first.min(axis=0), first.max(axis=0)
+    for block in blocks():
+        np.minimum(low, block.min(axis=0), out=low)
+        np.maximum(high, block.max(axis=0), out=high)
+    return _of_histogram(_histogram(blocks(), low, high), low, high, shares)
+
+
+def _histogram(blocks: Iterator[Array], low: Array, high: Array) -> NDArray[np.int64]:
+    """How many runs lie in each of the bins between least and greatest (..., bins)."""
+    counts = np.zeros(low.size * BINS, dtype=np.int64)
+    start = np.arange(low.size) * BINS
+    width = np.where(high > low, high - low, 1.0)
+    for block in blocks:
+        place = np.minimum(((block - low) / width * BINS).astype(np.int64), BINS - 1).reshape(len(block), -1)
+        counts += np.bincount((place + start).ravel(), minlength=len(counts))
+    return counts.reshape(*low.shape, BINS)
+
+
+def _of_histogram(counts: NDArray[np.int64], low: Array, high: Array, shares: Sequence[float]) -> Array:
+    """Where the cumulative histogram reaches each share, on a straight line within a bin."""
+    below = np.cumsum(counts, axis=-1)
+    found = np.empty((len(shares), *low.shape))
+    for i, share in enumerate(shares):
+        wanted = share * below[..., -1:]
+        bin = np.minimum((below < wanted).sum(axis=-1), BINS - 1)
+        here = np.take_along_axis(counts, bin[..., None], axis=-1)[..., 0]
+        before = np.take_along_axis(below, bin[..., None], axis=-1)[..., 0] - here
+        part = np.clip((wanted[..., 0] - before) / np.maximum(here, 1), 0.0, 1.0)
+        found[i] = low + (bin + part) / BINS * (high - low)
+    return found

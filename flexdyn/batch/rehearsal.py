@@ -1,0 +1,47 @@
+"""A study tried out before it runs: what would stop every run is said once, at the start, with its key."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from flexdyn.batch.cases import Cases
+from flexdyn.errors import FlexdynError, InputError, did_you_mean
+from flexdyn.job import prepare
+
+
+def rehearse(cases: Cases) -> None:
+    """Make ready the run with every number at its median, then with each at the ends of what it can be.
+
+    Args:
+        cases: of the study.
+
+    Raises:
+        InputError: a path that leads nowhere, a metric that is not there, or a run that cannot be made.
+    """
+    kinds = cases.study.kinds
+    for path in kinds:
+        if path not in cases.places:
+            beside = [each for each in cases.places if each.rpartition(".")[0] == path.rpartition(".")[0]]
+            remedy = did_you_mean(path, beside or cases.places)
+            raise InputError("no such number in the model or command", key=f"vary.{path}", remedy=remedy)
+    _ = cases.metrics
+    middle = {path: kind.centre for path, kind in kinds.items()}
+    try:
+        _prepare(cases, middle)
+    except FlexdynError as error:
+        _prepare(cases, {})  # says so itself where what varies has no part in it
+        key = f"vary.{next(iter(kinds))}" if len(kinds) == 1 else "vary"
+        raise InputError(f"a run with every number at its median cannot be made ({error})", key=key) from None
+    for path, kind in kinds.items():
+        for value in kind.extremes:
+            try:
+                _prepare(cases, middle | {path: value})
+            except FlexdynError as error:
+                raise InputError(f"a run with {value:g} cannot be made ({error})", key=f"vary.{path}") from None
+
+
+def _prepare(cases: Cases, values: Mapping[str, float]) -> None:
+    """Do all of a run but its integration."""
+    study, case = cases.study, cases.case_of(values)
+    starts = {signal: case.starts.get(f"{signal}0") for signal in ("q", "v", "theta", "omega")}
+    prepare(case.model, case.command, study.duration, cases.solver, starts, study.rate, None, None)

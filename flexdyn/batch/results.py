@@ -1,0 +1,228 @@
+"""Results: what a study has stored, in numbers and pictures, and any of its runs taken out again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.batch.extract import Extracted, extract
+from flexdyn.batch.layout import DONE, NOT_DONE
+from flexdyn.batch.store import open_store
+from flexdyn.batch.study import Study
+from flexdyn.batch.summary import Summary, metric_summary, parameter_summary, reasons_of
+from flexdyn.errors import InputError, MissingExtra
+
+if TYPE_CHECKING:
+    from flexdyn.plots.picture import Picture
+
+Array = NDArray[np.float64]
+METRIC = "metric "
+"""How the status of a run begins whose channels are there but not all of its metrics."""
+
+
+def open_results(path: str | Path) -> Results:
+    """The results of a study, finished or not.
+
+    Args:
+        path: of the store.
+
+    Raises:
+        InputError: there is none.
+        MissingExtra: zarr or xarray is not installed.
+    """
+    store = open_store(Path(path))
+    return Results(Path(path), store.study)
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """What a study has stored.
+
+    Attributes:
+        path: of the store.
+        study: that made it.
+    """
+
+    path: Path
+    study: Study
+
+    def dataset(self) -> Any:
+        """Everything, read when it is needed: an xarray.Dataset over dask arrays.
+
+        Channels are over ``(run, time, joint)``, parameters (named by their path), metrics and ``status`` over ``run``;
+        the attribute ``kind`` of each says what it is.
+        """
+        return self._opened({})
+
+    @cached_property
+    def failed(self) -> Mapping[int, str]:
+        """Runs without channels, and why; a run that only lacks a metric is not among them."""
+        status = self.status
+        bad = [k for k in np.flatnonzero((status != DONE) & (status != NOT_DONE)) if not status[k].startswith(METRIC)]
+        return {int(k): str(status[k]) for k in bad}
+
+    @cached_property
+    def status(self) -> NDArray[Any]:
+        """Of every run: ``ok``, ``not done``, ``metric NAME: reason`` or why it failed (runs,)."""
+        return np.asarray(self._read(self._arrays["status"]), dtype=object)
+
+    @property
+    def pending(self) -> int:
+        """Runs that are not done yet."""
+        return int((self.status == NOT_DONE).sum())
+
+    @cached_property
+    def complete(self) -> NDArray[np.intp]:
+        """Runs that have their channels."""
+        there = self.status != NOT_DONE
+        there[list(self.failed)] = False
+        return np.flatnonzero(there)
+
+    @property
+    def metrics(self) -> Mapping[str, Array]:
+        """Every metric by run (runs,); NaN where a run has none."""
+        return self._columns(self.study.metrics)
+
+    @property
+    def parameters(self) -> Mapping[str, Array]:
+        """Every number that varies by its path, by run (runs,); NaN where a run is not done."""
+        return self._columns(self.study.vary)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of those that were kept."""
+        return self.study.keep
+
+    def unit(self, name: str) -> str:
+        """Unit of an array."""
+        return str(self._arrays[name].attrs.get("units", ""))
+
+    def summary(self) -> Summary:
+        """What failed and why, every metric, and what each parameter does to it."""
+        status, metrics = self.status, self.metrics
+        done = status != NOT_DONE
+        said = ((int(k), str(status[k])) for k in np.flatnonzero(done & (status != DONE)))
+        return Summary(
+            path=str(self.path),
+            runs=len(status),
+            done=int(done.sum()),
+            failed=len(self.failed),
+            reasons=reasons_of(said),
+            metrics=tuple(metric_summary(name, self.unit(name), values) for name, values in metrics.items()),
+            parameters=tuple(
+                parameter_summary(name, self.unit(name), np.where(done, values, np.nan), metrics)
+                for name, values in self.parameters.items()
+            ),
+        )
+
+    def plot(
+        self,
+        path: str | Path | None = None,
+        *,
+        views: Sequence[str] | str | None = None,
+        metrics: Sequence[str] | None = None,
+        parameters: Sequence[str] | None = None,
+        channels: Sequence[str] | None = None,
+    ) -> Picture:
+        """Draw it: metrics over parameters, what each parameter does to each metric, and trajectories of all runs.
+
+        Args:
+            path: of a file to write, if given: .png, .pdf, .svg, or .html, which is interactive.
+            views: of ``metrics`` (each over each parameter), ``sensitivities`` (tornado), ``trajectories`` (quantiles
+                over runs); default: all that there is something for.
+            metrics: to be drawn; default: the first 6.
+            parameters: to be drawn; default: the 6 that matter most.
+            channels: to be drawn as trajectories; default: all that were kept.
+
+        Returns:
+            The picture: ``show()`` opens it in the browser, ``save(path)`` writes it.
+
+        Raises:
+            InputError: there is nothing to draw, or no such view, metric, parameter or channel.
+            MissingExtra: matplotlib or plotly is not installed.
+        """
+        from flexdyn.batch.pictures import draw_results
+
+        picture = draw_results(self, views=views, metrics=metrics, parameters=parameters, channels=channels)
+        if path is not None:
+            picture.save(path)
+        return picture
+
+    def extract(self, k: int, folder: str | Path) -> Extracted:
+        """One run as model file, command file and the line of ``flexdyn simulate`` that makes that very run.
+
+        Args:
+            k: its number, from 0.
+            folder: to write them to; it is made if it is not there.
+
+        Raises:
+            InputError: there is no such run, or the folder cannot be written.
+        """
+        return extract(self.study, k, Path(folder))
+
+    def blocks(self, channel: str, instants: NDArray[np.intp]) -> Iterator[Array]:
+        """A channel of all runs that have it, some runs at a time.
+
+        Args:
+            channel: its name.
+            instants: samples that are wanted.
+
+        Yields:
+            (some runs, instants, joints), in the order of runs.
+        """
+        array, size = self._arrays[channel], self.study.chunk
+        for first in range(0, array.sizes["run"], size):
+            block = self._read(array.isel(run=slice(first, first + size)))[:, instants]
+            yield block[np.isfinite(block).all(axis=(1, 2))]
+
+    @property
+    def times(self) -> Array:
+        """Of the samples [s]."""
+        return np.asarray(self._arrays["time"].values, dtype=float)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """In the order of the channels' columns."""
+        return tuple(str(name) for name in self._arrays["joint"].values)
+
+    def _columns(self, names: Iterable[str]) -> dict[str, Array]:
+        return {name: np.asarray(self._read(self._arrays[name]), dtype=float) for name in names}
+
+    @cached_property
+    def _arrays(self) -> Any:
+        return self._opened(None)
+
+    def _opened(self, chunks: Any) -> Any:
+        try:
+            import xarray
+        except ImportError:
+            raise MissingExtra("xarray", "batch") from None
+        try:
+            found = xarray.open_zarr(self.path, chunks=chunks, consolidated=True)
+        except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:
+            raise self._damaged("the metadata", error) from None
+        return found.rename({name: unquote(str(name)) for name in found.data_vars if "%" in str(name)})
+
+    def _read(self, array: Any) -> NDArray[Any]:
+        """Numbers of an array.
+
+        Raises:
+            InputError: what is stored there is damaged.
+        """
+        try:
+            return np.asarray(array.values)
+        except (OSError, ValueError, RuntimeError) as error:
+            raise self._damaged(str(array.name), error) from None
+
+    def _damaged(self, what: str, error: Exception) -> InputError:
+        problem = f"{what} cannot be read ({' '.join(str(error).split())[:120]})"
+        return InputError(
+            problem, file=self.path, remedy="run the study again with --resume: it redoes what is damaged"
+        )

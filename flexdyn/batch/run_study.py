@@ -1,0 +1,151 @@
+"""run_study: the driver that brings study, store and executor together."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flexdyn.batch.chunk import Task
+from flexdyn.batch.executors import Executor, Threads
+from flexdyn.batch.progress import Meter, Progress
+from flexdyn.batch.store import Store, create, open_store
+from flexdyn.batch.study import Study
+from flexdyn.batch.studyfile import read_study, study_from_dict
+from flexdyn.errors import InputError
+
+if TYPE_CHECKING:
+    from flexdyn.batch.results import Results
+
+
+def run_study(
+    study: str | Path | Mapping[str, Any] | Study,
+    out: str | Path,
+    *,
+    workers: int | None = None,
+    scheduler: Any = None,
+    resume: bool = False,
+    progress: Callable[[Progress], None] | None = None,
+) -> Results:
+    """Do all runs of a study and store them chunk by chunk.
+
+    Run k depends on the study's seed and on k alone. A kill at any moment loses at most the chunks in work; `resume`
+    does what is missing, and the store is then bit for bit that of one uninterrupted run.
+
+    Args:
+        study: path of a study file, its mapping (paths relative to the working folder), or a `Study`.
+        out: folder of the Zarr store.
+        workers: threads of this process; default: the processors it may use.
+        scheduler: of Dask, instead: an address, a ``distributed.Client``, or a cluster object such as those of
+            dask-jobqueue and dask-kubernetes.
+        resume: go on with the store if it is there.
+        progress: called with a `Progress` at the start and after every chunk.
+
+    Returns:
+        The results, as they are in the store.
+
+    Raises:
+        InputError: a study that does not fit, a store that is there already or is of another study, a full disk.
+        MissingExtra: zarr, dask or xarray is not installed.
+    """
+    from flexdyn.batch.results import open_results
+
+    whole = _study(study)
+    executor = _executor(workers, scheduler)
+    path = Path(out)
+    with executor:
+        is_new = not (resume and path.exists())
+        store = _new(whole, path) if is_new else _same(whole, path)
+        with _alone(store):
+            chunks: Sequence[int] = range(whole.chunks)
+            if not is_new:
+                store.mend(whole)
+                chunks = list(store.missing())
+            _work(executor, whole, store, chunks, progress or _nothing)
+    return open_results(path)
+
+
+def _work(
+    executor: Executor, study: Study, store: Store, chunks: Sequence[int], tell: Callable[[Progress], None]
+) -> None:
+    ahead = sum(len(study.bounds(chunk)) for chunk in chunks)
+    meter = Meter(study.count, study.count - ahead)
+    tell(meter.now())
+    for done in executor.run(Task(study.to_text(), os.path.abspath(store.path)), chunks):
+        tell(meter.add(done.runs, done.failed))
+    store.sweep()  # after a worker that was killed while another did its chunk
+
+
+def _nothing(_: Progress) -> None:
+    """Nobody wants to know."""
+
+
+def _study(study: Any) -> Study:
+    if isinstance(study, Study):
+        return study
+    if isinstance(study, Mapping):
+        return study_from_dict(study, Path.cwd())
+    if isinstance(study, str | os.PathLike):
+        return read_study(Path(study))
+    raise InputError("the path of a study file is needed", key="study", value=study)
+
+
+def _executor(workers: int | None, scheduler: Any) -> Executor:
+    if scheduler is None:
+        return Threads(workers)
+    if workers is not None:
+        remedy = "the cluster knows its own: leave one of the two out"
+        raise InputError("workers and a scheduler", key="workers", value=workers, remedy=remedy)
+    from flexdyn.batch.dask_executor import Dask
+
+    return Dask(scheduler)
+
+
+def _new(study: Study, path: Path) -> Store:
+    if path.exists():
+        remedy = "go on with it by --resume (in Python resume=True), or remove it"
+        raise InputError("it is there already", file=path, remedy=remedy)
+    if not path.parent.is_dir():
+        raise InputError("no such folder", file=path, value=str(path.parent), remedy="make it first")
+    return create(study, path)
+
+
+def _same(study: Study, path: Path) -> Store:
+    """The store, if it is that of this study.
+
+    Raises:
+        InputError: it is not, and what is different.
+    """
+    import flexdyn
+
+    store = open_store(path)
+    difference = study.difference(store.study)
+    if difference is None and store.version != flexdyn.__version__:
+        difference = f"flexdyn is {flexdyn.__version__} here and {store.version} there"
+    if difference is not None:
+        remedy = "write to another place, or remove this one"
+        raise InputError(f"the store is of another study: {difference}", file=path, remedy=remedy)
+    return store
+
+
+@contextmanager
+def _alone(store: Store) -> Iterator[None]:
+    """Keep a second process of this machine from working on the same store; a lock that dies with this one.
+
+    Raises:
+        InputError: another one is at work.
+    """
+    handle = os.open(store.path, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError("another process is at work on this store", file=store.path) from None
+        except OSError:  # a network file system without locks: nobody can be kept out
+            pass
+        yield
+    finally:
+        os.close(handle)

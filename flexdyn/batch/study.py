@@ -1,0 +1,127 @@
+"""Study: what a batch of runs is made of, as plain data that a worker anywhere rebuilds everything from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from typing import Any, Self
+
+from flexdyn.batch.distributions import Distribution, Grid, distribution
+from flexdyn.errors import shown
+from flexdyn.yamlfile import dump_yaml, parse_yaml
+
+PLACES = ("name", "folder", "model.robot.urdf", "model.robot.package_dirs")
+"""Entries that say where things lie (an unnamed model is called after its folder): a study that was moved is the same
+study while its files hold the same."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """A batch study, checked and made whole by `flexdyn.batch.studyfile`.
+
+    Attributes:
+        name: of the model.
+        model: mapping of the model file; the paths in it are absolute.
+        command: absolute path of a recording, a mapping ``{"pd": {...}}`` with absolute paths, or None: no torque.
+        duration: of every run [s].
+        rate: of what is stored [Hz].
+        solver: ``{"name": ..., settings}``.
+        runs: random draws; of a grid, draws at each of its points.
+        points: of the grid: 1 where nothing is on a grid.
+        seed: run k depends on (seed, k) alone.
+        vary: path of a number -> ``{distribution: numbers}``.
+        keep: channels.
+        metrics: their names.
+        chunk: runs that are done, written and lost together.
+        folder: absolute, of the study file: where a metric of the user's own is looked for.
+        files: SHA-256 of what the files hold that the study reads, by their place in it.
+    """
+
+    name: str
+    model: Mapping[str, Any]
+    command: Any
+    duration: float
+    rate: float
+    solver: Mapping[str, Any]
+    runs: int
+    points: int
+    seed: int
+    vary: Mapping[str, Mapping[str, Any]]
+    keep: tuple[str, ...]
+    metrics: tuple[str, ...]
+    chunk: int
+    folder: str
+    files: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def kinds(self) -> Mapping[str, Distribution | Grid]:
+        """How each number varies, by its path."""
+        return {path: distribution(entry) for path, entry in self.vary.items()}
+
+    @property
+    def count(self) -> int:
+        """Runs in all."""
+        return self.points * self.runs
+
+    @property
+    def chunks(self) -> int:
+        """Chunks of runs."""
+        return math.ceil(self.count / self.chunk)
+
+    def bounds(self, chunk: int) -> range:
+        """The runs of a chunk."""
+        return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.count))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data: mappings, lists, text and numbers (infinite ones too)."""
+        content = asdict(self)
+        return content | {key: list(content[key]) for key in ("keep", "metrics")}
+
+    @classmethod
+    def from_dict(cls, content: Mapping[str, Any]) -> Self:
+        """Of `to_dict`; nothing is checked again."""
+        return cls(**{**content, "keep": tuple(content["keep"]), "metrics": tuple(content["metrics"])})
+
+    def to_text(self) -> str:
+        """As YAML, which holds infinite numbers too and reads back bit for bit."""
+        return dump_yaml(self.to_dict())
+
+    @classmethod
+    def from_text(cls, text: str) -> Self:
+        """Of `to_text`; nothing is checked again."""
+        return cls.from_dict(parse_yaml(text))
+
+    def difference(self, other: Study) -> str | None:
+        """What first makes another study give other numbers; None: nothing does.
+
+        Args:
+            other: as it was before, in a store.
+
+        Returns:
+            for example ``seed is 8 here and 7 there``.
+        """
+        mine, its = (dict(_entries(study.to_dict())) for study in (self, other))
+        for key in [*mine, *(key for key in its if key not in mine)]:
+            if mine.get(key) == its.get(key) or _is_place(key):
+                continue
+            if key.startswith("files."):
+                return f"what the file of {key.removeprefix('files.')} holds is not the same"
+            here, there = (shown(side[key]) if key in side else "not given" for side in (mine, its))
+            return f"{key} is {here} here and {there} there"
+        return None
+
+
+def _is_place(key: str) -> bool:
+    """Whether an entry is a path to a file whose content is compared; what it held is compared under ``files``."""
+    return key in PLACES or key == "command" or key in ("command.pd.reference", "command.pd.feedforward")
+
+
+def _entries(content: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    """Every leaf of plain data, with its dotted path; lists stay whole."""
+    if not isinstance(content, Mapping) or not content:
+        yield key, content
+        return
+    for name, entry in content.items():
+        yield from _entries(entry, f"{key}.{name}" if key else str(name))

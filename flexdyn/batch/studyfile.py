@@ -1,0 +1,261 @@
+"""study.yaml -> Study: every mistake is one line that names file, key and remedy, before anything runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from flexdyn.batch.cases import Cases, load_command
+from flexdyn.batch.digests import digests
+from flexdyn.batch.distributions import Distribution, Grid, distribution
+from flexdyn.batch.rehearsal import rehearse
+from flexdyn.batch.study import Study
+from flexdyn.checks import as_number
+from flexdyn.commands import checked_rate
+from flexdyn.drive import PD_KEYS, make_drive
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.files import exists, is_file
+from flexdyn.inputs import SIGNALS
+from flexdyn.model import FlexibleJointModel
+from flexdyn.modelfile import load_model, model_from_dict, model_to_dict
+from flexdyn.solvers import make_solver
+from flexdyn.yamlfile import check_keys, read_yaml
+
+FORMAT = 1
+TOP_KEYS = (
+    "flexdyn_study",
+    "model",
+    "command",
+    "duration",
+    "rate",
+    "solver",
+    "runs",
+    "seed",
+    "vary",
+    "keep",
+    "metrics",
+    "chunk",
+)
+MAX_RUNS = 100_000_000
+CHUNK_BYTES = 16_000_000
+"""What a chunk's runs may hold in memory: a few chunks at a time are nothing to any machine."""
+CHUNK_RUNS = 128
+"""Runs of a chunk at most: what a kill may lose."""
+CHUNKS = 64
+"""Chunks at least, where there are as many runs: enough for the threads of one machine to share evenly."""
+
+
+def read_study(path: str | Path) -> Study:
+    """Read a study file; paths in it are relative to it.
+
+    Args:
+        path: of the YAML file.
+
+    Raises:
+        InputError: no such file, or anything in it that does not fit.
+    """
+    file = Path(path)
+    content = read_yaml(file)
+    try:
+        return study_from_dict(content, file.parent)
+    except InputError as error:
+        raise (error if error.file else error.at(file=file)) from None
+
+
+def study_from_dict(content: Mapping[str, Any], folder: Path) -> Study:
+    """The study that a file's mapping describes, made whole and tried out.
+
+    Args:
+        content: keys of a study file; ``model`` may also be the mapping of a model file.
+        folder: that its paths are relative to.
+
+    Raises:
+        InputError: a key, path, distribution, metric or number that does not fit.
+    """
+    try:
+        return _whole_study(content, folder.resolve())
+    except InputError as error:
+        of_command = not error.file and str(error.key).startswith("pd.")
+        raise (error.at(key="command") if of_command else error) from None
+    except OverflowError:
+        raise InputError("an integer in it is beyond what a float can hold") from None
+
+
+def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
+    check_keys(content, TOP_KEYS, required=("flexdyn_study", "model", "vary"))
+    if isinstance(content["flexdyn_study"], bool) or content["flexdyn_study"] != FORMAT:
+        remedy = f"this version reads format {FORMAT}"
+        raise InputError("no such format", key="flexdyn_study", value=content["flexdyn_study"], remedy=remedy)
+    if not content.get("keep") and not content.get("metrics"):
+        remedy = "name channels under keep, or metrics"
+        raise InputError("nothing of the runs would be stored", key="keep", value=content.get("keep"), remedy=remedy)
+    model = _model(content["model"], folder)
+    command = _command(content.get("command"), folder)
+    loaded = load_command(command)
+    kinds = _vary(content["vary"])
+    random = any(isinstance(kind, Distribution) for kind in kinds.values())
+    points = math.prod(len(kind.values) for kind in kinds.values() if isinstance(kind, Grid))
+    runs = _runs(content.get("runs"), points, random)
+    duration = _duration(content.get("duration"), model, loaded)
+    rate = checked_rate("rate", content.get("rate", 1000.0))
+    study = Study(
+        name=model.name,
+        model=model_to_dict(model),
+        command=command,
+        duration=duration,
+        rate=rate,
+        solver=_solver(content.get("solver")),
+        runs=runs,
+        points=points,
+        seed=_integer("seed", content.get("seed", 0), 0),
+        vary={path: dict(entry) for path, entry in content["vary"].items()},
+        keep=_keep(content.get("keep")),
+        metrics=_names("metrics", content.get("metrics")),
+        chunk=_chunk(content.get("chunk"), points * runs, duration * rate, model.n),
+        folder=str(folder),
+    )
+    cases = Cases(study)
+    rehearse(cases)
+    return replace(study, files=digests(cases))
+
+
+def _model(entry: Any, folder: Path) -> FlexibleJointModel:
+    if isinstance(entry, Mapping):
+        try:
+            return model_from_dict(entry, folder)
+        except InputError as error:
+            raise error.at(key="model") from None
+    if not isinstance(entry, str) or not entry:
+        raise InputError("the path of a model file is needed", key="model", value=entry)
+    file = folder / entry
+    return load_model(file if is_file(file) or file.suffix or "/" in entry else entry)
+
+
+def _command(entry: Any, folder: Path) -> Any:
+    """The command with absolute paths; a YAML file with ``pd:`` as what it holds."""
+    if entry is None:
+        return None
+    if isinstance(entry, str) and entry:
+        path = _path("command", entry, folder)
+        if path.suffix.lower() not in (".yaml", ".yml"):
+            return str(path)
+        content = read_yaml(path)
+        try:
+            return {"pd": _pd(content, path.parent, "pd")}
+        except InputError as error:
+            raise error.at(file=path) from None
+    if isinstance(entry, Mapping):
+        return {"pd": _pd(entry, folder, "command.pd")}
+    remedy = "give the path of a recording, or a mapping with pd:"
+    raise InputError("no such command", key="command", value=entry, remedy=remedy)
+
+
+def _pd(entry: Any, folder: Path, key: str) -> dict[str, Any]:
+    check_keys(entry, ("pd",), required=("pd",), key=key.rpartition(".")[0])
+    given = entry["pd"]
+    check_keys(given, PD_KEYS, required=("reference", "kp", "kd"), key=key)
+    settings = dict(given)
+    for name in ("reference", "feedforward"):
+        if settings.get(name) is not None:
+            if not isinstance(settings[name], str) or not settings[name]:
+                raise InputError("the path of a recording is needed", key=f"{key}.{name}", value=settings[name])
+            settings[name] = str(_path(f"{key}.{name}", settings[name], folder))
+    return settings
+
+
+def _path(key: str, entry: str, folder: Path) -> Path:
+    path = folder / entry
+    if not exists(path):
+        raise InputError("there is no such file", key=key, value=entry, remedy=f"it is looked for in {folder}")
+    return path.resolve()
+
+
+def _vary(entries: Any) -> dict[str, Distribution | Grid]:
+    if not isinstance(entries, Mapping) or not entries:
+        remedy = "write {joints.JOINT.stiffness: {uniform: [2000, 6000]}}"
+        raise InputError("a mapping of what varies is needed", key="vary", value=entries, remedy=remedy)
+    kinds = {}
+    for path, entry in entries.items():
+        try:
+            kinds[str(path)] = distribution(entry)
+        except InputError as error:
+            raise error.at(key=f"vary.{path}") from None
+    return kinds
+
+
+def _runs(given: Any, points: int, random: bool) -> int:
+    """Runs at each point of the grid."""
+    if random and given is None:
+        raise InputError("the number of random draws is missing", key="runs", remedy="write runs: 400")
+    runs = 1 if given is None else _integer("runs", given, 1)
+    if not random and given is not None and runs != points:
+        remedy = f"the grid has {points} points, one run each: leave it out"
+        raise InputError("nothing is drawn at random", key="runs", value=given, remedy=remedy)
+    runs = runs if random else 1
+    if runs * points > MAX_RUNS:
+        raise InputError(f"more than {MAX_RUNS} runs", key="runs", value=runs * points)
+    return runs
+
+
+def _duration(given: Any, model: FlexibleJointModel, command: Any) -> float:
+    if given is None:
+        length = make_drive(model, command, None).duration
+        if length is None:
+            remedy = "give it in s, or a command that has an end"
+            raise InputError("how long to simulate is not said", key="duration", remedy=remedy)
+        return length
+    number = as_number(given)
+    if not 0 < number < math.inf:
+        raise InputError("a time above 0 s is needed", key="duration", value=given)
+    return number
+
+
+def _solver(entry: Any) -> dict[str, Any]:
+    if entry is None or entry == "auto" or entry == {"name": "auto"}:
+        return {"name": "auto"}
+    settings = {"name": entry} if isinstance(entry, str) else entry
+    if not isinstance(settings, Mapping) or not isinstance(settings.get("name"), str):
+        remedy = "write {name: TimeStepping, step: 1.0e-3}"
+        raise InputError("a solver's name is needed", key="solver", value=entry, remedy=remedy)
+    numbers: dict[str, Any] = {str(key): value for key, value in settings.items() if key != "name"}
+    if settings["name"] == "auto":
+        raise InputError("solver auto takes no settings", key=f"solver.{next(iter(numbers))}", remedy="name a solver")
+    return make_solver(settings["name"], **numbers).to_dict()
+
+
+def _keep(entry: Any) -> tuple[str, ...]:
+    names = _names("keep", entry)
+    for i, name in enumerate(names):
+        if name not in SIGNALS:
+            raise InputError("no such channel", key=f"keep[{i}]", value=name, remedy=did_you_mean(name, SIGNALS))
+    return names
+
+
+def _names(key: str, entry: Any) -> tuple[str, ...]:
+    if entry is None:
+        return ()
+    if not isinstance(entry, Sequence) or isinstance(entry, str):
+        raise InputError("a list of names is needed", key=key, value=entry)
+    for i, name in enumerate(entry):
+        if not isinstance(name, str):
+            raise InputError("a name is needed", key=f"{key}[{i}]", value=name)
+        if name in entry[:i]:
+            raise InputError("the name stands there twice", key=f"{key}[{i}]", value=name)
+    return tuple(entry)
+
+
+def _chunk(given: Any, count: int, samples: float, n: int) -> int:
+    """Runs of a chunk, from the study alone: never from the workers, or the store would depend on them."""
+    if given is not None:
+        return min(_integer("chunk", given, 1), count)
+    run_bytes = 8 * (samples + 1) * (len(SIGNALS) * n + 1)
+    return max(1, min(math.ceil(count / CHUNKS), CHUNK_RUNS, int(CHUNK_BYTES / run_bytes)))
+
+
+def _integer(key: str, value: Any, least: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        raise InputError(f"a whole number of at least {least} is needed", key=key, value=value)
+    return value

@@ -1,0 +1,162 @@
+"""A study's results in numbers: what failed and why, every metric, and what each parameter does to it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.batch.sensitivity import Sensitivity, sensitivity
+
+Array = NDArray[np.float64]
+SHARES = (0.05, 0.25, 0.5, 0.75, 0.95)
+"""Quantiles of metrics."""
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d*)?([eE][-+]?\d+)?(?!\w)")
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why runs failed or lack a metric.
+
+    Attributes:
+        text: of the first of them; the others may differ in its numbers.
+        runs: how many.
+        first: the first of them.
+    """
+
+    text: str
+    runs: int
+    first: int
+
+
+@dataclass(frozen=True)
+class MetricSummary:
+    """A metric over all runs that have it; every number but the counts is None where no run does.
+
+    Attributes:
+        name: of the metric.
+        unit: of its numbers.
+        runs: that have it.
+        mean: over them.
+        std: standard deviation over them (n - 1); None for one run.
+        least: of all.
+        quantiles: by share of runs below, 0.05 to 0.95.
+        greatest: of all.
+        worst: the run with the greatest.
+    """
+
+    name: str
+    unit: str
+    runs: int
+    mean: float | None
+    std: float | None
+    least: float | None
+    quantiles: Mapping[float, float]
+    greatest: float | None
+    worst: int | None
+
+
+@dataclass(frozen=True)
+class ParameterSummary:
+    """A number that varies.
+
+    Attributes:
+        name: its path.
+        unit: of it.
+        least: of all runs that are done.
+        greatest: of them.
+        sensitivities: what it does to each metric, strongest first; a metric is left out where that cannot be said.
+    """
+
+    name: str
+    unit: str
+    least: float | None
+    greatest: float | None
+    sensitivities: Mapping[str, Sensitivity]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A study's results in numbers.
+
+    Attributes:
+        path: of the store.
+        runs: of the study.
+        done: of them, failed ones included.
+        failed: that have no channels.
+        reasons: why runs failed or lack a metric, the most frequent first.
+        metrics: in the study's order.
+        parameters: in the study's order.
+    """
+
+    path: str
+    runs: int
+    done: int
+    failed: int
+    reasons: tuple[Reason, ...]
+    metrics: tuple[MetricSummary, ...]
+    parameters: tuple[ParameterSummary, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON can hold it."""
+        return asdict(self)
+
+
+def metric_summary(name: str, unit: str, values: Array) -> MetricSummary:
+    """A metric over its runs.
+
+    Args:
+        name: of the metric.
+        unit: of it.
+        values: by run (runs,); NaN where a run has none.
+    """
+    there = values[np.isfinite(values)]
+    if not len(there):
+        return MetricSummary(name, unit, 0, None, None, None, {}, None, None)
+    return MetricSummary(
+        name=name,
+        unit=unit,
+        runs=len(there),
+        mean=float(there.mean()),
+        std=float(there.std(ddof=1)) if len(there) > 1 else None,
+        least=float(there.min()),
+        quantiles=dict(zip(SHARES, np.quantile(there, SHARES).tolist(), strict=True)),
+        greatest=float(there.max()),
+        worst=int(np.nanargmax(values)),
+    )
+
+
+def parameter_summary(name: str, unit: str, values: Array, metrics: Mapping[str, Array]) -> ParameterSummary:
+    """A parameter over the runs that are done, and what it does to each metric.
+
+    Args:
+        name: its path.
+        unit: of it.
+        values: by run (runs,); NaN where a run is not done.
+        metrics: by name, by run (runs,).
+    """
+    found = {metric: sensitivity(values, column) for metric, column in metrics.items()}
+    kept = {metric: each for metric, each in found.items() if each is not None}
+    ordered = dict(sorted(kept.items(), key=lambda entry: -abs(entry[1].rank_correlation)))
+    there = values[np.isfinite(values)]
+    least, greatest = (float(there.min()), float(there.max())) if len(there) else (None, None)
+    return ParameterSummary(name, unit, least, greatest, ordered)
+
+
+def reasons_of(statuses: Iterable[tuple[int, str]]) -> tuple[Reason, ...]:
+    """Reasons, counted; those that differ in numbers only count as one.
+
+    Args:
+        statuses: run and status of those that have something to say.
+    """
+    found: dict[str, list[Any]] = {}
+    for run, status in statuses:
+        for text in re.split(r"; (?=metric )", status) if status.startswith("metric ") else [status]:
+            entry = found.setdefault(_NUMBER.sub("#", text), [text, 0, run])
+            entry[1] += 1
+    ordered = sorted(found.values(), key=lambda entry: (-entry[1], entry[2]))
+    return tuple(Reason(*entry) for entry in ordered)

@@ -1,0 +1,93 @@
+"""Panels of trajectories: quantiles over all runs, channel by channel and joint by joint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.batch.quantiles import quantiles
+from flexdyn.plots.arrange import Block
+from flexdyn.plots.palette import INK, blend, hue
+from flexdyn.plots.panel import Curve, Key, Panel, limits, short
+from flexdyn.plots.views import TIME
+
+if TYPE_CHECKING:
+    from flexdyn.batch.results import Results
+
+Array = NDArray[np.float64]
+SHARES = (0.05, 0.95, 0.25, 0.75, 0.5)
+"""Of runs below each line, the lowest line first."""
+LABELS = (
+    "9 of 10 runs between",
+    "9 of 10 runs between",
+    "half of all runs between",
+    "half of all runs between",
+    "median",
+)
+STYLES = (("dashed", 0.9, 0.45), ("dashed", 0.9, 0.45), ("solid", 0.9, 0.3), ("solid", 0.9, 0.3), ("solid", 1.7, 0.0))
+"""Dash, width [pt] and how pale."""
+INSTANTS = 1000
+"""Samples that are drawn of a trajectory."""
+MOST_JOINTS = 8
+
+
+def trajectory_keys() -> tuple[Key, ...]:
+    """The legend that all panels share."""
+    keys = [
+        Key(label, blend(INK, "#FFFFFF", pale), dash, width)
+        for label, (dash, width, pale) in zip(LABELS, STYLES, strict=True)
+    ]
+    return tuple(dict.fromkeys(reversed(keys)))
+
+
+def trajectories(results: Results, channels: Sequence[str], notes: list[str]) -> list[Block]:
+    """A row for each joint, a panel for each channel.
+
+    Args:
+        results: of the study.
+        channels: to be drawn.
+        notes: where it is said what is left out.
+    """
+    times = results.times
+    instants = np.unique(np.linspace(0, len(times) - 1, min(len(times), INSTANTS)).round().astype(np.intp))
+    joints = results.joints[:MOST_JOINTS]
+    if len(joints) < len(results.joints):
+        notes.append(f"Trajectories of the first {MOST_JOINTS} of {len(results.joints)} joints.")
+    if len(instants) < len(times):
+        notes.append(f"Of {len(times)} samples of a trajectory {len(instants)} are drawn.")
+    panels = {channel: _panels(results, channel, instants) for channel in channels}
+    rows = tuple(tuple(panels[channel][j] for channel in channels) for j in range(len(joints)))
+    rows = tuple(tuple(replace(panel, labelled=j == len(joints) - 1) for panel in row) for j, row in enumerate(rows))
+    width = {1: 6.3, 2: 4.6}.get(len(channels), 3.5)
+    return [Block(rows, (1.8,) * len(rows), width)]
+
+
+def _panels(results: Results, channel: str, instants: NDArray[np.intp]) -> list[Panel]:
+    found = quantiles(lambda: results.blocks(channel, instants), len(results.complete), SHARES)
+    t = results.times[instants]
+    return [
+        _panel(t, found[:, :, j], f"{channel}.{joint}", results.unit(channel), hue(j))
+        for j, joint in enumerate(results.joints)
+    ]
+
+
+def _panel(t: Array, lines: Array, name: str, unit: str, colour: str) -> Panel:
+    curves = tuple(
+        Curve(t, line, f"{name}, {share:.0%}", label, blend(colour, "#FFFFFF", pale), dash, width)
+        for line, share, label, (dash, width, pale) in zip(lines, SHARES, LABELS, STYLES, strict=True)
+    )
+    signal, _, joint = name.partition(".")
+    return Panel(
+        short(joint),
+        TIME,
+        f"{signal} [{unit}]",
+        curves,
+        x_range=(float(t[0]), float(t[-1])),
+        y_range=limits(lines),
+        colour=colour,
+        timed=True,
+    )

@@ -1,0 +1,143 @@
+"""flexdyn batch: all runs of a study, what came out of them, and any one of them taken out again."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from flexdyn.cli.batch_report import extracted_lines, summary_parts
+from flexdyn.cli.options import JsonOption, naming, output_file, output_folder
+from flexdyn.cli.output import console, note, show, show_json
+from flexdyn.errors import InputError
+from flexdyn.plots.picture import FILES
+
+if TYPE_CHECKING:
+    from flexdyn.batch.progress import Progress
+
+# Arguments of the Python interface -> what the user typed.
+NAMES = {"workers": "--workers", "scheduler": "--scheduler", "extract": "--extract", "views": "--view"}
+
+
+def batch(
+    target: Annotated[Path, typer.Argument(metavar="STUDY|OUT", help="A study file to run, or the store of one.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT",
+            help="The Zarr store to write; of --summary a picture, of --extract a folder.",
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", help="Threads. Default: the processors this process may use.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Of Dask, whose workers do the runs: tcp://host:8786.")
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", metavar="", help="Go on with the store: only what is missing is done.")
+    ] = False,
+    summary: Annotated[
+        bool, typer.Option("--summary", metavar="", help="Say what is in a store, finished or not.")
+    ] = False,
+    views: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--view", metavar="NAME", help="Of the picture: metrics, sensitivities, trajectories; again: more."
+        ),
+    ] = None,
+    extract: Annotated[
+        int | None,
+        typer.Option(
+            metavar="K", help="Write run K of a store as model file and command, with the line to simulate it."
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Run a batch study, or look into the store of one.
+
+    A kill at any moment loses at most the chunks in work: --resume goes on, and the store is then bit for bit that of
+    one uninterrupted run. Runs that fail say why in the store's status, and the others go on. A metric of your own
+    (package.module:function) is imported: run no study file whose Python you do not trust.
+    """
+    asked = [name for name, given in (("--summary", summary), ("--extract", extract is not None)) if given]
+    if len(asked) > 1:
+        raise InputError("one at a time", key=" ".join(asked), remedy="leave one of the two out")
+    with naming(NAMES, file=target, files={}):
+        if extract is not None:
+            _extract(target, extract, output, as_json)
+        elif summary:
+            _summarise(target, output, views, as_json)
+        else:
+            _run(target, output, workers, scheduler, resume, as_json)
+
+
+def _run(
+    study: Path, output: Path | None, workers: int | None, scheduler: str | None, resume: bool, as_json: bool
+) -> None:
+    from flexdyn.batch import run_study
+
+    if study.is_dir():
+        remedy = "give a study file; of a store --summary or --extract K"
+        raise InputError("it is a folder", file=study, remedy=remedy)
+    if output is None:
+        raise InputError("say where to write", key="--output", remedy="give the path of the store: -o out.zarr")
+    with _progress(study.name) as progress:
+        try:
+            results = run_study(study, output, workers=workers, scheduler=scheduler, resume=resume, progress=progress)
+        except KeyboardInterrupt:
+            if output.exists():
+                words = ["flexdyn", "batch", str(study), "-o", str(output), "--resume"]
+                note(f"what is done is stored; go on with: {shlex.join(words)}")
+            raise
+    _show(results.summary(), as_json)
+
+
+def _summarise(store: Path, output: Path | None, views: list[str] | None, as_json: bool) -> None:
+    from flexdyn.batch.results import open_results
+
+    path = None if output is None else output_file("--output", output, FILES)
+    results = open_results(store)
+    if path is not None:
+        results.plot(path, views=views or None)
+    _show(results.summary(), as_json)
+    if path is not None and not as_json:
+        show(f"drawn in {path}")
+
+
+def _extract(store: Path, k: int, output: Path | None, as_json: bool) -> None:
+    from flexdyn.batch.results import open_results
+
+    if output is None:
+        raise InputError("say where to write", key="--output", remedy="give the path of a folder")
+    output_folder(output)
+    taken = open_results(store).extract(k, output)
+    if as_json:
+        show_json({each.name: getattr(taken, each.name) for each in fields(taken)})
+    else:
+        show(*extracted_lines(taken))
+
+
+def _show(summary: Any, as_json: bool) -> None:
+    if as_json:
+        show_json(summary.to_dict())
+    else:
+        show(*summary_parts(summary))
+
+
+@contextmanager
+def _progress(name: str) -> Iterator[Callable[[Progress], None] | None]:
+    """Runs done, rate and time left, on stderr where that is a terminal."""
+    err = console(stderr=True)
+    if not err.is_terminal:
+        yield None
+        return
+    with err.status(f"{name}: starting") as status:
+        yield lambda progress: status.update(f"{name}: {progress}")
