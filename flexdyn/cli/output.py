@@ -31,7 +31,7 @@ def show(*parts: Any) -> None:
     """Print texts and tables on stdout, one below the other."""
     out = console()
     for part in parts:
-        out.print(part)
+        out.print(part, soft_wrap=isinstance(part, str))  # a line to be copied stays one
 
 
 def show_json(document: Any) -> None:
