@@ -160,7 +160,11 @@ def _named(found: Mapping[str, Any]) -> str:
             for name in each["named"]
         ]
     else:
-        names = [f"{each['effect']} ({each['joint']})" for each in found["diagnosis"]["findings"]]
+        names = [
+            " or ".join(dict.fromkeys((each["effect"], *(rival["effect"] for rival in each["indistinguishable_from"]))))
+            + f" ({each['joint']})"
+            for each in found["diagnosis"]["findings"]
+        ]
     return ", ".join(name.replace("_", " ") for name in names) or "nothing"
 
 

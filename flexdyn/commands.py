@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn.checks import as_number
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
@@ -233,9 +234,10 @@ def checked_rate(key: str, rate: Any) -> float:
     Raises:
         InputError: it is not.
     """
-    if isinstance(rate, bool) or not isinstance(rate, int | float | np.number) or not 0 < rate < math.inf:
+    number = as_number(rate)
+    if isinstance(rate, bool) or not isinstance(rate, int | float | np.number) or not 0 < number < math.inf:
         raise InputError("a rate above 0 Hz is needed", key=key, value=rate)
-    return float(rate)
+    return number
 
 
 def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:

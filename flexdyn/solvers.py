@@ -6,6 +6,7 @@ import math
 from dataclasses import asdict, dataclass, fields
 from typing import Any, ClassVar
 
+from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
 
@@ -21,9 +22,10 @@ class Solver:
             value = getattr(self, field.name)
             if value is None and field.default is None:
                 continue
-            if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
+            number = as_number(value)
+            if isinstance(value, bool) or not isinstance(value, int | float) or not number > 0:
                 raise InputError("a number above 0 is needed", key=f"solver.{field.name}", value=value)
-            if math.isinf(value) and field.default != math.inf:
+            if math.isinf(number) and field.default != math.inf:
                 raise InputError("it must be finite", key=f"solver.{field.name}", value=value)
 
     def to_dict(self) -> dict[str, Any]:
