@@ -139,6 +139,7 @@ class Dask:
             FlexdynError: it gave nothing, and why.
         """
         import distributed
+        from distributed.comm import CommClosedError
 
         try:
             return future.result()
@@ -147,7 +148,7 @@ class Dask:
         except distributed.KilledWorker as error:
             remedy = "see the workers' logs; too little memory is the usual reason"
             raise FlexdynError(f"chunk {chunk} ended {error.allowed_failures + 1} workers; {remedy}") from None
-        except distributed.CancelledError as error:
+        except (distributed.CancelledError, CommClosedError) as error:
             raise self._gone() from error
         except ModuleNotFoundError as error:
             if error.name != "flexdyn":

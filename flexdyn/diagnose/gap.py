@@ -28,7 +28,7 @@ SHORTER = 0.3
 FRAGILE = 3.0
 """A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
 HOPELESS = 0.3
-"""Share of windows that cannot be simulated from which first states are not corrected: the law is no law."""
+"""Share of windows that cannot be simulated, or in which noise would excuse anything, from which a law is no law."""
 FAILED = 3.0
 """A sample that the simulation did not reach counts as off by so many times what its channel moves (plus 1 rad)."""
 
@@ -53,7 +53,8 @@ class Shot:
         states: simulated, [q, theta, v, omega, internal] at the first sample of every block (windows, blocks, nx).
         fragile: factor on `std` of windows in which drawn noise does more than it does in the linear response, because
             it decides whether a joint sticks (windows,) [1].
-        failed: windows that could not be simulated to their end, or in which noise would excuse anything (windows,).
+        failed: windows that could not be simulated to their end, or in which noise would excuse anything, as it would
+            in many (windows,).
     """
 
     model: FlexibleJointModel
@@ -177,7 +178,9 @@ def shoot(model: FlexibleJointModel, windows: Windows) -> Shot:
     drawn = _drawn(shooter, x0, residual, used, seed=0)
     expected = np.repeat(filter_.unfitted, windows.block, axis=1)
     size = np.sqrt((drawn**2 / expected).sum(axis=(1, 2)) / np.maximum(used.sum(axis=(1, 2)), 1))
-    failed = (motion.written < windows.rows) | filter_.wild  # nothing excuses them
+    failed = motion.written < windows.rows
+    if filter_.wild.mean() > HOPELESS:  # a response that is none excuses nothing
+        failed |= filter_.wild
     fragile = np.where((size > FRAGILE) & ~failed, size, 1.0)
     std *= fragile[:, None, None]
     std[failed] = windows.sensor_noise

@@ -96,7 +96,7 @@ class Search:
         if self.windows is not None:
             return better(other, one) > SURE and HARMLESS * one.gap < other.gap
         windows, rows = better(other, one), significance(other.rows - one.rows)
-        harmless = one.gap <= HARMLESS * other.gap and rows > -SURE
+        harmless = one.median <= HARMLESS * other.median and rows > -SURE
         return harmless and (windows > SURE or (one.exact and rows > SURE and windows > 0.0))
 
 

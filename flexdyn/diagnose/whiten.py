@@ -12,7 +12,7 @@ from flexdyn.diagnose.windows import Windows
 
 Array = NDArray[np.float64]
 EXCUSE = 0.2
-"""Noise that would excuse more than this of what a channel moves excuses nothing: the linear response is none."""
+"""Noise excuses no more than this of what a channel moves: an unstable model makes much of little."""
 
 
 @dataclass(frozen=True, eq=False)
