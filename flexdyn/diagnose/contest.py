@@ -12,6 +12,7 @@ from flexdyn.diagnose.search import ENOUGH, Candidate
 from flexdyn.diagnose.selection import DOUBT, Search
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.windows import Windows
+from flexdyn.effects import Payload
 
 ASKED = 2
 """Rivals of one name that are fitted to windows; more of them stay rivals."""
@@ -36,6 +37,9 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         least = min(asked, key=lambda each: each.cost)
         scale = max(1.0, least.cost / least.rows)
         costs = [refined.cost / scale + each.cost for refined, each in zip(asked, entries, strict=True)]
+        masses = [cost for cost, each in zip(costs, entries, strict=True) if _is_a_mass(each)]
+        # A mass at the tip is that of a link by another name: where one does, the other does.
+        costs = [min(c, *masses) if masses and _is_payload(e) else c for c, e in zip(costs, entries, strict=True)]
         over = least.cost - least.rows - 2.0 * math.sqrt(2.0 * least.rows)
         most = min(costs) + ENOUGH + DOUBT * max(over, 0.0) / scale
         winner = 0 if costs[0] <= most else int(np.argmin(costs))  # a name stays where nothing speaks for another
@@ -43,6 +47,14 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         others = (*(each for each in kept if each is not entries[winner]), *rivals[ASKED:])
         stage = _with(search, stage, place, dataclasses.replace(named, candidate=entries[winner], rivals=others))
     return stage
+
+
+def _is_a_mass(candidate: Candidate) -> bool:
+    return candidate.number is not None and candidate.number.parameter == "link_mass"
+
+
+def _is_payload(candidate: Candidate) -> bool:
+    return isinstance(candidate.effect, Payload)
 
 
 def _asked(search: Search, candidate: Candidate, windows: Windows) -> Refined:
