@@ -151,7 +151,7 @@ def tables(results: Mapping[str, Any]) -> str:
         )
     grown = [
         [
-            f"{each['runs']:,}",
+            f"{each['runs']:,.0f}",
             *(f"{each[key]:.4g}" for key in ("microseconds_per_run", "peak_megabytes", "store_megabytes")),
         ]
         for each in results["study"]["by_runs"]
