@@ -30,6 +30,7 @@ import flexdyn as fd
 
 THREADS = 2
 SLICE = 500  # runs
+PAIRS = 6  # studies on one thread and on two, in turn: the fastest of each is the one least disturbed
 REFERENCE = fd.solvers.DormandPrince(rtol=1e-10, atol=1e-12)
 SETTINGS_TRIED: tuple[fd.solvers.Solver, ...] = (
     *(fd.solvers.TimeStepping(step=step) for step in (1e-2, 3e-3, 1e-3)),
@@ -120,12 +121,14 @@ def studies(batch: Batch, solver: fd.solvers.Solver, counts: Sequence[int], samp
     settings = solver.to_dict()
     grown = [measured(batch, settings, runs, THREADS, numbers=True) for runs in counts]
     some = counts[len(counts) // 2]
-    pairs = [[measured(batch, settings, some, threads, numbers=False) for threads in (1, THREADS)] for _ in range(3)]
+    turns = [(1, THREADS) if turn % 2 == 0 else (THREADS, 1) for turn in range(PAIRS)]
+    trials = [(threads, measured(batch, settings, some, threads, numbers=False)) for turn in turns for threads in turn]
+    least = {count: min(each.seconds for threads, each in trials if threads == count) for count in (1, THREADS)}
     bare = min(Flexdyn(batch, solver, 1).bare_seconds(sample) for _ in range(5)) / len(sample)
-    whole = float(np.median([one.processor_seconds / one.runs for one, _ in pairs]))
+    whole = min(each.processor_seconds / each.runs for threads, each in trials if threads == 1)
     return {
         "by_runs": [each.to_dict() for each in grown],
-        "of_one_thread": _short(float(np.median([one.seconds / two.seconds for one, two in pairs]))),
+        "of_one_thread": _short(least[1] / least[THREADS]),
         "integration_microseconds": _short(1e6 * bare),
         "overhead_microseconds": _short(1e6 * (whole - bare)),
     }

@@ -24,6 +24,7 @@ CHILD = """
 import json, sys, time
 begin = time.perf_counter()
 import flexdyn as fd
+import zarr
 study, out, workers = sys.argv[1], sys.argv[2], int(sys.argv[3])
 fd.load_model("scara_two_link")
 ready = time.perf_counter()
@@ -42,7 +43,7 @@ class Measured:
 
     Attributes:
         runs: in it.
-        start_seconds: until flexdyn is imported and a robot loaded.
+        start_seconds: until flexdyn and zarr are imported and a robot is loaded.
         seconds: of the study.
         processor_seconds: of all threads.
         peak_megabytes: of the process.

@@ -123,7 +123,7 @@ def prepare(
     drive = shared.drive(model, command, duration)
     span = _duration(duration, drive)
     plant = shared.plant(model)
-    x0 = first_state(model, drive, dict(starts))
+    x0 = first_state(model, drive, starts)
     x0 = np.concatenate([x0, np.zeros(plant.state_size - len(x0))])  # internal states start at rest
     chosen, notes = choose_solver(model, solver, plant, x0)
     if isinstance(chosen, RungeKutta4 | TimeStepping) and span / chosen.step > MAX_STEPS:

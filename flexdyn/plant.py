@@ -62,7 +62,7 @@ class _Parts:
 
 def _assembled(parts: _Parts) -> _core.Plant:
     model = parts.model
-    laws = [_law(model, effect) for effect in parts.effects]
+    laws = [core_law(model, effect) for effect in parts.effects]
     J, spin = model.rotor_inertia, rotor_spin(model)
     return _core.plant(parts.links, model.stiffness, model.damping, J, spin, laws)
 
@@ -188,7 +188,12 @@ def _gains_added(effects: list[Effect]) -> list[Effect]:
     return [*(TorqueConstantError(joint, gain=gain) for joint, gain in gains.items()), *others]
 
 
-def _law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
+def core_law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
+    """The law of an effect for the core.
+
+    Raises:
+        InputError: an effect that no plant can have.
+    """
     if not isinstance(effect, JointEffect):
         raise InputError("an effect in the plant acts on a joint", key=effect.name, remedy="derive it from JointEffect")
     joint, side = model.index(effect.joint), str(effect.side)
@@ -228,12 +233,19 @@ def _check_inertia(model: FlexibleJointModel, links: _core.LinkDynamics) -> None
     """A joint that turns nothing has no acceleration: say so before ABA divides by zero."""
     known = model.initial.get("q", {})
     q = np.array([known.get(joint, 0.0) for joint in model.joint_names])
-    if links.least_inertia(q) <= 1e-13:
+    if not moves_inertia(links, q[None])[0]:
         M = np.empty((model.n, model.n))
         links.mass_matrix(q, M)
         name = model.joint_names[int(np.argmin(np.diag(M)))]
         remedy = "give its links mass and inertia, or a rigid joint a rotor_inertia"
         raise InputError("the joint moves no inertia: M(q) is singular", key=f"joints.{name}", remedy=remedy)
+
+
+def moves_inertia(links: _core.LinkDynamics, q: Array) -> NDArray[np.bool_]:
+    """Whether every joint moves an inertia, at positions q (rows, n): whether M(q) is regular (rows,)."""
+    least = np.empty(len(q))
+    links.least_inertia(q, least)
+    return np.asarray(least > 1e-13)
 
 
 def _check_coupling(model: FlexibleJointModel, plant: _core.Plant) -> None:

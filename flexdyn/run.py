@@ -18,7 +18,7 @@ from flexdyn.inputs import SIGNALS, Inputs
 from flexdyn.ledger import ledger
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
-from flexdyn.robot import Robot
+from flexdyn.robot import frame_positions
 from flexdyn.solvers import Solver
 
 if TYPE_CHECKING:
@@ -186,26 +186,3 @@ _PRISMATIC_UNITS = {"q": "m", "theta": "m", "v": "m/s", "omega": "m/s", "tau": "
 
 def _rebuild(entries: dict[str, Any]) -> Run:
     return Run(**entries)
-
-
-def frame_positions(robot: Robot, q: Array, frame: str | None = None) -> Array:
-    """Forward kinematics of one frame over many positions.
-
-    Args:
-        robot: whose frame it is.
-        q: (samples, n) [rad or m].
-        frame: its name; default: the last frame of the chain.
-
-    Returns:
-        its origin (samples, 3) [m] in the axes of the base.
-    """
-    import pinocchio as pin
-
-    place = robot.frame(frame or robot.tip)
-    model = robot.pin_model
-    data = model.createData()
-    positions = np.empty((len(q), 3))
-    for i, q_tree in enumerate(robot.expand(q)):
-        pin.forwardKinematics(model, data, q_tree)
-        positions[i] = data.oMi[place.joint + 1].act(place.translation)
-    return positions

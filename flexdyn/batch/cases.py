@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -19,11 +19,15 @@ from flexdyn.batch.places import Changes, Place, places
 from flexdyn.batch.study import Study
 from flexdyn.commands import PD
 from flexdyn.drive import make_drive
-from flexdyn.job import prepare
+from flexdyn.errors import InputError
+from flexdyn.job import Job, prepare
 from flexdyn.model import FlexibleJointModel
 from flexdyn.modelfile import model_from_dict
 from flexdyn.records import Recording, read_recording
 from flexdyn.solvers import Solver, make_solver
+from flexdyn.variants import Columns, Variants
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +86,7 @@ class Cases:
     @cached_property
     def times(self) -> NDArray[np.float64]:
         """Of the samples that are stored (samples,) [s]."""
-        starts = dict.fromkeys(("q", "v", "theta", "omega"))
-        study = self.study
-        job = prepare(self.model, self.command, study.duration, self.solver, starts, study.rate, None, None)
-        return job.out["t"]
+        return self._job(self.model).out["t"]
 
     def values(self, k: int) -> dict[str, float]:
         """The drawn numbers of run k, by path."""
@@ -108,15 +109,64 @@ class Cases:
         Raises:
             InputError: a number that the model or the command cannot have.
         """
+        changes = self._changes(values)
+        command = changes.command(self.command, self.model.joint_names)
+        starts = {f"{signal}0": given for signal, given in self._starts(changes).items()}
+        return Case(changes.model(self.model), command, starts)
+
+    def together(
+        self, table: Mapping[str, Array], out: Mapping[str, Array], progress: Callable[[int], None] | None
+    ) -> NDArray[np.bool_]:
+        """Integrate runs at once, as far as they differ in no more than numbers of one plant.
+
+        Args:
+            table: their numbers (runs,) by path.
+            out: filled: signal -> (runs, samples, n).
+            progress: called with the number of runs done some ten times a second.
+
+        Returns:
+            (runs,) which of them are done; the others are to be done one by one, by `case_of`.
+        """
+        changes = self._changes(table)
+        initial = changes.initial_of(self.model)
+        columns = Columns(joints=changes.joints, effects=changes.effects, initial=initial, starts=self._starts(changes))
+        same_links = not (changes.gravity or changes.lock)
+        same_command = not (changes.gains or changes.scale is not None or changes.rate is not None)
+        plain = self.solver != "auto" and not any("runs" in metric.needs for metric in self.metrics)
+        try:
+            if same_links and same_command and plain and self._variants.covers(columns):
+                return self._variants.simulate(columns, out, progress)
+        except InputError:  # each of the runs says it of itself
+            pass
+        return np.zeros(len(out["q"]), dtype=bool)
+
+    def _changes(self, values: Mapping[str, Any]) -> Changes:
+        """What is different where these numbers, or columns of them, stand at their paths."""
         changes = Changes()
         for path in sorted(values, key=self._order.__getitem__):
             self.places[path].put(changes, values[path])
-        starts = {
-            f"{signal}0": {joint: value for joint, value in entries.items() if joint in self._first.get(signal, {})}
+        return changes
+
+    def _starts(self, changes: Changes) -> dict[str, dict[str, Any]]:
+        """First states that the command's own would hide, by signal and joint."""
+        found = {
+            signal: {joint: value for joint, value in entries.items() if joint in self._first.get(signal, {})}
             for signal, entries in changes.initial.items()
         }
-        command = changes.command(self.command, self.model.joint_names)
-        return Case(changes.model(self.model), command, {key: given for key, given in starts.items() if given})
+        return {signal: entries for signal, entries in found.items() if entries}
+
+    @cached_property
+    def _variants(self) -> Variants:
+        """Of a run in which no law is switched off by a number that is zero, as it may be at a median."""
+        case = self.case_of({path: kind.usual for path, kind in self.study.kinds.items()})
+        job = self._job(case.model)
+        return Variants(case.model, job.drive, job.duration, job.solver, job.out["t"])
+
+    def _job(self, model: FlexibleJointModel) -> Job:
+        """A run of a model under the command, made ready."""
+        starts = dict.fromkeys(("q", "v", "theta", "omega"))
+        study = self.study
+        return prepare(model, self.command, study.duration, self.solver, starts, study.rate, None, None)
 
     @cached_property
     def _order(self) -> dict[str, int]:

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.batch.aim import Aim, aim_of_run
-from flexdyn.batch.motion import Motion
+from flexdyn.batch.motion import Motion, lengths
 from flexdyn.batch.own_metric import single_number
 from flexdyn.energy import EnergyWarning
 from flexdyn.errors import FlexdynError, InputError
 from flexdyn.run import Run
 
+Array = NDArray[np.float64]
 BAND = 0.02
 """Of settling_time: share of the greatest distance that still counts as settled [1]."""
 STILL = 1e-9
@@ -36,20 +37,22 @@ class Metric:
         unit: of the number; N m reads N, and rad m, for arms whose joints all slide.
         description: one sentence.
         equation: of the number.
-        law: from a motion and its joints' columns to the number.
+        law: from a motion and its joints' columns to the number of each of its runs, NaN where one has none.
         needs: what not every study has: ``reference`` (a controller with a path to track), ``rest`` (a command that
             comes to rest before the run ends), ``tip`` (a chain with one end), ``alike`` (joints of one kind, or one
-            joint that is named: ``motor_torque_max.elbow``).
+            joint that is named: ``motor_torque_max.elbow``), ``runs`` (more of a run than its samples).
         joint: the only one that counts; empty: all.
+        missing: why a run may have no such number.
     """
 
     name: str
     unit: str
     description: str
     equation: str
-    law: Callable[[Motion, slice], Any] = field(repr=False)
+    law: Callable[..., Any] = field(repr=False)
     needs: tuple[str, ...] = ()
     joint: str = ""
+    missing: str = ""
 
     def of(self, run: Run, aim: Aim | None = None) -> float:
         """The number of one run.
@@ -61,60 +64,78 @@ class Metric:
         Raises:
             InputError: it has none, and why.
         """
-        return self.measured(Motion(run, aim_of_run(run) if aim is None else aim))
+        values, reasons = self.measured(Motion.of(run, aim_of_run(run) if aim is None else aim))
+        if reasons[0]:
+            raise InputError(reasons[0])
+        return float(values[0])
 
-    def measured(self, motion: Motion) -> float:
-        """The number of a motion.
+    def measured(self, motion: Motion) -> tuple[Array, list[str]]:
+        """The numbers of some runs, NaN where one has none, and a line for each that says why; empty: it has one."""
+        values, reasons = self._numbers(motion)
+        for i in np.flatnonzero(~np.isfinite(values)):
+            reasons[i] = reasons[i] or (self.missing if np.isnan(values[i]) else "") or f"it gives {values[i]}"
+            values[i] = np.nan
+        return values, [f"metric {self.name}: {reason}" if reason else "" for reason in reasons]
 
-        Raises:
-            InputError: it has none, and why.
-        """
+    def _numbers(self, motion: Motion) -> tuple[Array, list[str]]:
+        first = motion.robot.joint_index(self.joint) if self.joint else None
         try:
-            first = motion.run.model.index(self.joint) if self.joint else None
-            value = single_number(self.law(motion, slice(first, None if first is None else first + 1)))
+            values = self.law(motion, slice(first, None if first is None else first + 1))
         except (FlexdynError, ValueError) as error:
-            raise InputError(f"metric {self.name}: {str(error)[:LONGEST]}") from None
-        except Exception as error:  # a user's function may raise anything
-            raise InputError(f"metric {self.name}: {type(error).__name__}: {str(error)[:LONGEST]}") from None
-        if not np.isfinite(value):
-            raise InputError(f"metric {self.name}: it gives {value}")
-        return value
+            return np.full(motion.count, np.nan), [str(error)[:LONGEST]] * motion.count
+        return values, [""] * motion.count
 
 
-def _settling_time(motion: Motion, _: slice) -> float:
-    distance, t = motion.distance, motion.run.t
-    band = max(BAND * float(distance.max()), STILL)
-    if (distance[motion.tail] > band).any():
-        raise ValueError("the tip does not settle before the run ends")
-    outside = np.flatnonzero(distance > band)
-    if not len(outside):
-        return 0.0
-    k = int(outside[-1])
-    share = (distance[k] - band) / (distance[k] - distance[k + 1])
-    return max(0.0, float(t[k] + share * (t[k + 1] - t[k])) - float(motion.aim.rest or 0.0))
+@dataclass(frozen=True)
+class RunMetric(Metric):
+    """A number whose law is one of a `Run`; a run that it fails for leaves the others as they are."""
+
+    needs: tuple[str, ...] = ("runs",)
+
+    def _numbers(self, motion: Motion) -> tuple[Array, list[str]]:
+        values, reasons = np.full(motion.count, np.nan), [""] * motion.count
+        for i, run in enumerate(motion.runs):
+            try:
+                values[i] = single_number(self.law(run))
+            except (FlexdynError, ValueError) as error:
+                reasons[i] = str(error)[:LONGEST]
+            except Exception as error:  # a user's function may raise anything
+                reasons[i] = f"{type(error).__name__}: {str(error)[:LONGEST]}"
+        return values, reasons
 
 
-def _overshoot(motion: Motion, joints: slice) -> float:
-    q = motion.run.q[:, joints]
-    last = q[motion.tail].mean(axis=0)
-    way = last - q[0]
-    length = float(np.sqrt(way @ way))
-    if length < STILL:
-        raise ValueError("it ends where it began: there is no step to overshoot")
-    return max(0.0, float(((q - last) @ way).max())) / length**2
+def _settling_time(motion: Motion, _: slice) -> Array:
+    distance, t = motion.distance, motion.t
+    band = np.maximum(BAND * distance.max(axis=1), STILL)
+    outside = distance > band[:, None]
+    values = np.where(outside[:, motion.tail].any(axis=1), np.nan, 0.0)
+    (late,) = np.nonzero(outside.any(axis=1) & (values == 0.0))
+    k = len(t) - 1 - np.argmax(outside[late, ::-1], axis=1)  # the last sample that is outside
+    share = (distance[late, k] - band[late]) / (distance[late, k] - distance[late, k + 1])
+    values[late] = np.maximum(0.0, t[k] + share * (t[k + 1] - t[k]) - float(motion.aim.rest or 0.0))
+    return np.asarray(values)
 
 
-def _residual_vibration(motion: Motion, _: slice) -> float:
-    left = motion.deflection[motion.resting]
-    return float(np.sqrt(((left - left.mean(axis=0)) ** 2).sum(axis=1).max()))
+def _overshoot(motion: Motion, joints: slice) -> Array:
+    q = motion.signals["q"][..., joints]
+    last = q[:, motion.tail].mean(axis=1, keepdims=True)
+    way = last - q[:, :1]
+    square = (way**2).sum(axis=(1, 2))
+    beyond = np.maximum(0.0, ((q - last) * way).sum(axis=2).max(axis=1))
+    return np.asarray(np.divide(beyond, square, out=np.full(motion.count, np.nan), where=square >= STILL**2))
 
 
-def _dissipated(motion: Motion, _: slice) -> float:
-    return float(sum(lost[-1] for lost in motion.run.energy.dissipated.values()))
+def _residual_vibration(motion: Motion, _: slice) -> Array:
+    left = motion.deflection[:, motion.resting]
+    return np.asarray(lengths(left - left.mean(axis=1, keepdims=True)).max(axis=1))
 
 
-def _size(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.sqrt((vectors**2).sum(axis=1)))
+def _supplied(run: Run) -> float:
+    return float(run.energy.supplied[-1].sum())
+
+
+def _dissipated(run: Run) -> float:
+    return float(sum(lost[-1] for lost in run.energy.dissipated.values()))
 
 
 METRICS: dict[str, Metric] = {
@@ -125,7 +146,7 @@ METRICS: dict[str, Metric] = {
             "m",
             "Greatest distance between the tip and where it would be if the links stood at the rotors' angles.",
             "max over t of |tip(q) - tip(theta)|",
-            lambda motion, _: _size(motion.deflection).max(),
+            lambda motion, _: lengths(motion.deflection).max(axis=1),
             ("tip",),
         ),
         Metric(
@@ -133,7 +154,7 @@ METRICS: dict[str, Metric] = {
             "m",
             "Root mean square over time of the distance between the tip and its place at the rotors' angles.",
             "sqrt(1/T integral of |tip(q) - tip(theta)|^2 dt)",
-            lambda motion, _: motion.root_mean_square(_size(motion.deflection)),
+            lambda motion, _: motion.root_mean_square(lengths(motion.deflection)),
             ("tip",),
         ),
         Metric(
@@ -141,7 +162,7 @@ METRICS: dict[str, Metric] = {
             "rad",
             "Greatest deflection of any joint.",
             "max over t and joints of |theta - q|",
-            lambda motion, joints: np.abs(motion.run.deflection[:, joints]).max(),
+            lambda motion, joints: motion.greatest(motion.signals["theta"] - motion.signals["q"], joints),
             ("alike",),
         ),
         Metric(
@@ -151,6 +172,7 @@ METRICS: dict[str, Metric] = {
             "least T: |tip(t) - tip_end| <= 0.02 max over t of |tip - tip_end| for all t >= t_rest + T",
             _settling_time,
             ("tip", "rest"),
+            missing="the tip does not settle before the run ends",
         ),
         Metric(
             "overshoot",
@@ -159,6 +181,7 @@ METRICS: dict[str, Metric] = {
             "max(0, max over t of (q(t) - q_end) . (q_end - q(0))) / |q_end - q(0)|^2",
             _overshoot,
             ("alike", "rest"),
+            missing="it ends where it began: there is no step to overshoot",
         ),
         Metric(
             "residual_vibration",
@@ -173,7 +196,7 @@ METRICS: dict[str, Metric] = {
             "m",
             "Greatest distance between the tip and where the reference would have it.",
             "max over t of |tip(q) - tip(reference)|",
-            lambda motion, _: motion.tracking_error.max(),
+            lambda motion, _: motion.tracking_error.max(axis=1),
             ("tip", "reference"),
         ),
         Metric(
@@ -189,7 +212,7 @@ METRICS: dict[str, Metric] = {
             "N m",
             "Greatest torque that any motor applied, after the actuator's effects, reflected to the link side.",
             "max over t and joints of |tau_applied|",
-            lambda motion, joints: np.abs(motion.run.tau_applied[:, joints]).max(),
+            lambda motion, joints: motion.greatest(motion.signals["tau_applied"], joints),
             ("alike",),
         ),
         Metric(
@@ -197,17 +220,17 @@ METRICS: dict[str, Metric] = {
             "N m",
             "Greatest torque in any transmission.",
             "max over t and joints of |tau_s|",
-            lambda motion, joints: np.abs(motion.run.tau_s[:, joints]).max(),
+            lambda motion, joints: motion.greatest(motion.signals["tau_s"], joints),
             ("alike",),
         ),
-        Metric(
+        RunMetric(
             "energy_supplied",
             "J",
             "Energy that all motors have supplied by the end; a second pass through the motion integrates it.",
             "sum over joints of the integral of tau_applied omega dt",
-            lambda motion, _: motion.run.energy.supplied[-1].sum(),
+            _supplied,
         ),
-        Metric(
+        RunMetric(
             "energy_dissipated",
             "J",
             "Energy that damping, friction and other effects have dissipated by the end; by the same second pass.",

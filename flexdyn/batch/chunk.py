@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexdyn.batch.cases import Case, Cases, cases_of_text
+from flexdyn.batch.draws import table
 from flexdyn.batch.layout import DONE, array_name
 from flexdyn.batch.metrics import measure
+from flexdyn.batch.motion import Motion
 from flexdyn.batch.store import Store
 from flexdyn.errors import FlexdynError
+from flexdyn.inputs import SIGNALS
+from flexdyn.robot import Robot
 from flexdyn.run import Run
 from flexdyn.simulate import simulate_many
 
+Numbers = Mapping[str, NDArray[np.float64]]
 STARTS = ("q0", "v0", "theta0", "omega0")
 
 
@@ -64,10 +70,26 @@ class Task:
             Stopped: as asked for.
         """
         cases = cases_of_text(self.text)
-        values = [cases.values(k) for k in cases.study.bounds(chunk)]
-        runs = _simulated(cases, values, stopped)
-        _opened(self).write(chunk, _columns(cases, values, runs))
-        return Done(chunk, len(runs), sum(not isinstance(run, Run) for run in runs))
+        runs = cases.study.bounds(chunk)
+        numbers = table(cases.study, runs)
+        made = _simulated(cases, numbers, len(runs), stopped)
+        _opened(self).write(chunk, _columns(cases, numbers, made))
+        return Done(chunk, len(runs), sum(reason != "" for reason in made.reasons))
+
+
+@dataclass(frozen=True)
+class Made:
+    """The runs of a chunk.
+
+    Attributes:
+        signals: (runs, samples, n) each by name, NaN where a run failed.
+        reasons: why each run failed; empty: it did not.
+        runs: those that were done one by one, by their place in the chunk.
+    """
+
+    signals: dict[str, NDArray[np.float64]]
+    reasons: list[str]
+    runs: dict[int, Run]
 
 
 @lru_cache(maxsize=4)
@@ -76,16 +98,32 @@ def _opened(task: Task) -> Store:
     return Store(Path(task.store))
 
 
-def _simulated(
-    cases: Cases, values: Sequence[Mapping[str, float]], stopped: Callable[[], bool] | None
-) -> list[Run | FlexdynError]:
-    """The runs with these numbers, or why there is none."""
+def _simulated(cases: Cases, numbers: Numbers, count: int, stopped: Callable[[], bool] | None) -> Made:
+    """All runs with these numbers: at once, and one by one those that cannot be done so."""
 
     def poll(_: int) -> None:
         if stopped is not None and stopped():
             raise Stopped
 
-    made = [_case(cases, each) for each in values]
+    signals = {signal: np.empty((count, len(cases.times), cases.model.n)) for signal in SIGNALS}
+    done = cases.together(numbers, signals, poll)
+    made = Made(signals, [""] * count, {})
+    left = np.flatnonzero(~done)
+    for i, run in zip(left.tolist(), _one_by_one(cases, numbers, left, poll), strict=True):
+        if isinstance(run, Run):
+            made.runs[i] = run
+        else:
+            made.reasons[i] = str(run)
+        for signal, column in signals.items():
+            column[i] = getattr(run, signal) if isinstance(run, Run) else np.nan
+    return made
+
+
+def _one_by_one(
+    cases: Cases, numbers: Numbers, which: NDArray[np.intp], poll: Callable[[int], None]
+) -> list[Run | FlexdynError]:
+    """Some of the runs, or why there is none."""
+    made = [_case(cases, {path: float(column[i]) for path, column in numbers.items()}) for i in which]
     ready = [case for case in made if isinstance(case, Case)]
     if not ready:
         return [case for case in made if isinstance(case, FlexdynError)]
@@ -104,22 +142,30 @@ def _case(cases: Cases, values: Mapping[str, float]) -> Case | FlexdynError:
         return error
 
 
-def _columns(cases: Cases, values: Sequence[Mapping[str, float]], runs: Sequence[Run | FlexdynError]) -> dict[str, Any]:
+def _columns(cases: Cases, numbers: Numbers, made: Made) -> dict[str, Any]:
     """What the store takes of a chunk, by the name of its array."""
-    study, metrics = cases.study, cases.metrics
-    shape = (len(runs), len(cases.times), cases.model.n)
-    channels = {signal: np.full(shape, np.nan) for signal in study.keep}
-    measured = np.full((len(metrics), len(runs)), np.nan)
-    status = np.full(len(runs), DONE, dtype=object)
-    for i, run in enumerate(runs):
-        if not isinstance(run, Run):
-            status[i] = str(run)
-            continue
-        for signal, column in channels.items():
-            column[i] = getattr(run, signal)
-        measured[:, i], reasons = measure(metrics, run, cases.aim)
-        if reasons:
-            status[i] = "; ".join(reasons)
-    parameters = {array_name(path): np.array([each[path] for each in values]) for path in study.vary}
-    numbers = {array_name(metric.name): column for metric, column in zip(metrics, measured, strict=True)}
-    return channels | parameters | numbers | {"status": status}
+    metrics, count = cases.metrics, len(made.reasons)
+    measured = np.full((len(metrics), count), np.nan)
+    status = np.array([reason or DONE for reason in made.reasons], dtype=object)
+    for motion, which in _motions(cases, made):
+        measured[:, which], reasons = measure(metrics, motion)
+        for i, lines in zip(which, reasons, strict=True):
+            if lines:
+                status[i] = "; ".join(lines)
+    channels = {signal: made.signals[signal] for signal in cases.study.keep}
+    parameters = {array_name(path): column for path, column in numbers.items()}
+    values = {array_name(metric.name): row for metric, row in zip(metrics, measured, strict=True)}
+    return channels | parameters | values | {"status": status}
+
+
+def _motions(cases: Cases, made: Made) -> Iterator[tuple[Motion, list[int]]]:
+    """The runs that went well with their places in the chunk: those of one robot together."""
+    groups: dict[int, tuple[Robot, list[int]]] = {}
+    for i in (i for i, reason in enumerate(made.reasons) if not reason):
+        robot = made.runs[i].model.robot if i in made.runs else cases.model.robot
+        groups.setdefault(id(robot), (robot, []))[1].append(i)
+    for robot, which in groups.values():
+        whole = len(which) == len(made.reasons)
+        signals = made.signals if whole else {name: column[which] for name, column in made.signals.items()}
+        runs = [made.runs[i] for i in which if i in made.runs]
+        yield Motion(robot, cases.times, signals, cases.aim, runs), which

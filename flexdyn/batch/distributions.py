@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any, ClassVar, Self
 
+import numpy as np
+from numpy.typing import NDArray
+
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
@@ -60,10 +63,19 @@ class Distribution:
         """The number below which this share (0 < share < 1) of the draws lies."""
         raise NotImplementedError
 
+    def values(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The number for each share."""
+        return np.array([self.value(share) for share in shares.tolist()])
+
     @property
     def centre(self) -> float:
         """The median."""
         return self.value(0.5)
+
+    @property
+    def usual(self) -> float:
+        """A number in the midst of the draws, but not the very middle, which is often zero."""
+        return self.value(0.6)
 
     @property
     def extremes(self) -> tuple[float, ...]:
@@ -83,6 +95,10 @@ class Uniform(Distribution):
     def value(self, share: float) -> float:
         """Between the two, by share."""
         return self.first + share * (self.second - self.first)
+
+    def values(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Likewise, all at once."""
+        return self.first + shares * (self.second - self.first)
 
     @property
     def extremes(self) -> tuple[float, ...]:
@@ -163,6 +179,11 @@ class Grid:
     def centre(self) -> float:
         """The value in the middle of the list."""
         return self.values[len(self.values) // 2]
+
+    @property
+    def usual(self) -> float:
+        """The value that is farthest from zero."""
+        return max(self.values, key=abs)
 
     @property
     def extremes(self) -> tuple[float, ...]:

@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from hashlib import blake2b
 
-from flexdyn.batch.distributions import Distribution, Grid
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.batch.distributions import Distribution
 from flexdyn.batch.study import Study
 
 
 def drawn(study: Study, k: int) -> dict[str, float]:
     """The numbers of run k by their path, in the order of ``vary``.
+
+    Args:
+        study: the study.
+        k: from 0 to ``study.count - 1``.
+    """
+    return {path: float(column[0]) for path, column in table(study, range(k, k + 1)).items()}
+
+
+def table(study: Study, runs: range) -> dict[str, NDArray[np.float64]]:
+    """The numbers of some runs (runs,) by their path, in the order of ``vary``.
 
     The points of the grid are counted with the last path changing fastest, and each has ``study.runs`` runs one after
     the other. A random number depends on seed, k and its own path only: neither the other paths nor their order
@@ -17,26 +31,31 @@ def drawn(study: Study, k: int) -> dict[str, float]:
 
     Args:
         study: the study.
-        k: from 0 to ``study.count - 1``.
+        runs: from 0 to ``study.count - 1``.
     """
-    kinds, point = study.kinds, k // study.runs
-    values: dict[str, float] = {}
-    for path in reversed(list(kinds)):
-        kind = kinds[path]
+    points = [k // study.runs for k in runs]
+    columns: dict[str, NDArray[np.float64]] = {}
+    for path, kind in reversed(list(study.kinds.items())):
         if isinstance(kind, Distribution):
-            values[path] = kind.value(share(study.seed, path, k))
-        elif isinstance(kind, Grid):
-            point, place = divmod(point, len(kind.values))
-            values[path] = kind.values[place]
-    return {path: values[path] for path in kinds}
+            columns[path] = kind.values(shares(study.seed, path, runs))
+        else:
+            count = len(kind.values)
+            columns[path] = np.array([kind.values[point % count] for point in points])
+            points = [point // count for point in points]
+    return {path: columns[path] for path in study.kinds}
 
 
-def share(seed: int, path: str, k: int) -> float:
-    """A random number, uniform over 0 < share < 1, the same on every machine.
+def shares(seed: int, path: str, runs: Iterable[int]) -> NDArray[np.float64]:
+    """A random number for each run, uniform over 0 < share < 1, the same on every machine.
 
     It is a counter-based generator whose block function is BLAKE2b, keyed by seed and path and counting in k; the upper
     52 bits of a block are taken.
     """
-    key = blake2b(f"{seed}/{path}".encode(), digest_size=32).digest()
-    block = blake2b(k.to_bytes(16, "little"), digest_size=8, key=key).digest()
-    return ((int.from_bytes(block, "little") >> 12) + 0.5) * 2.0**-52
+    start = blake2b(digest_size=8, key=blake2b(f"{seed}/{path}".encode(), digest_size=32).digest())
+    blocks = []
+    for k in runs:
+        block = start.copy()
+        block.update(k.to_bytes(16, "little"))
+        blocks.append(block.digest())
+    upper = np.frombuffer(b"".join(blocks), dtype="<u8") >> np.uint64(12)
+    return (upper.astype(np.float64) + 0.5) * 2.0**-52

@@ -1,4 +1,4 @@
-"""The metrics of a study: found by name, checked against the study before anything runs, and measured run by run."""
+"""The metrics of a study: found by name, checked against the study before anything runs, and measured."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from flexdyn.batch.aim import Aim
-from flexdyn.batch.catalogue import METRICS, Metric
+from flexdyn.batch.catalogue import METRICS, Metric, RunMetric
 from flexdyn.batch.motion import Motion
 from flexdyn.batch.own_metric import own_function
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model import FlexibleJointModel
-from flexdyn.run import Run
 
 _SLIDING = {"N m": "N", "rad": "m"}
 """Units at joints that slide."""
@@ -41,7 +43,7 @@ def metric(name: str, folder: Path | None = None) -> Metric:
         function = own_function(name, folder)
         about = (function.__doc__ or "").strip().splitlines() or [""]
         unit = str(getattr(function, "unit", ""))
-        return Metric(name, unit, about[0], "", lambda motion, _: function(motion.run))
+        return RunMetric(name, unit, about[0], "", function)
     remedy = f"{did_you_mean(name, METRICS)}; your own function is package.module:function"
     raise InputError("no such metric", value=name, remedy=remedy)
 
@@ -71,25 +73,23 @@ def metrics_of(
     return tuple(found)
 
 
-def measure(metrics: Sequence[Metric], run: Run, aim: Aim) -> tuple[list[float], list[str]]:
-    """All metrics of a run; one that fails is NaN, and why is said.
+def measure(metrics: Sequence[Metric], motion: Motion) -> tuple[NDArray[np.float64], list[list[str]]]:
+    """All metrics of some runs; one that a run has not is NaN, and why is said.
 
     Args:
         metrics: of the study.
-        run: that went well.
-        aim: of its command.
+        motion: of runs that went well.
 
     Returns:
-        The numbers, and a line ``metric NAME: reason`` for each that has none.
+        The numbers (metrics, runs), and for each run a line ``metric NAME: reason`` for each that it has not.
     """
-    motion = Motion(run, aim)
-    values, reasons = [], []
-    for each in metrics:
-        try:
-            values.append(each.measured(motion))
-        except InputError as error:
-            values.append(float("nan"))
-            reasons.append(str(error))
+    values = np.empty((len(metrics), motion.count))
+    reasons: list[list[str]] = [[] for _ in range(motion.count)]
+    for row, each in zip(values, metrics, strict=True):
+        row[:], lines = each.measured(motion)
+        for known, line in zip(reasons, lines, strict=True):
+            if line:
+                known.append(line)
     return values, reasons
 
 

@@ -1,15 +1,18 @@
-"""A run as metrics look at it: what several of them need is computed once."""
+"""Runs as metrics look at them, all at once: what several of them need is computed once."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.batch.aim import Aim
-from flexdyn.batch.tip import tip_path
+from flexdyn.inputs import SIGNALS
+from flexdyn.robot import Robot, frame_positions
 from flexdyn.run import Run
 
 Array = NDArray[np.float64]
@@ -21,30 +24,49 @@ LEAST = 10
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A run, its command's aim, and the tip's path.
+    """Runs of one arm over the same samples, their command's aim, and the tip's paths.
+
+    Whatever is computed of a run is the same to the last bit, whichever others it is looked at with.
 
     Attributes:
-        run: the motion.
-        aim: of its command.
+        robot: the arm.
+        t: of the samples (samples,) [s].
+        signals: (runs, samples, n) each, by name.
+        aim: of their command.
+        runs: themselves, or none where nobody asks for them.
     """
 
-    run: Run
+    robot: Robot
+    t: Array
+    signals: Mapping[str, Array]
     aim: Aim
+    runs: Sequence[Run] = ()
+
+    @classmethod
+    def of(cls, run: Run, aim: Aim) -> Self:
+        """A single run."""
+        signals = {signal: getattr(run, signal)[None] for signal in SIGNALS}
+        return cls(run.model.robot, run.t, signals, aim, (run,))
+
+    @property
+    def count(self) -> int:
+        """How many runs there are."""
+        return len(self.signals["q"])
 
     @cached_property
     def tip(self) -> Array:
-        """The tip at q (samples, 3) [m]."""
-        return tip_path(self.run.model.robot, self.run.q)
+        """The tip at q (runs, samples, 3) [m]."""
+        return frame_positions(self.robot, self.signals["q"])
 
     @cached_property
     def deflection(self) -> Array:
-        """From where the tip would be if the links stood at the rotors' angles to where it is (samples, 3) [m]."""
-        return self.tip - tip_path(self.run.model.robot, self.run.theta)
+        """From the tip's place if the links stood at the rotors' angles to where it is (runs, samples, 3) [m]."""
+        return self.tip - frame_positions(self.robot, self.signals["theta"])
 
     @cached_property
     def tracking_error(self) -> Array:
-        """Distance of the tip from where the reference would have it (samples,) [m]."""
-        return _lengths(self.tip - tip_path(self.run.model.robot, self.aim.wanted(self.run.t)))
+        """Distance of the tip from where the reference would have it (runs, samples) [m]."""
+        return lengths(self.tip - frame_positions(self.robot, self.aim.wanted(self.t)))
 
     @cached_property
     def resting(self) -> slice:
@@ -54,28 +76,34 @@ class Motion:
             ValueError: there are too few.
         """
         rest = self.aim.rest
-        first = len(self.run.t) if rest is None else int(np.searchsorted(self.run.t, rest))
-        if len(self.run.t) - first < LEAST:
+        first = len(self.t) if rest is None else int(np.searchsorted(self.t, rest))
+        if len(self.t) - first < LEAST:
             raise ValueError("the command does not come to rest before the run ends")
         return slice(first, None)
 
     @cached_property
     def tail(self) -> slice:
         """Samples of the last tenth of the time after the command's rest."""
-        t = self.run.t[self.resting]
-        return slice(int(np.searchsorted(self.run.t, t[-1] - TAIL * (t[-1] - t[0]))), None)
+        t = self.t[self.resting]
+        return slice(int(np.searchsorted(self.t, t[-1] - TAIL * (t[-1] - t[0]))), None)
 
     @cached_property
     def distance(self) -> Array:
-        """Distance of the tip from where it ends (samples,) [m]."""
-        return _lengths(self.tip - self.tip[self.tail].mean(axis=0))
+        """Distance of the tip from where it ends (runs, samples) [m]."""
+        return lengths(self.tip - self.tip[:, self.tail].mean(axis=1, keepdims=True))
 
-    def root_mean_square(self, values: Array) -> float:
-        """Over time, by the trapezoidal rule, of values (samples,)."""
-        t = self.run.t
+    def greatest(self, values: Array, joints: slice) -> Array:
+        """The greatest size over time and some of the joints of values (runs, samples, n)."""
+        return np.asarray(np.abs(values[..., joints]).max(axis=(1, 2)))
+
+    def root_mean_square(self, values: Array) -> Array:
+        """Over time, by the trapezoidal rule, of values (runs, samples)."""
         squares = values**2
-        return float(np.sqrt(np.dot(np.diff(t), 0.5 * (squares[1:] + squares[:-1])) / (t[-1] - t[0])))
+        areas = np.diff(self.t) * (0.5 * (squares[:, 1:] + squares[:, :-1]))
+        return np.asarray(np.sqrt(areas.sum(axis=1) / (self.t[-1] - self.t[0])))
 
 
-def _lengths(vectors: Array) -> Array:
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
+def lengths(vectors: Array) -> Array:
+    """Of vectors (..., 3)."""
+    x, y, z = np.moveaxis(vectors**2, -1, 0)
+    return np.asarray(np.sqrt(x + y + z))

@@ -20,16 +20,16 @@ GAIN_UNITS = {"kp": "N m/rad", "kd": "N m s/rad"}
 
 @dataclass
 class Changes:
-    """What is different in one run; filled by the places of its numbers."""
+    """What is different in one run; filled by the places of its numbers. Of many runs it holds columns of numbers."""
 
-    joints: dict[str, dict[str, float]] = field(default_factory=dict)
-    effects: dict[int, dict[str, float]] = field(default_factory=dict)
-    initial: dict[str, dict[str, float]] = field(default_factory=dict)
-    gravity: dict[int, float] = field(default_factory=dict)
-    lock: dict[str, float] = field(default_factory=dict)
-    gains: dict[str, dict[str, float]] = field(default_factory=dict)
-    rate: float | None = None
-    scale: float | None = None
+    joints: dict[str, dict[str, Any]] = field(default_factory=dict)
+    effects: dict[int, dict[str, Any]] = field(default_factory=dict)
+    initial: dict[str, dict[str, Any]] = field(default_factory=dict)
+    gravity: dict[int, Any] = field(default_factory=dict)
+    lock: dict[str, Any] = field(default_factory=dict)
+    gains: dict[str, dict[str, Any]] = field(default_factory=dict)
+    rate: Any = None
+    scale: Any = None
 
     def model(self, base: FlexibleJointModel) -> FlexibleJointModel:
         """The model with the changes; the very same one where there are none.
@@ -46,10 +46,7 @@ class Changes:
                 for i, effect in enumerate(base.effects)
             ]
         if self.initial:
-            signals = dict.fromkeys([*base.initial, *self.initial])
-            changes["initial"] = {
-                each: {**base.initial.get(each, {}), **self.initial.get(each, {})} for each in signals
-            }
+            changes["initial"] = self.initial_of(base)
         if self.gravity:
             changes["gravity"] = [self.gravity.get(i, value) for i, value in enumerate(base.gravity)]
         if self.lock:
@@ -59,6 +56,11 @@ class Changes:
                 str(robot.source), package_dirs=robot.package_dirs, lock=lock, name=robot.name
             )
         return base.replace(**changes) if changes else base
+
+    def initial_of(self, base: FlexibleJointModel) -> dict[str, dict[str, Any]]:
+        """The model's first state with the changes."""
+        signals = dict.fromkeys([*base.initial, *self.initial])
+        return {each: {**base.initial.get(each, {}), **self.initial.get(each, {})} for each in signals}
 
     def command(self, base: Any, joint_names: tuple[str, ...]) -> Any:
         """The command with the changes; the very same one where there are none."""
@@ -88,7 +90,7 @@ class Place:
     """
 
     unit: str
-    put: Callable[[Changes, float], None]
+    put: Callable[[Changes, Any], None]
 
 
 def places(model: FlexibleJointModel, command: Any) -> dict[str, Place]:
@@ -134,25 +136,25 @@ def _command_places(
     return found
 
 
-def _nested(group: str, outer: tuple[Any, ...], inner: tuple[str, ...]) -> Callable[[Changes, float], None]:
+def _nested(group: str, outer: tuple[Any, ...], inner: tuple[str, ...]) -> Callable[[Changes, Any], None]:
     """Put a number under every outer and inner name: joints -> joint -> number, initial -> signal -> joint."""
 
-    def put(changes: Changes, value: float) -> None:
+    def put(changes: Changes, value: Any) -> None:
         for name in outer:
             getattr(changes, group).setdefault(name, {}).update(dict.fromkeys(inner, value))
 
     return put
 
 
-def _item(group: str, item: int | str) -> Callable[[Changes, float], None]:
-    def put(changes: Changes, value: float) -> None:
+def _item(group: str, item: int | str) -> Callable[[Changes, Any], None]:
+    def put(changes: Changes, value: Any) -> None:
         getattr(changes, group)[item] = value
 
     return put
 
 
-def _whole(name: str) -> Callable[[Changes, float], None]:
-    def put(changes: Changes, value: float) -> None:
+def _whole(name: str) -> Callable[[Changes, Any], None]:
+    def put(changes: Changes, value: Any) -> None:
         setattr(changes, name, value)
 
     return put

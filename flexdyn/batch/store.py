@@ -19,6 +19,7 @@ import numpy as np
 
 from flexdyn.batch.cases import Cases, cases_of
 from flexdyn.batch.layout import COORDINATES, NOT_DONE, Layout, layouts
+from flexdyn.batch.pieces import LEVEL, write_piece
 from flexdyn.batch.study import Study
 from flexdyn.errors import InputError, MissingExtra
 
@@ -113,10 +114,9 @@ class Store:
         Raises:
             InputError: the disk is full, or may not be written to.
         """
-        runs = self.study.bounds(chunk)
         with writing(self.path, "what is done stays; make room and go on with --resume"):
             for name, array in self._arrays.items():
-                array[runs.start : runs.stop] = columns[name]
+                write_piece(self.path / name, chunk, array.chunks, columns[name], array.fill_value)
 
     def has(self, chunk: int) -> bool:
         """Whether every piece of a chunk is there and whole.
@@ -175,8 +175,7 @@ class Store:
     def _arrays(self) -> dict[str, Any]:
         """What is written chunk by chunk; status last."""
         group = _zarr().open_group(self.path, mode="r+", zarr_format=3)
-        settings = {"write_empty_chunks": True}
-        arrays = {name: array.with_config(settings) for name, array in group.arrays() if name not in COORDINATES}
+        arrays = {name: array for name, array in group.arrays() if name not in COORDINATES}
         return dict(sorted(arrays.items(), key=lambda entry: entry[0] == "status"))
 
 
@@ -225,7 +224,7 @@ def _array(group: Any, each: Layout, chunk: int) -> Any:
         fill_value=fill[each.dtype],
         dimension_names=each.dims,
         attributes=dict(each.attrs),
-        compressors=[ZstdCodec(level=1), Crc32cCodec()],
+        compressors=[ZstdCodec(level=LEVEL), Crc32cCodec()],
         chunk_key_encoding={"name": "default", "separator": "."},
         config={"write_empty_chunks": True},
     )

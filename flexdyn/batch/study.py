@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Self
 
 from flexdyn.batch.distributions import Distribution, Grid, distribution
@@ -86,9 +86,14 @@ class Study:
 
     def to_text(self) -> str:
         """As YAML, which holds infinite numbers too and reads back bit for bit."""
+        return self._text
+
+    @cached_property
+    def _text(self) -> str:
         return dump_yaml(self.to_dict())
 
     @classmethod
+    @lru_cache(maxsize=4)
     def from_text(cls, text: str) -> Self:
         """Of `to_text`; nothing is checked again."""
         return cls.from_dict(parse_yaml(text))

@@ -42,7 +42,7 @@ TOP_KEYS = (
 MAX_RUNS = 100_000_000
 CHUNK_BYTES = 16_000_000
 """What a chunk's runs may hold in memory: a few chunks at a time are nothing to any machine."""
-CHUNK_RUNS = 128
+CHUNK_RUNS = 256
 """Runs of a chunk at most: what a kill may lose."""
 CHUNKS = 64
 """Chunks at least, where there are as many runs: enough for the threads of one machine to share evenly."""

@@ -166,9 +166,12 @@ void mass_matrix(const LinkDynamics& links, Array q, OutArray M) {
   for (std::size_t i = 0; i < rows; ++i) links.mass_matrix(*work, q.data() + i * n, M.data() + i * n * n);
 }
 
-double least_inertia(const LinkDynamics& links, Array q) {
-  require(q.size() == static_cast<std::size_t>(links.size()), "q is (n,)");
-  return links.least_inertia(*links.workspace(), q.data());
+void least_inertia(const LinkDynamics& links, Array q, OutArray least) {
+  const std::size_t rows = rows_of(links, q), n = links.size();
+  require(least.size() == rows, "one number a row");
+  nb::gil_scoped_release release;
+  auto work = links.workspace();
+  for (std::size_t i = 0; i < rows; ++i) least.data()[i] = links.least_inertia(*work, q.data() + i * n);
 }
 
 void bias(const LinkDynamics& links, Array q, Array v, OutArray h) {
@@ -255,7 +258,7 @@ void bind_plant(nb::module_& m) {
       .def_prop_ro("n", &LinkDynamics::size)
       .def("acceleration", &acceleration, nb::arg("q"), nb::arg("v"), nb::arg("tau"), nb::arg("out"))
       .def("mass_matrix", &mass_matrix, nb::arg("q"), nb::arg("out"))
-      .def("least_inertia", &least_inertia, nb::arg("q"))
+      .def("least_inertia", &least_inertia, nb::arg("q"), nb::arg("out"))
       .def("bias", &bias, nb::arg("q"), nb::arg("v"), nb::arg("out"))
       .def("energy", &energy, nb::arg("q"), nb::arg("v"), nb::arg("kinetic"), nb::arg("potential"));
   m.def("link_dynamics", &make_links, nb::arg("tree"), nb::arg("gravity"));

@@ -1,11 +1,10 @@
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <exception>
-#include <thread>
 
 #include "bindings.hpp"
+#include "commands.hpp"
 #include "march.hpp"
+#include "spread.hpp"
 
 namespace flexdyn {
 
@@ -26,11 +25,6 @@ Signal make_signal(Array breaks, Array coef, Array last) {
   require(std::is_sorted(signal->breaks.begin(), signal->breaks.end()), "breaks increase");
   return signal;
 }
-
-// A command is made anew for every run: it carries the torque of the moment.
-struct CommandFactory {
-  std::function<std::unique_ptr<Command>(int n)> make;
-};
 
 CommandFactory open_loop(std::optional<Signal> samples) {
   const Signal signal = samples.value_or(nullptr);
@@ -162,48 +156,11 @@ nb::dict simulate(const Job& job, nb::object progress) {
   return report_of(outcome);
 }
 
-struct Stopped : std::runtime_error {
-  Stopped() : std::runtime_error("stopped") {}
-};
-
 // A failed run is reported in its place, as the exception it raised; the others go on.
 nb::list simulate_many(const std::vector<const Job*>& jobs, int threads, nb::object progress) {
   std::vector<Outcome> outcomes(jobs.size());
-  std::atomic<std::size_t> next{0}, done{0};
-  std::atomic<bool> stop{false};
-  const Poll poll = [&stop](double) {
-    if (stop) throw Stopped();
-  };
-  const auto work = [&] {
-    for (std::size_t i = next++; i < jobs.size() && !stop; i = next++) {
-      outcomes[i] = run_job(*jobs[i], poll);
-      ++done;
-    }
-  };
-  const int count = std::max(1, std::min(threads, static_cast<int>(jobs.size())));
-  std::exception_ptr interrupted;
-  {
-    nb::gil_scoped_release release;
-    std::vector<std::thread> pool;
-    for (int k = 0; k < count; ++k) pool.emplace_back(work);
-    auto last = std::chrono::steady_clock::now();
-    while (done < jobs.size() && !stop) {
-      std::this_thread::sleep_for(std::chrono::microseconds(200));
-      const auto now = std::chrono::steady_clock::now();
-      if (now - last < std::chrono::milliseconds(100)) continue;
-      last = now;
-      nb::gil_scoped_acquire gil;
-      try {
-        if (PyErr_CheckSignals() != 0) throw nb::python_error();
-        if (!progress.is_none()) progress(done.load());
-      } catch (...) {
-        interrupted = std::current_exception();
-        stop = true;
-      }
-    }
-    for (std::thread& thread : pool) thread.join();
-  }
-  if (interrupted) std::rethrow_exception(interrupted);
+  spread(jobs.size(), threads, progress,
+         [&](std::size_t run, const Poll& poll) { outcomes[run] = run_job(*jobs[run], poll); });
   nb::list results;
   for (const Outcome& outcome : outcomes) {
     nb::dict result = report_of(outcome);

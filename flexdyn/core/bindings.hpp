@@ -46,5 +46,6 @@ class PythonCallable {
 
 void bind_plant(nb::module_& m);
 void bind_simulate(nb::module_& m);
+void bind_pack(nb::module_& m);
 
 }  // namespace flexdyn

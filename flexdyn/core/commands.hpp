@@ -106,4 +106,9 @@ class Callback : public Sampled {
   ControlLaw law_;
 };
 
+// A command is made anew for every run: it carries the torque of the moment.
+struct CommandFactory {
+  std::function<std::unique_ptr<Command>(int n)> make;
+};
+
 }  // namespace flexdyn

@@ -10,7 +10,7 @@ namespace flexdyn {
 
 Events::Events(const Plant& plant, Plant::Workspace& work, Torque torque, External external)
     : plant_(plant), work_(work), torque_(std::move(torque)), external_(std::move(external)),
-      x_(plant.state_size()), dx_(plant.state_size()) {
+      x_(plant.state_size()), dx_(plant.state_size()), slack_(plant.contacts().size(), 0.0) {
   work_.located = true;
 }
 
@@ -29,7 +29,9 @@ double Events::margin(double t, const double* x, std::size_t guard) const {
   if (guard >= contacts.size()) return plant_.region_margin(work_, static_cast<int>(guard - contacts.size()), t, x);
   if (work_.motion[guard] != stuck) return work_.motion[guard] * x[plant_.velocity_index(contacts[guard])];
   const double friction = work_.friction[guard];
-  return std::min(plant_.level(work_, guard, t, x, 1.0) - friction, friction + plant_.level(work_, guard, t, x, -1.0));
+  const double forwards = plant_.level(work_, guard, t, x, 1.0) - friction;
+  const double backwards = plant_.level(work_, guard, t, x, -1.0) + friction;
+  return std::min(forwards, backwards) + slack_[guard];
 }
 
 bool Events::needs_evaluation(std::size_t guard) const {
@@ -108,7 +110,7 @@ void Events::apply(Stepper& stepper, double t_event) {
   stalled_ = moved_on ? 0 : stalled_ + 1;
   last_event_ = t_event;
   settle(t_event, x);
-  // Rounding at the very edge of breaking away may bring a contact back to where it was: that is no event.
+  // At the very edge of breaking away a contact may turn out to be held: that is no event.
   if (motion != work_.motion || region != work_.region) count_ += 1;
   stepper.keep_stable(quiet_step());
 }
@@ -173,54 +175,40 @@ void Events::settle_contacts(double t, const double* x) {
     work_.motion[c] = u > 0.0 ? forward : u < 0.0 ? backward : stuck;
     if (u == 0.0) resting.push_back(c);
   }
-  if (resting.empty()) return;
-  settle_resting(resting, t, x);
+  std::fill(slack_.begin(), slack_.end(), 0.0);
+  if (!resting.empty()) settle_resting(resting, t, x);
 }
 
 // Boxed linear complementarity by Bard's pivoting with the least-index rule, finite for a positive definite inertia:
-// flip the first contact whose state contradicts itself until none does. Without rotor coupling a rotor's contact
-// sees its own inertia alone.
+// flip the first contact whose state contradicts itself until none does. What is looked at are the very numbers that
+// the integration goes on with, so that it finds no contradiction where this saw none.
 void Events::settle_resting(const std::vector<std::size_t>& resting, double t, const double* x) {
-  const auto& contacts = plant_.contacts();
-  const std::size_t N = plant_.velocities();
-  plant_.evaluate_laws(work_, t, x, torque_(t));  // resting contacts count as stuck and give no torque here
-  plant_.assemble_drive(work_, external_(t, x));
-  const std::vector<double> drive = work_.drive;
-  std::vector<double> reaction(N), acceleration(N);
-  std::vector<char> held(N);
-  std::size_t flipped = contacts.size();  // the contact of the last pivot, and how it moved before
-  int before_flip = stuck;
+  std::size_t freed = plant_.contacts().size();  // the contact of the last pivot if it broke away, and by how much
+  double excess = 0.0;
   for (int pivot = 0; pivot < 1000; ++pivot) {
-    work_.drive = drive;
-    std::fill(held.begin(), held.end(), 0);
-    for (const std::size_t c : resting) {
-      const std::size_t at = plant_.velocity_index(contacts[c]) - N;
-      const int motion = work_.motion[c];
-      if (motion == stuck) held[at] = 1;
-      else work_.drive[at] -= motion * plant_.level(work_, c, t, x, motion);
+    evaluate(t, x, true);
+    const auto wrong = std::find_if(resting.begin(), resting.end(), [&](std::size_t c) { return contradicts(c, t, x); });
+    if (wrong == resting.end()) return;
+    int& motion = work_.motion[*wrong];
+    if (motion == stuck) {
+      freed = *wrong;
+      excess = slack_[freed] - margin(t, x, freed);
+      motion = work_.friction[freed] > 0.0 ? forward : backward;
+      continue;
     }
-    plant_.held_solve(work_, x, held, acceleration, reaction);
-    bool consistent = true;
-    for (const std::size_t c : resting) {
-      const std::size_t at = plant_.velocity_index(contacts[c]) - N;
-      int& motion = work_.motion[c];
-      const int before = motion;
-      if (motion != stuck) {
-        if (motion * acceleration[at] < 0.0) motion = stuck;
-      } else if (reaction[at] > plant_.level(work_, c, t, x, 1.0)) {
-        motion = forward;
-      } else if (reaction[at] < -plant_.level(work_, c, t, x, -1.0)) {
-        motion = backward;
-      }
-      if (motion == before) continue;
-      if (c == flipped && motion == before_flip) return;  // to and fro: on the edge of its box, up to rounding
-      flipped = c;
-      before_flip = before;
-      consistent = false;
-      break;
-    }
-    if (consistent) return;
+    motion = stuck;
+    // Alone it can neither stick nor slide: its load is at its level up to rounding. It sticks until the load is
+    // clearly above, or else every instant from here on would be an event.
+    if (*wrong == freed) slack_[freed] = 2.0 * excess;
+    freed = plant_.contacts().size();
   }
+}
+
+// Whether a resting contact cannot go on as it is taken to: stuck under more than it can hold, or sliding into rest.
+bool Events::contradicts(std::size_t contact, double t, const double* x) const {
+  const int motion = work_.motion[contact];
+  return motion == stuck ? margin(t, x, contact) < 0.0
+                         : motion * dx_[plant_.velocity_index(plant_.contacts()[contact])] <= 0.0;
 }
 
 }  // namespace flexdyn

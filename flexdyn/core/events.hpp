@@ -48,6 +48,7 @@ class Events {
   void settle_regions(double t, const double* x);
   void settle_contacts(double t, const double* x);
   void settle_resting(const std::vector<std::size_t>& resting, double t, const double* x);
+  bool contradicts(std::size_t contact, double t, const double* x) const;
   std::size_t guards() const { return plant_.contacts().size() + static_cast<std::size_t>(plant_.switches()); }
 
   const Plant& plant_;
@@ -55,6 +56,7 @@ class Events {
   Torque torque_;
   External external_;
   std::vector<double> x_, dx_;
+  std::vector<double> slack_;  // of each stuck contact: what rounding makes of its load beyond its level
   bool any_stuck_ = false;
   double quiet_step_ = 0.0;  // 0: not known yet
   bool event_found_ = false;

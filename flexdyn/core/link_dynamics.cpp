@@ -8,7 +8,10 @@
 
 namespace flexdyn {
 
-void LinkDynamics::Deleter::operator()(Workspace* workspace) const { delete workspace; }
+void LinkDynamics::Deleter::operator()(Workspace* workspace) const {
+  const std::lock_guard<std::mutex> lock(kept->mutex);
+  kept->unused.emplace_back(workspace);
+}
 
 namespace {
 
@@ -31,7 +34,7 @@ pin::JointIndex add_joint(Model& model, const Tree& tree, int i) {
 
 }  // namespace
 
-LinkDynamics::LinkDynamics(const Tree& tree) : impl_(std::make_unique<Impl>()) {
+LinkDynamics::LinkDynamics(const Tree& tree) : impl_(std::make_unique<Impl>()), kept_(std::make_shared<Kept>()) {
   Impl& impl = *impl_;
   const int m = tree.size();
   for (int i = 0; i < m; ++i) {
@@ -55,7 +58,17 @@ LinkDynamics::LinkDynamics(const Tree& tree) : impl_(std::make_unique<Impl>()) {
 
 LinkDynamics::~LinkDynamics() = default;
 
-LinkDynamics::WorkspacePtr LinkDynamics::workspace() const { return WorkspacePtr(new Workspace(*impl_, n_)); }
+LinkDynamics::WorkspacePtr LinkDynamics::workspace() const {
+  {
+    const std::lock_guard<std::mutex> lock(kept_->mutex);
+    if (!kept_->unused.empty()) {
+      Workspace* workspace = kept_->unused.back().release();
+      kept_->unused.pop_back();
+      return WorkspacePtr(workspace, Deleter{kept_});
+    }
+  }
+  return WorkspacePtr(new Workspace(*impl_, n_), Deleter{kept_});
+}
 
 void LinkDynamics::acceleration(Workspace& w, const double* q, const double* v, const double* tau, double* a) const {
   Map<VectorXd> result(a, n_);

@@ -40,9 +40,14 @@ class LinkDynamics {
   LinkDynamics(const LinkDynamics&) = delete;
   LinkDynamics& operator=(const LinkDynamics&) = delete;
 
-  // Scratch memory of one integration: threads share the dynamics, never a workspace.
+  // Scratch memory of one integration: threads share the dynamics, never a workspace. To make one takes as long as a
+  // hundred evaluations, so that those no longer used are kept for the next integration.
   struct Workspace;
-  struct Deleter { void operator()(Workspace* workspace) const; };
+  struct Kept;
+  struct Deleter {
+    std::shared_ptr<Kept> kept;
+    void operator()(Workspace* workspace) const;
+  };
   using WorkspacePtr = std::unique_ptr<Workspace, Deleter>;
   WorkspacePtr workspace() const;
 
@@ -76,6 +81,7 @@ class LinkDynamics {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Kept> kept_;
   int n_;
 };
 

@@ -1,6 +1,8 @@
 // What the files of LinkDynamics share: Pinocchio's model and data behind it. Nobody else includes this.
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -50,6 +52,11 @@ struct LinkDynamics::Workspace {
   Eigen::LLT<MatrixXd> factor;
   VectorXd q, v, a;       // of the whole tree, mimic joints included
   std::vector<int> free;  // joints that are not held
+};
+
+struct LinkDynamics::Kept {
+  std::mutex mutex;
+  std::vector<std::unique_ptr<Workspace>> unused;
 };
 
 }  // namespace flexdyn

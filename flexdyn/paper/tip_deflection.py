@@ -11,7 +11,8 @@ from flexdyn.paper import style
 from flexdyn.paper.cases import TORQUE_END, WATCHED, Cases
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.equations import tip
-from flexdyn.run import Run, frame_positions
+from flexdyn.robot import frame_positions
+from flexdyn.run import Run
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,8 @@ from flexdyn.paper import equations as eq
 from flexdyn.paper.cases import PAPER_V, Cases, smooth_samples, smooth_torque
 from flexdyn.paper.chapter import Chapter, Check, check
 from flexdyn.plant import LinkSide
-from flexdyn.run import Run, frame_positions
+from flexdyn.robot import frame_positions
+from flexdyn.run import Run
 from flexdyn.simulate import simulate
 from flexdyn.solvers import DormandPrince
 

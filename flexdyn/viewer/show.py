@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.model import FlexibleJointModel
-from flexdyn.run import frame_positions
+from flexdyn.robot import frame_positions
 from flexdyn.viewer.about import about_it, legend
 from flexdyn.viewer.animation import Move
 from flexdyn.viewer.bodies import bodies_of

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from flexdyn.batch.draws import drawn, share
+from flexdyn.batch.draws import drawn, shares
 from flexdyn.batch.study import Study
 from flexdyn.batch.studyfile import read_study
 from tests.batch.studies import STUDY, write_study
@@ -41,12 +41,8 @@ def test_draws_are_independent(study: Study) -> None:
     """Neither another path, nor the run before, nor the next seed says anything about a draw (5 sigma)."""
     first, second = list(LAWS)[:2]
     runs = range(study.count)
-    a = np.array([share(7, first, k) for k in runs])
-    others = [
-        np.array([share(7, second, k) for k in runs]),
-        np.array([share(8, first, k) for k in runs]),
-        np.roll(a, 1),
-    ]
+    a = shares(7, first, runs)
+    others = [shares(7, second, runs), shares(8, first, runs), np.roll(a, 1)]
     for other in others:
         assert abs(np.corrcoef(a, other)[0, 1]) < 5 / np.sqrt(study.count)
     assert len(set(a.tolist())) == study.count
@@ -65,7 +61,7 @@ def test_a_draw_does_not_know_of_other_paths_or_their_order(study: Study) -> Non
 def test_draws_stay_what_they_are() -> None:
     """A store begun by one version can be gone on with by the next: the generator's numbers are fixed."""
     expected = [0.669081968085305, 0.9785291017731602, 0.030158446591853516]
-    assert [share(7, "joints.shoulder.stiffness", k) for k in (0, 1, 10**12)] == expected
+    assert shares(7, "joints.shoulder.stiffness", (0, 1, 10**12)).tolist() == expected
 
 
 def test_a_grid_is_the_cartesian_product(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import flexdyn as fd
 from flexdyn.batch.aim import aim_of
 from flexdyn.batch.catalogue import METRICS
 from flexdyn.batch.metrics import measure, metric, metrics_of
-from flexdyn.batch.tip import tip_path
+from flexdyn.batch.motion import Motion
 from tests.arms import EXACT, slider
 
 MASS = 2.5
@@ -133,14 +133,6 @@ def test_energy_supplied_is_force_times_way(tmp_path: Path) -> None:
     assert number("energy_supplied", run) == pytest.approx(6.0 * run.theta[-1, 0], rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ["scara_two_link", "panda", "ur5"])
-def test_the_path_of_the_tip_is_that_of_pinocchio(name: str) -> None:
-    """Forward kinematics by arrays give what Pinocchio gives sample by sample."""
-    robot = fd.load_model(name).robot
-    q = np.random.default_rng(3).uniform(-2.0, 2.0, (20, robot.n))
-    np.testing.assert_allclose(tip_path(robot, q), fd.run.frame_positions(robot, q), atol=1e-14)
-
-
 def test_every_metric_is_described() -> None:
     """A unit, a sentence and an equation each."""
     for name, each in METRICS.items():
@@ -191,7 +183,8 @@ def test_one_joint_of_an_arm_of_both_kinds() -> None:
     found = metrics_of(["motor_torque_max.joint2", "motor_torque_max.joint3"], model, aim)
     assert [each.unit for each in found] == ["N m", "N"]
     run = fd.simulate(model, [1.0, -3.0, 20.0, 0.5], 0.05)
-    assert measure(found, run, aim) == ([3.0, 20.0], [])
+    values, reasons = measure(found, Motion.of(run, aim))
+    assert (values.tolist(), reasons) == ([[3.0], [20.0]], [[]])
 
 
 def test_what_a_study_lacks_is_said_before_anything_runs() -> None:
@@ -227,8 +220,9 @@ def test_a_metric_of_ones_own(tmp_path: Path) -> None:
     names = [f"own_numbers_a:{name}" for name in ("last", "moved", "none", "two", "broken", "nan")]
     found = metrics_of([*names, "motor_torque_max"], run.model, aim, tmp_path)
     assert (found[0].unit, found[0].description) == ("m", "Last position.")
-    values, reasons = measure(found, run, aim)
-    assert values[:2] == [run.q[-1, 0], 1.0]
+    measured, (reasons,) = measure(found, Motion.of(run, aim))
+    values = measured[:, 0]
+    assert values[:2].tolist() == [run.q[-1, 0], 1.0]
     assert np.isnan(values[2:6]).all()
     assert values[6] == 0.0
     assert reasons == [

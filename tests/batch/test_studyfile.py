@@ -153,13 +153,13 @@ def test_files_are_compared_by_what_they_hold(tmp_path: Path) -> None:
 
 
 def test_chunks_follow_from_the_study_alone(tmp_path: Path) -> None:
-    """Few runs are cut into 64 chunks, many into chunks of 128, and long ones into smaller ones, to 16 MB."""
+    """Few runs are cut into 64 chunks, many into chunks of 256, and long ones into smaller ones, to 16 MB."""
 
     def chunk(**changes: Any) -> int:
         return read_study(write_study(tmp_path, chunk=None, **changes)).chunk
 
     assert chunk(runs=640) == 10
-    assert chunk(runs=10**6) == 128
+    assert chunk(runs=10**6) == 256
     long = chunk(runs=10**6, duration=200.0, rate=100)
     assert 16e6 / 2 < long * 20_000 * 8 * 15 <= 16e6
     assert chunk(runs=10, duration=10_000.0) == 1

@@ -15,7 +15,7 @@ import pytest
 import umsgpack
 
 import flexdyn as fd
-from flexdyn.run import frame_positions
+from flexdyn.robot import frame_positions
 from flexdyn.viewer import sources
 from flexdyn.viewer.layout import tip_frame
 from flexdyn.viewer.show import show
