@@ -108,6 +108,11 @@ class Equations:
             parts.append(self.combined(along, motor, link, tau_s, only=j).ravel())
         return np.concatenate(parts)
 
+    def is_made_up(self, j: int) -> bool:
+        """Whether one of an elastic joint's two positions was not measured."""
+        data = self.data[0]
+        return bool(self.true.elastic[j] and not (data.has_q[j] and data.has_theta[j]))
+
     def needed(self, along: Motion, j: int) -> Array:
         """Motor torque (samples,) that the model needs for a motion.
 
@@ -181,12 +186,13 @@ class Equations:
             return self.filters.first.apply(y, 0)
         return y[spare : len(y) - spare]
 
-    def stiffening(self, along: Motion, j: int) -> Array:
-        """dh/dq_j (samples, n) [N m/rad], by differences."""
+    def stiffening(self, along: Motion, j: int, at: NDArray[np.intp] | slice = slice(None)) -> Array:
+        """dh/dq_j at samples of a motion (samples, n) [N m/rad], by differences."""
         step = 1e-5
-        moved = along.q.copy()
+        q, v = along.q[at], along.v[at]
+        moved = q.copy()
         moved[:, j] += step
-        return (self.links.bias(moved, along.v) - self.links.bias(along.q, along.v)) / step
+        return (self.links.bias(moved, v) - self.links.bias(q, v)) / step
 
     def _rows(self, model: FlexibleJointModel, motions: Sequence[Motion], effects: Sequence[Effect]) -> Array:
         return np.concatenate([self._of_motion(model, each, effects).ravel() for each in motions])
@@ -266,19 +272,21 @@ class Equations:
     def _lifted(self, model: FlexibleJointModel, along: Motion, motor: Array, link: Array) -> Array:
         """What made-up positions do to the equations (times, n).
 
-        A link position from the motor's equation is wrong by ``-motor/K``, whose acceleration loads every link; a rotor
-        position from the link's equation is wrong by ``-link/K``, whose acceleration loads the rotor.
+        A link position from the motor's equation is wrong by ``-motor/K``: its acceleration loads every link, and
+        gravity pulls at another place. A rotor position from the link's equation is wrong by ``-link/K``, whose
+        acceleration loads the rotor.
         """
         first = along.data
         lifted = np.zeros((self.filters.count(len(along.t)), model.n))
         at = self.filters.instants(len(along.t))
-        for i in np.flatnonzero(model.elastic & ~(first.has_q & first.has_theta)):
+        for i in np.flatnonzero(model.elastic & ~(first.has_q & first.has_theta)).tolist():
             wrong = motor[:, i] if not first.has_q[i] else link[:, i]
             bent = self.filters.rows(wrong / model.stiffness[i], 2)
             if first.has_q[i]:
                 lifted[:, i] += model.rotor_inertia[i] * bent
             else:
-                lifted += along.M[at, :, i] * bent[:, None]
+                moved = self.filters.rows(wrong / model.stiffness[i])
+                lifted += along.M[at, :, i] * bent[:, None] + self.stiffening(along, i, at) * moved[:, None]
         return lifted
 
 

@@ -107,7 +107,8 @@ def _transmission(joint: str, extent: Extent) -> Iterator[Proposal]:
     yield linear({"effect": "hardening_spring", **across}, "cubic")
     widths = [{"width": float(w)} for w in extent.deflection * np.geomspace(0.003, 3.0, 9)]
     yield linear({"effect": "spring_hysteresis", **across}, "stiffness", widths)
-    gaps = [(float(g),) for g in extent.deflection * np.geomspace(0.003, 0.8, 10)]
+    # Under gravity a spring may be wound one way all the time, by more than its winding changes.
+    gaps = [(float(g),) for g in extent.deflection * np.geomspace(0.003, 3.0, 14)]
     yield given({"effect": "backlash", **across}, ("half_gap",), gaps)
     turns = (1.0, 2.0, 3.0, 4.0, extent.ratio, 2.0 * extent.ratio, 4.0 * extent.ratio)
     yield wave({"effect": "kinematic_error", **across}, turns, 1e-6)

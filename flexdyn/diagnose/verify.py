@@ -23,6 +23,13 @@ BULK = 0.5
 """Share of what is left over noise that an effect must take where windows alone do not decide."""
 SOLID = 100.0
 """Drop of the squared white rows from which the equations alone may speak for an effect."""
+NEAR_NOISE = 0.05
+"""Share of noise by which the equations of a right model may be off: filters, and noise that is estimated."""
+SLIGHT_ROWS, SLIGHT_LOG = 3.0, 0.002
+"""Standard errors at least: of a drop of all squared white rows, and of the mean logarithm of what windows are off.
+
+Laws that do the same to the data differ by rounding alone, which always speaks for the same one.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +67,7 @@ class Trial:
     def at_noise(self) -> bool:
         """Whether the equations leave no more than noise."""
         rows, count = float(self.rows.sum()), float(self.count.sum())
-        return rows < count + 2.0 * math.sqrt(2.0 * count)
+        return rows < (1.0 + NEAR_NOISE) * count + 2.0 * math.sqrt(2.0 * count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +112,7 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     been bent to do its work must do no harm.
     """
     windows = better(now, trial)
-    rows = significance(now.rows - trial.rows)
+    rows = surely_less(now.rows, trial.rows)
     if unbends(before, after):
         return min(windows, rows) > -SURE
     doubtless = before.chi2 - after.chi2 > SOLID
@@ -135,7 +142,12 @@ def better(before: Trial, after: Trial) -> float:
     one, two = before.shot, after.shot
     gaps = _logs(one.by_window) - _logs(two.by_window)
     surprises = _logs(one.misfit) - _logs(two.misfit)
-    return max(significance(gaps), significance(surprises))
+    return max(_significance(gaps, SLIGHT_LOG), _significance(surprises, SLIGHT_LOG))
+
+
+def surely_less(before: Array, after: Array) -> float:
+    """By how many standard errors blocks of squared white rows (blocks,) are less with one model than with another."""
+    return _significance(before - after, SLIGHT_ROWS / max(len(before), 1))
 
 
 def _logs(size: Array) -> Array:
@@ -143,10 +155,10 @@ def _logs(size: Array) -> Array:
     return np.asarray(np.log(np.maximum(size, 1e-12)))
 
 
-def significance(drop: Array) -> float:
+def _significance(drop: Array, least: float) -> float:
     """Mean over standard error, outermost tenths drawn in: a window on the wrong side of a stick decides nothing."""
     drop = drop[np.isfinite(drop)]
     if len(drop) < 2:
         return 0.0
     drop = np.clip(drop, *np.quantile(drop, [0.1, 0.9]))
-    return float(drop.mean() / max(float(drop.std(ddof=1)) / np.sqrt(len(drop)), 1e-12))
+    return float(drop.mean() / max(float(drop.std(ddof=1)) / np.sqrt(len(drop)), least))
