@@ -10,13 +10,17 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.kernel import Kernel
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.users_laws import torque_of
-from flexdyn.effects import Backlash, JointEffect
+from flexdyn.effects import Backlash, HardeningSpring, JointEffect, SpringHysteresis
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 
 Array = NDArray[np.float64]
 KNOWN = ("viscous_friction", "coulomb_friction", "quadratic_drag", "stribeck_friction", "asymmetric_friction")
 """Friction that a velocity alone decides."""
+NOT_PLAIN = (Backlash, HardeningSpring, SpringHysteresis)
+"""What makes a transmission another thing than a linear spring."""
+ROUNDS, STEP, STEEPEST = 8, 1e-4, 10.0
+"""Of Newton's method: steps, relative difference for its slopes, and how steep these are at most over the spring's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +40,8 @@ def made_up(
 ) -> MadeUp:
     """Link and rotor positions, the missing ones behind the spring and the gap of their joint.
 
-    ``q = theta - (tau - J alpha)/K`` or ``theta = q + (M a + h)/K``, and half a gap more on the side to which
-    ``tau - J alpha - f_motor`` or ``M a + h + f_link`` winds the spring. What friction does to the winding itself is
-    allowed for to first order, as it is for laws that are not in the model yet.
+    The transmission winds by what its law needs to carry ``tau - J alpha - f_motor`` or ``M a + h + f_link``. What else
+    the model has, or may lack, is allowed for to first order.
 
     Args:
         model: resolved.
@@ -54,9 +57,9 @@ def made_up(
     omega, alpha = kernel.apply(theta, 1), kernel.apply(theta, 2)
     t = data.t[kernel.half : len(data.t) - kernel.half]
     for j in np.flatnonzero(only_motor).tolist():
-        carried = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j]
         rubbing = _friction(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
-        smooth_q[:, j] = smooth_theta[:, j] - carried / model.stiffness[j] - _gap(model, j) * np.sign(carried - rubbing)
+        carried = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
+        smooth_q[:, j] = smooth_theta[:, j] - _wound(model, j, carried)
     if only_link.any():
         v, a = kernel.apply(q, 1), kernel.apply(q, 2)
         for j in np.flatnonzero(only_motor).tolist():  # a joint without link encoder moves nearly as its rotor does
@@ -64,8 +67,7 @@ def made_up(
         total = np.einsum("tij,tj->ti", links.mass_matrix(smooth_q), a) + links.bias(smooth_q, v)
         for j in np.flatnonzero(only_link).tolist():
             rubbing = _friction(model, j, "link", smooth_q[:, j], v[:, j], t)
-            gap = _gap(model, j) * np.sign(total[:, j] + rubbing)
-            smooth_theta[:, j] = smooth_q[:, j] + total[:, j] / model.stiffness[j] + gap
+            smooth_theta[:, j] = smooth_q[:, j] + _wound(model, j, total[:, j] + rubbing)
     return MadeUp(smooth_q, smooth_theta)
 
 
@@ -73,9 +75,24 @@ def _acting(model: FlexibleJointModel, j: int) -> list[JointEffect]:
     return [e for e in model.all_effects if isinstance(e, JointEffect) and e.joint == model.joint_names[j]]
 
 
-def _gap(model: FlexibleJointModel, j: int) -> float:
-    """Half of the play of a joint [rad or m]."""
-    return float(sum(effect.half_gap for effect in _acting(model, j) if isinstance(effect, Backlash)))
+def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
+    """Deflection (samples,) under what the transmission carries (samples,), by Newton's method."""
+    K, acting = model.stiffness[j], _acting(model, j)
+    springs = [effect for effect in acting if isinstance(effect, HardeningSpring | SpringHysteresis)]
+    seen = carried / K
+    for _ in range(ROUNDS if springs else 0):
+        now, ahead = (K * x + _more(springs, x) for x in (seen, (1.0 + STEP) * seen))
+        slope = np.clip((ahead - now) / np.where(seen == 0.0, np.inf, STEP * seen), K, STEEPEST * K)
+        seen = seen + (carried - now) / slope
+    gap = sum(effect.half_gap for effect in acting if isinstance(effect, Backlash))
+    return np.asarray(seen + gap * np.sign(carried))
+
+
+def _more(springs: list[HardeningSpring | SpringHysteresis], seen: Array) -> Array:
+    """Torque (samples,) of what acts beside the linear spring."""
+    still = np.zeros_like(seen)
+    parts = (e.along(seen) if isinstance(e, SpringHysteresis) else e.torque(seen, still) for e in springs)
+    return np.asarray(sum(parts, still))
 
 
 def _friction(model: FlexibleJointModel, j: int, side: str, x: Array, u: Array, t: Array) -> Array:

@@ -255,8 +255,9 @@ def _is_a_limit(candidate: Candidate) -> bool:
     effect = candidate.effect
     if effect is None or effect.name not in SCALES:
         return False
-    name = SCALES[effect.name]
-    return bool(candidate.fitted.std()[effect, name] > getattr(effect, name))
+    name, made = SCALES[effect.name], candidate.fitted
+    std = made.std()[effect, name] / math.sqrt(max(1.0, made.reduced))  # what other laws leave says nothing of this one
+    return bool(std > getattr(effect, name))
 
 
 def _softened(before: Fit, start: Hypothesis, choice: Screened, cost: float, scale: float) -> Candidate:
