@@ -104,12 +104,12 @@ class Check:
 def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     """Whether data that took no part wants an effect.
 
-    Its windows must surely be less off, and no more off in all. Where they say little, because noise decides in them
-    what sticks, the equations may speak instead, for an effect that takes the bulk of what was left; if it leaves them
-    nothing but noise, windows need only not object. Data that is at noise with and without it says too little: there
-    it must not object to what is beyond doubt in the fit. Where a position was made up and windows are at noise, an
-    effect must be beyond doubt in the fit as well. One that only puts back numbers of the file which had
-    been bent to do its work must do no harm.
+    Its windows must surely be less off, and no more off in all unless that is noise. Where they say little, because
+    noise decides in them what sticks, the equations may speak instead, for an effect that takes the bulk of what was
+    left; if it leaves them nothing but noise, windows need only not object. Data that is at noise with and without it
+    says too little: there it must not object to what is beyond doubt in the fit. Where a position was made up and
+    windows are at noise, an effect must be beyond doubt in the fit as well. One that only puts back numbers of the file
+    which had been bent to do its work must do no harm.
     """
     windows = better(now, trial)
     rows = surely_less(now.rows, trial.rows)
@@ -121,7 +121,7 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     solid = trial.exact and doubtless
     if solid and now.at_noise and trial.at_noise and min(windows, rows) > -1.0:
         return True
-    if windows > (FAIR if solid else SURE) and trial.gap <= now.gap:
+    if windows > (FAIR if solid else SURE) and trial.gap <= max(now.gap, 1.0):
         return True
     bulk = float(now.rows.sum() - trial.rows.sum()) > BULK * now.excess
     return solid and bulk and windows > (-1.0 if trial.at_noise else 0.0) and rows > SURE
@@ -146,7 +146,7 @@ def better(before: Trial, after: Trial) -> float:
 
 
 def surely_less(before: Array, after: Array) -> float:
-    """By how many standard errors blocks of squared white rows (blocks,) are less with one model than with another."""
+    """By how many standard errors sums of squared white rows (blocks,) are less with one model than with another."""
     return _significance(before - after, SLIGHT_ROWS / max(len(before), 1))
 
 
