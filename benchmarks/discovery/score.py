@@ -13,7 +13,7 @@ CASES is a folder of `make.py` (its truth stands in CASES.truth), REPORTS holds 
     failed  there is no report
 
 Where CASES.truth/<case>.rivals.json says that the true law stands within delta BIC 20 of its nearest rival, half is
-right.
+right; what was missed stays missed, and is counted as hidden in the numbers' tolerance.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def score(truth: dict[str, Any], report: dict[str, Any] | None, rivals: dict[str
     if report is None:
         return row | {"points": 0.0}
     close = rivals is not None and rivals["delta_bic"] < INSEPARABLE
-    row["inseparable"] = rivals and close
+    row["inseparable"] = rivals if close else None
     row["points"] = 1.0 if row["outcome"] == "half" and close else POINTS.get(row["outcome"], 0.0)
     row["verdict"] = report["verdict"]
     row["named"] = [_with_rivals(finding) for finding in report["findings"]]
@@ -110,6 +110,7 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
             "cases": len(mine),
             "points": sum(row["points"] for row in mine) / len(mine),
             **{name: counts[name] for name in OUTCOMES},
+            "missed_in_tolerance": sum(row["outcome"] == "missed" and bool(row["inseparable"]) for row in mine),
             "false_names": sum(len(row.get("false", [])) for row in mine),
             "median_parameter_error": _median(e["relative_error"] for e in errors),
             "coverage": float(np.mean(covered)) if covered else None,

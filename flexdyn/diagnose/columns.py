@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.compliance import of_compliance
 from flexdyn.diagnose.equations import Equations
+from flexdyn.diagnose.made_up import NOT_PLAIN
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.sensors import true_channel
@@ -53,6 +54,9 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return (equations.of_links(LinkSide(model)) - equations.of_links(equations.links)) / scale
     true, effect = equations.true, _on_joint(effect)
     j = true.index(effect.joint)
+    if isinstance(effect, NOT_PLAIN) and equations.is_made_up(j):
+        there = equations.of(equations.model.replace(effects=[*equations.model.effects, effect]))
+        return (there.residual - equations.residual) / scale
     if isinstance(effect, JointElasticity):  # to first order
         return of_compliance(equations, j) / (effect.stiffness * scale)
     if isinstance(effect, TorqueConstantError):
@@ -75,11 +79,12 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
     moved = effect.replace(**{name: getattr(effect, name) + step})
     if isinstance(effect, SensorEffect | Payload | TorqueConstantError):
         return (of_effect(equations, moved) - of_effect(equations, effect)) / step
-    if isinstance(effect, JointElasticity):  # other rows and positions move with it
-        effects = [moved if e == effect else e for e in equations.model.effects]
-        return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
     true = equations.true
     j = true.index(_on_joint(effect).joint)
+    if isinstance(effect, JointElasticity) or (isinstance(effect, NOT_PLAIN) and equations.is_made_up(j)):
+        # other rows and positions move with it
+        effects = [moved if e == effect else e for e in equations.model.effects]
+        return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
     rest = [e for e in true.all_effects if e is not effect and e != effect]
     return (equations.of_joint(j, true, [*rest, moved]) - equations.of_joint(j, true, [*rest, effect])) / step
 

@@ -19,8 +19,8 @@ from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.nesting import simplified
 from flexdyn.diagnose.refine import Refined, of_fit, refine
 from flexdyn.diagnose.result import Diagnosis, Finding, Gap
-from flexdyn.diagnose.search import Candidate
-from flexdyn.diagnose.selection import Search
+from flexdyn.diagnose.search import Candidate, candidates
+from flexdyn.diagnose.selection import Search, slack
 from flexdyn.diagnose.settling import again
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.verify import EXPLAINED, SURE, better
@@ -141,14 +141,18 @@ def _unbent(search: Search, first: Stage) -> Stage:
 
 
 def _freed(search: Search, stage: Stage) -> Stage:
-    """Numbers that are surely out of tolerance named for it."""
+    """Numbers that are surely out of tolerance named for it, beside what would put them back as well."""
     wrong = out_of_tolerance(of_fit(stage.fitted))
     if not wrong:
         return stage
     hypothesis = stage.fitted.hypothesis
     made = fit(dataclasses.replace(hypothesis, freed=hypothesis.freed | set(wrong)), search.space)
     drop = stage.fitted.chi2 - made.chi2
-    named = tuple(Named(Candidate(made, drop, 0.0, None, number, made.chi2)) for number in wrong)
+    named = [Named(Candidate(made, drop, 0.0, None, number, made.chi2)) for number in wrong]
+    if len(wrong) == 1:
+        rivals = tuple(c for c in candidates(search.space, search.screen, stage.fitted) if c.number != wrong[0])
+        near = tuple(each for each in rivals if each.behind(named[0].candidate) <= slack(made))
+        named = [dataclasses.replace(named[0], rivals=near)]
     return Stage(made, search.trial(made.hypothesis), (*stage.named, *named))
 
 

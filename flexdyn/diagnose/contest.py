@@ -11,6 +11,7 @@ from flexdyn.diagnose.refine import Refined, refine
 from flexdyn.diagnose.search import ENOUGH, Candidate
 from flexdyn.diagnose.selection import DOUBT, Search
 from flexdyn.diagnose.stage import Named, Stage
+from flexdyn.diagnose.verify import SURE, surely_less
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import Payload
 
@@ -42,8 +43,12 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         costs = [min(c, *masses) if masses and _is_payload(e) else c for c, e in zip(costs, entries, strict=True)]
         over = least.cost - least.rows - 2.0 * math.sqrt(2.0 * least.rows)
         most = min(costs) + ENOUGH + DOUBT * max(over, 0.0) / scale
-        winner = 0 if costs[0] <= most else int(np.argmin(costs))  # a name stays where nothing speaks for another
-        kept = [each for each, cost in zip(entries, costs, strict=True) if cost <= most]
+        best = int(np.argmin(costs))
+        # A few windows that hang on whether a joint sticks may say anything: all must agree on what is worse.
+        unsure = [surely_less(each.by_window, asked[best].by_window) < SURE for each in asked]
+        stays = [cost <= most or open_ for cost, open_ in zip(costs, unsure, strict=True)]
+        winner = 0 if stays[0] else best  # a name stays where nothing speaks for another
+        kept = [each for each, stay in zip(entries, stays, strict=True) if stay]
         others = (*(each for each in kept if each is not entries[winner]), *rivals[ASKED:])
         stage = _with(search, stage, place, dataclasses.replace(named, candidate=entries[winner], rivals=others))
     return stage

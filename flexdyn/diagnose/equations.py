@@ -19,6 +19,8 @@ from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 
 Array = NDArray[np.float64]
+STEP = 1e-5
+"""Of differences of h [rad and rad/s, or m and m/s]."""
 MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmission", "sensor"
 
 
@@ -108,6 +110,11 @@ class Equations:
             parts.append(self.combined(along, motor, link, tau_s, only=j).ravel())
         return np.concatenate(parts)
 
+    def is_made_up(self, j: int) -> bool:
+        """Whether one of an elastic joint's two positions was not measured."""
+        data = self.data[0]
+        return bool(self.true.elastic[j] and not (data.has_q[j] and data.has_theta[j]))
+
     def needed(self, along: Motion, j: int) -> Array:
         """Motor torque (samples,) that the model needs for a motion.
 
@@ -181,12 +188,19 @@ class Equations:
             return self.filters.first.apply(y, 0)
         return y[spare : len(y) - spare]
 
-    def stiffening(self, along: Motion, j: int) -> Array:
-        """dh/dq_j (samples, n) [N m/rad], by differences."""
-        step = 1e-5
-        moved = along.q.copy()
-        moved[:, j] += step
-        return (self.links.bias(moved, along.v) - self.links.bias(along.q, along.v)) / step
+    def stiffening(self, along: Motion, j: int, at: NDArray[np.intp] | slice = slice(None)) -> Array:
+        """dh/dq_j at samples of a motion (samples, n) [N m/rad], by differences."""
+        q, v = along.q[at], along.v[at]
+        moved = q.copy()
+        moved[:, j] += STEP
+        return (self.links.bias(moved, v) - self.links.bias(q, v)) / STEP
+
+    def _slowing(self, along: Motion, j: int, at: NDArray[np.intp]) -> Array:
+        """dh/dv_j at samples of a motion (samples, n) [N m s/rad], by differences."""
+        q, v = along.q[at], along.v[at]
+        faster = v.copy()
+        faster[:, j] += STEP
+        return (self.links.bias(q, faster) - self.links.bias(q, v)) / STEP
 
     def _rows(self, model: FlexibleJointModel, motions: Sequence[Motion], effects: Sequence[Effect]) -> Array:
         return np.concatenate([self._of_motion(model, each, effects).ravel() for each in motions])
@@ -266,19 +280,21 @@ class Equations:
     def _lifted(self, model: FlexibleJointModel, along: Motion, motor: Array, link: Array) -> Array:
         """What made-up positions do to the equations (times, n).
 
-        A link position from the motor's equation is wrong by ``-motor/K``, whose acceleration loads every link; a rotor
-        position from the link's equation is wrong by ``-link/K``, whose acceleration loads the rotor.
+        A link position from the motor's equation is wrong by ``-motor/K``: its acceleration loads every link, gravity
+        pulls at another place and Coriolis' torque is another one. A rotor position from the link's equation is wrong
+        by ``-link/K``, whose acceleration loads the rotor.
         """
         first = along.data
         lifted = np.zeros((self.filters.count(len(along.t)), model.n))
         at = self.filters.instants(len(along.t))
-        for i in np.flatnonzero(model.elastic & ~(first.has_q & first.has_theta)):
-            wrong = motor[:, i] if not first.has_q[i] else link[:, i]
-            bent = self.filters.rows(wrong / model.stiffness[i], 2)
+        for i in np.flatnonzero(model.elastic & ~(first.has_q & first.has_theta)).tolist():
+            wrong = (motor[:, i] if not first.has_q[i] else link[:, i]) / model.stiffness[i]
             if first.has_q[i]:
-                lifted[:, i] += model.rotor_inertia[i] * bent
+                lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(wrong, 2)
             else:
-                lifted += along.M[at, :, i] * bent[:, None]
+                slopes = (self.stiffening(along, i, at), self._slowing(along, i, at), along.M[at, :, i])
+                for order, slope in enumerate(slopes):
+                    lifted += slope * self.filters.rows(wrong, order)[:, None]
         return lifted
 
 

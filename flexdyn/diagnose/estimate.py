@@ -16,7 +16,7 @@ from flexdyn.diagnose.covariance import Noise, Whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber, with_factors
 from flexdyn.diagnose.regression import Regression
-from flexdyn.effects import Effect, PreslidingFriction, SensorOffset
+from flexdyn.effects import Effect, KinematicError, PreslidingFriction, SensorEffect, SensorOffset
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
@@ -233,15 +233,18 @@ def tempering(made: Fit) -> float:
 
 
 def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
-    """Whitened derivatives of the file's numbers (rows, numbers), anew for those that are far from what was given.
+    """Whitened derivatives of the file's numbers (rows, numbers), anew for those that have become other ones.
 
-    A link's mass, its place and its inertia multiply one another: where one of them is far off, all are taken anew.
+    These are numbers that are far from what was given, and those of a joint whose encoders or spring were wrong: it
+    winds by less than a sensor may be off. A link's mass, its place and its inertia multiply one another: where one of
+    them is far off, all are taken anew.
     """
     far = {n for n, factor in hypothesis.factors.items() if n in hypothesis.freed and abs(factor - 1.0) > FAR}
     links = any(number.joint is None for number in far)
-    slopes = space.numbers.copy() if far else space.numbers
+    joints = {getattr(e, "joint", None) for e in hypothesis.effects if isinstance(e, SensorEffect | KinematicError)}
+    slopes = space.numbers.copy() if far or joints else space.numbers
     for k, (number, factor) in enumerate(hypothesis.factors.items()):
-        if number in far or (links and number.joint is None):
+        if number in far or number.joint in joints or (links and number.joint is None):
             slopes[:, k] = space.whiten(columns.of_number(at, number)) / factor
     return slopes
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.kernel import Kernel
+from flexdyn.diagnose.made_up import made_up
 from flexdyn.diagnose.measured import Measured
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
@@ -83,20 +84,19 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
         data: channels with sensor effects taken off.
         kernel: the first filter.
 
-    A joint with one encoder gets the other position from its own equation: behind the spring of K,
-    ``q = theta - (tau - J alpha)/K`` or ``theta = q + (M a + h)/K``; the whole motion is then filtered once more.
+    A joint with one encoder gets the other position from its own equation (`made_up`); the whole motion is then
+    filtered once more.
     """
     elastic = model.elastic
-    only_motor = elastic & ~data.has_q
-    only_link = elastic & ~data.has_theta
     q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, q)
     tau = centred(data.tau)
     lost = kernel.half
     t = data.t
     tau_s = data.tau_s
-    if only_motor.any() or only_link.any():
-        q, theta = _completed(model, links, q, theta, tau, kernel, only_motor, only_link)
+    if (elastic & ~(data.has_q & data.has_theta)).any():
+        whole = made_up(model, links, q, theta, tau, data, kernel)
+        q, theta = whole.q, whole.theta
         tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
         lost += kernel.half
     elif (~(data.has_q & data.has_theta)).any():  # as many samples as if a joint turned out to be elastic
@@ -126,29 +126,3 @@ def centred(tau: Array) -> Array:
     mean = tau.copy()
     mean[1:] = 0.5 * (tau[1:] + tau[:-1])
     return mean
-
-
-def _completed(
-    model: FlexibleJointModel,
-    links: LinkSide,
-    q: Array,
-    theta: Array,
-    tau: Array,
-    kernel: Kernel,
-    only_motor: NDArray[np.bool_],
-    only_link: NDArray[np.bool_],
-) -> tuple[Array, Array]:
-    """Link and rotor positions behind the filter, the missing ones from their joints' equations."""
-    J, K = model.rotor_inertia, model.stiffness
-    smooth_q, smooth_theta, smooth_tau = (kernel.apply(x, 0) for x in (q, theta, tau))
-    alpha = kernel.apply(theta, 2)
-    for j in np.flatnonzero(only_motor):
-        smooth_q[:, j] = smooth_theta[:, j] - (smooth_tau[:, j] - J[j] * alpha[:, j]) / K[j]
-    if only_link.any():
-        v, a = kernel.apply(q, 1), kernel.apply(q, 2)
-        for j in np.flatnonzero(only_motor):  # a joint without link encoder moves nearly as its rotor does
-            v[:, j], a[:, j] = kernel.apply(theta[:, j], 1), alpha[:, j]
-        total = np.einsum("tij,tj->ti", links.mass_matrix(smooth_q), a) + links.bias(smooth_q, v)
-        for j in np.flatnonzero(only_link):
-            smooth_theta[:, j] = smooth_q[:, j] + total[:, j] / K[j]
-    return smooth_q, smooth_theta

@@ -32,6 +32,7 @@ class Refined:
         std: of the file's numbers' factors, then of the effects' unknowns in their own unit.
         cost: robust sum of squares of the windows' white surprises and of the priors; NaN where none were simulated.
         rows: white surprises that it is of.
+        by_window: that sum for every window, without the priors (windows,).
         became: names of effects that turned out to be simpler ones.
     """
 
@@ -39,6 +40,7 @@ class Refined:
     std: Array
     cost: float = math.nan
     rows: int = 0
+    by_window: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     became: Mapping[str, str] = field(default_factory=dict)
 
     def factor_std(self) -> dict[FileNumber, float]:
@@ -112,7 +114,7 @@ def refine(
                 break
         if not accepted or gained < 1e-3 * best:
             break
-    return Refined(current, std, best, shot.whitened().size)
+    return Refined(current, std, best, shot.whitened().size, _by_window(shot))
 
 
 def _slopes(
@@ -174,8 +176,12 @@ def _step(
 
 def _cost(hypothesis: Hypothesis, shot: Shot, temper: float) -> float:
     """Robust sum of squares of surprises and priors."""
-    r = shot.whitened()
     prior = sum(
         ((f - 1.0) / max(n.tolerance, 1e-9)) ** 2 for n, f in hypothesis.factors.items() if n not in hypothesis.freed
     )
-    return float((ROBUST**2 * np.log1p((r / ROBUST) ** 2)).sum() + temper * prior)
+    return float(_by_window(shot).sum() + temper * prior)
+
+
+def _by_window(shot: Shot) -> Array:
+    """Robust sum of squares of the surprises of every window (windows,)."""
+    return np.asarray((ROBUST**2 * np.log1p((shot.whitened() / ROBUST) ** 2)).sum(axis=1))

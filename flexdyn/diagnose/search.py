@@ -27,8 +27,10 @@ from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-KEPT = 5
-"""Proposals that are fitted in full before one is chosen."""
+KEPT, MANY_KEPT = 5, 10
+"""Proposals that are fitted in full before one is chosen, and where many promise nearly as much as the best."""
+NEARLY = 0.8
+"""Share of the best proposal's score that is nearly as much."""
 WORTH = 0.05
 """Share of the best proposal's score from which another is fitted in full."""
 MANY = 200.0
@@ -217,8 +219,9 @@ def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) 
     found = []
     scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
     ranked = screen.ranked(made, scale)
-    for choice in ranked[:KEPT]:
-        if choice.score < max(ENOUGH, least / scale, WORTH * ranked[0].score):
+    for k, choice in enumerate(ranked[:MANY_KEPT]):
+        share = WORTH if k < KEPT else NEARLY
+        if choice.score < max(ENOUGH, least / scale, share * ranked[0].score):
             break
         after = extended(made, choice)
         if after is None:
@@ -234,7 +237,8 @@ def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) 
             continue
         if made_of.drop >= ENOUGH and not _is_a_limit(made_of):
             found.append(made_of)
-    if any(each.number is not None and each.number.joint is None for each in found):
+    laden = any(isinstance(each.effect, Payload) for each in found)
+    if not laden and any(each.number is not None and each.number.joint is None for each in found):
         found += _payloads(space, made)
     scale = max(1.0, min((each.fitted.reduced for each in found), default=1.0))
     return sorted(found, key=lambda each: _order(each, scale))
@@ -251,8 +255,9 @@ def _is_a_limit(candidate: Candidate) -> bool:
     effect = candidate.effect
     if effect is None or effect.name not in SCALES:
         return False
-    name = SCALES[effect.name]
-    return bool(candidate.fitted.std()[effect, name] > getattr(effect, name))
+    name, made = SCALES[effect.name], candidate.fitted
+    std = made.std()[effect, name] / math.sqrt(max(1.0, made.reduced))  # what other laws leave says nothing of this one
+    return bool(std > getattr(effect, name))
 
 
 def _softened(before: Fit, start: Hypothesis, choice: Screened, cost: float, scale: float) -> Candidate:

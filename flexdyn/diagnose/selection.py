@@ -12,7 +12,7 @@ from flexdyn.diagnose.nesting import is_simpler
 from flexdyn.diagnose.refine import refine
 from flexdyn.diagnose.search import ENOUGH, Candidate, Screen, candidates
 from flexdyn.diagnose.stage import Alternative, Named, Stage
-from flexdyn.diagnose.verify import EXPLAINED, SURE, Check, Trial, better, confirmed, significance
+from flexdyn.diagnose.verify import EXPLAINED, SURE, Check, Trial, better, confirmed, surely_less
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import JointElasticity
 
@@ -95,7 +95,7 @@ class Search:
         """
         if self.windows is not None:
             return better(other, one) > SURE and HARMLESS * one.gap < other.gap
-        windows, rows = better(other, one), significance(other.rows - one.rows)
+        windows, rows = better(other, one), surely_less(other.rows, one.rows)
         harmless = one.median <= HARMLESS * other.median and rows > -SURE
         return harmless and (windows > SURE or (one.exact and rows > SURE and windows > 0.0))
 
@@ -147,7 +147,7 @@ def following(search: Search, now: Stage, ranked: Sequence[Candidate] | None = N
             return _chosen(search, now, ranked, stage, gaps), True
         rough = now.trial.median > EXPLAINED
         much = trial.excess < (1.0 - AHEAD) * now.trial.excess
-        if hope is None and rough and much and significance(now.trial.rows - trial.rows) > SURE:
+        if hope is None and rough and much and surely_less(now.trial.rows, trial.rows) > SURE:
             hope = stage
     return hope, False
 

@@ -23,6 +23,8 @@ from flexdyn.effects import (
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
+ROUNDS = 4
+"""In which friction and the load that it depends on are made to agree."""
 ACTUATOR_ORDER = ("command_delay", "torque_constant_error", "torque_offset", "torque_ripple", "torque_speed_limit")
 
 
@@ -136,16 +138,41 @@ class Terms:
     tau_s: Array
 
 
+def _carried(
+    model: FlexibleJointModel, effects: Sequence[JointEffect], motion: Motion, j: int, applied: Array, link: Array
+) -> Array:
+    """What the transmission carries (samples,) by the equation that made up a position.
+
+    Args:
+        model: of the arm.
+        effects: of the joint.
+        motion: along which.
+        j: the joint.
+        applied: torque on the motor (samples,).
+        link: torques on the link but the transmission's (samples,).
+    """
+    only_motor = not motion.data.has_q[j]
+    side, sign = ("motor", -1.0) if only_motor else ("link", 1.0)
+    inertial = model.rotor_inertia[j] * motion.alpha[:, j]
+    frictionless: Array = applied - inertial if only_motor else motion.inverse_dynamics[:, j] - link
+    carried = frictionless
+    for _ in range(ROUNDS):
+        carried = frictionless + sign * friction_torque(effects, model, motion, j, side, carried)
+    return carried
+
+
 def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: Motion, j: int) -> Terms:
     """The torques on a joint's rotor and link along a motion."""
     acting = of_joint(effects, model.joint_names[j])
-    motor = applied_torque(acting, motion, j)
-    link = link_torque(acting, motion, j)
+    motor = applied = applied_torque(acting, motion, j)
+    link = others = link_torque(acting, motion, j)
     carried = np.zeros(len(motion.t))
     if model.elastic[j]:
         both = spring_torque(model, acting, motion, j)
         carried = both[:, 0]
         motor, link = motor - both[:, 1], link + both[:, 0]
+        if not (motion.data.has_q[j] and motion.data.has_theta[j]):
+            carried = _carried(model, acting, motion, j, applied, others)
     motor = motor - friction_torque(acting, model, motion, j, "motor", carried)
     link = link - friction_torque(acting, model, motion, j, "link", carried)
     return Terms(motor, link, carried if model.elastic[j] else motion.inverse_dynamics[:, j] - link)

@@ -23,6 +23,13 @@ BULK = 0.5
 """Share of what is left over noise that an effect must take where windows alone do not decide."""
 SOLID = 100.0
 """Drop of the squared white rows from which the equations alone may speak for an effect."""
+NEAR_NOISE = 0.05
+"""Share of noise by which the equations of a right model may be off: filters, and noise that is estimated."""
+SLIGHT_ROWS, SLIGHT_LOG = 3.0, 0.002
+"""Standard errors at least: of a drop of all squared white rows, and of the mean logarithm of what windows are off.
+
+Laws that do the same to the data differ by rounding alone, which always speaks for the same one.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +67,7 @@ class Trial:
     def at_noise(self) -> bool:
         """Whether the equations leave no more than noise."""
         rows, count = float(self.rows.sum()), float(self.count.sum())
-        return rows < count + 2.0 * math.sqrt(2.0 * count)
+        return rows < (1.0 + NEAR_NOISE) * count + 2.0 * math.sqrt(2.0 * count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,15 +104,15 @@ class Check:
 def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     """Whether data that took no part wants an effect.
 
-    Its windows must surely be less off, and no more off in all. Where they say little, because noise decides in them
-    what sticks, the equations may speak instead, for an effect that takes the bulk of what was left; if it leaves them
-    nothing but noise, windows need only not object. Data that is at noise with and without it says too little: there
-    it must not object to what is beyond doubt in the fit. Where a position was made up and windows are at noise, an
-    effect must be beyond doubt in the fit as well. One that only puts back numbers of the file which had
-    been bent to do its work must do no harm.
+    Its windows must surely be less off, and no more off in all unless that is noise. Where they say little, because
+    noise decides in them what sticks, the equations may speak instead, for an effect that takes the bulk of what was
+    left; if it leaves them nothing but noise, windows need only not object. Data that is at noise with and without it
+    says too little: there it must not object to what is beyond doubt in the fit. Where a position was made up and
+    windows are at noise, an effect must be beyond doubt in the fit as well. One that only puts back numbers of the file
+    which had been bent to do its work must do no harm.
     """
     windows = better(now, trial)
-    rows = significance(now.rows - trial.rows)
+    rows = surely_less(now.rows, trial.rows)
     if unbends(before, after):
         return min(windows, rows) > -SURE
     doubtless = before.chi2 - after.chi2 > SOLID
@@ -114,7 +121,7 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     solid = trial.exact and doubtless
     if solid and now.at_noise and trial.at_noise and min(windows, rows) > -1.0:
         return True
-    if windows > (FAIR if solid else SURE) and trial.gap <= now.gap:
+    if windows > (FAIR if solid else SURE) and trial.gap <= max(now.gap, 1.0):
         return True
     bulk = float(now.rows.sum() - trial.rows.sum()) > BULK * now.excess
     return solid and bulk and windows > (-1.0 if trial.at_noise else 0.0) and rows > SURE
@@ -135,7 +142,12 @@ def better(before: Trial, after: Trial) -> float:
     one, two = before.shot, after.shot
     gaps = _logs(one.by_window) - _logs(two.by_window)
     surprises = _logs(one.misfit) - _logs(two.misfit)
-    return max(significance(gaps), significance(surprises))
+    return max(_significance(gaps, SLIGHT_LOG), _significance(surprises, SLIGHT_LOG))
+
+
+def surely_less(before: Array, after: Array) -> float:
+    """By how many standard errors sums of squared white rows (blocks,) are less with one model than with another."""
+    return _significance(before - after, SLIGHT_ROWS / max(len(before), 1))
 
 
 def _logs(size: Array) -> Array:
@@ -143,10 +155,10 @@ def _logs(size: Array) -> Array:
     return np.asarray(np.log(np.maximum(size, 1e-12)))
 
 
-def significance(drop: Array) -> float:
+def _significance(drop: Array, least: float) -> float:
     """Mean over standard error, outermost tenths drawn in: a window on the wrong side of a stick decides nothing."""
     drop = drop[np.isfinite(drop)]
     if len(drop) < 2:
         return 0.0
     drop = np.clip(drop, *np.quantile(drop, [0.1, 0.9]))
-    return float(drop.mean() / max(float(drop.std(ddof=1)) / np.sqrt(len(drop)), 1e-12))
+    return float(drop.mean() / max(float(drop.std(ddof=1)) / np.sqrt(len(drop)), least))
