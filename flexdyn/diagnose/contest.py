@@ -17,6 +17,8 @@ from flexdyn.effects import Payload
 
 ASKED = 2
 """Rivals of one name that are fitted to windows; more of them stay rivals."""
+SHARED = 0.003
+"""Share of what windows are off by that means nothing: their noise's linear response is no better than that."""
 ROUNDS = 2
 """Gauss-Newton steps: all start where the equations are at their best."""
 
@@ -42,7 +44,7 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         # A mass at the tip is that of a link by another name: where one does, the other does.
         costs = [min(c, *masses) if masses and _is_payload(e) else c for c, e in zip(costs, entries, strict=True)]
         over = least.cost - least.rows - 2.0 * math.sqrt(2.0 * least.rows)
-        most = min(costs) + ENOUGH + DOUBT * max(over, 0.0) / scale
+        most = min(costs) + max(ENOUGH, SHARED * least.cost / scale) + DOUBT * max(over, 0.0) / scale
         best = int(np.argmin(costs))
         # A few windows that hang on whether a joint sticks may say anything: all must agree on what is worse.
         unsure = [surely_less(each.by_window, asked[best].by_window) < SURE for each in asked]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations import Equations
+from flexdyn.diagnose.play import half_gaps
 from flexdyn.diagnose.proposal import Extent, Point, Proposal, at, given, linear, wave
 from flexdyn.effects import Effect, JointElasticity
 
@@ -28,7 +29,7 @@ def proposals(equations: Equations) -> list[Proposal]:
         for side in ("motor", "link") if elastic else ("motor",):
             found += _friction({"joint": joint, "side": side}, extent)
         if elastic:
-            found += _transmission(joint, extent, made_up=equations.is_made_up(j))
+            found += _transmission(joint, extent, half_gaps(equations, j, extent.deflection))
         elif equations.true.rotor_inertia[j] > 0.0:
             found.append(_elasticity(joint))
         found += _actuator(joint, extent)
@@ -100,16 +101,14 @@ def _presliding(place: Mapping[str, str], extent: Extent) -> Proposal:
     )
 
 
-def _transmission(joint: str, extent: Extent, *, made_up: bool) -> Iterator[Proposal]:
+def _transmission(joint: str, extent: Extent, gaps: Sequence[float]) -> Iterator[Proposal]:
     across = {"joint": joint, "side": "transmission"}
     yield linear({"effect": "load_dependent_friction", "joint": joint, "side": "motor"}, "coefficient")
     yield linear({"effect": "transmission_damping", **across}, "coefficient")
     yield linear({"effect": "hardening_spring", **across}, "cubic")
     widths = [{"width": float(w)} for w in extent.deflection * np.geomspace(0.003, 3.0, 9)]
     yield linear({"effect": "spring_hysteresis", **across}, "stiffness", widths)
-    # A deflection that is made up knows of no gap: there it may be wider than what the spring winds by.
-    gaps = [(float(g),) for g in extent.deflection * np.geomspace(0.003, 3.0 if made_up else 0.8, 10)]
-    yield given({"effect": "backlash", **across}, ("half_gap",), gaps)
+    yield given({"effect": "backlash", **across}, ("half_gap",), [(gap,) for gap in gaps])
     turns = (1.0, 2.0, 3.0, 4.0, extent.ratio, 2.0 * extent.ratio, 4.0 * extent.ratio)
     yield wave({"effect": "kinematic_error", **across}, turns, 1e-6)
 
