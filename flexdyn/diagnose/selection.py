@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -14,7 +15,7 @@ from flexdyn.diagnose.search import ENOUGH, Candidate, Screen, candidates
 from flexdyn.diagnose.stage import Alternative, Named, Stage
 from flexdyn.diagnose.verify import EXPLAINED, SURE, Check, Trial, better, confirmed, surely_less
 from flexdyn.diagnose.windows import Windows
-from flexdyn.effects import JointElasticity
+from flexdyn.effects import Effect, JointElasticity
 
 MOST = 6
 """Effects that are named at most."""
@@ -203,8 +204,16 @@ def slack(best: Fit) -> float:
 
 
 def contains(one: Candidate, other: Candidate) -> bool:
-    """Whether one effect becomes another of the same place in a limit."""
-    if one.effect is None or other.effect is None:
+    """Whether one effect becomes another of the same place in a limit, or a change of what is there already."""
+    simpler = _changed(other) if other.number is not None else other.effect
+    if one.effect is None or simpler is None:
         return False
-    same = all(getattr(one.effect, key, None) == getattr(other.effect, key, None) for key in ("joint", "side"))
-    return same and is_simpler(other.effect.name, one.effect.name)
+    same = all(getattr(one.effect, key, None) == getattr(simpler, key, None) for key in ("joint", "side"))
+    return same and is_simpler(simpler.name, one.effect.name)
+
+
+def _changed(candidate: Candidate) -> Effect | None:
+    """The effect of the file that a number set free belongs to; None: it is a joint's or a link's."""
+    of = candidate.number.of if candidate.number is not None else ""
+    match = re.fullmatch(r"effects\[(\d+)\]", of)
+    return candidate.fitted.hypothesis.given.effects[int(match[1])] if match else None
