@@ -106,10 +106,10 @@ def test_play_and_pause(tmp_path: Path) -> None:
     fd.play(two_link_run(), html=path)
     with open_page(path) as page:
         ready(page)
+        begun = time.monotonic()
         page.tab.click("#play")
         drawn(page)
         assert page.tab.get_attribute("#play", "aria-label") == "Pause"
-        begun = time.monotonic()
         page.wait_for("document.getElementById('time').value > 0.5")
         passed = time.monotonic() - begun
         assert passed > 0.3  # it did not jump
