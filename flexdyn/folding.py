@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from flexdyn.effects import Effect, JointElasticity, ParameterError
+from flexdyn.effects.model_error import effect_place
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.joint import Joint
 from flexdyn.robot import Robot
@@ -69,9 +69,8 @@ def folded(robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect])
 
 
 def _fold_effect(effects: list[Effect], error: ParameterError) -> None:
-    match = re.fullmatch(r"effects\[(\d{1,6})\]", error.of)
-    place = int(match[1]) if match else len(effects)
-    if place >= len(effects):
+    place = effect_place(error.of)
+    if place is None or place >= len(effects):
         remedy = f"they count from 0 to {len(effects) - 1}"
         raise InputError("no such effect in the model", key="of", value=error.of, remedy=remedy)
     target = effects[place]

@@ -54,7 +54,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return (equations.of_links(LinkSide(model)) - equations.of_links(equations.links)) / scale
     true, effect = equations.true, _on_joint(effect)
     j = true.index(effect.joint)
-    if isinstance(effect, NOT_PLAIN) and equations.is_made_up(j):
+    if isinstance(effect, NOT_PLAIN) and equations.made_up[j]:
         there = equations.of(equations.model.replace(effects=[*equations.model.effects, effect]))
         return (there.residual - equations.residual) / scale
     if isinstance(effect, JointElasticity):  # to first order
@@ -81,7 +81,7 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         return (of_effect(equations, moved) - of_effect(equations, effect)) / step
     true = equations.true
     j = true.index(_on_joint(effect).joint)
-    if isinstance(effect, JointElasticity) or (isinstance(effect, NOT_PLAIN) and equations.is_made_up(j)):
+    if isinstance(effect, JointElasticity) or (isinstance(effect, NOT_PLAIN) and equations.made_up[j]):
         # other rows and positions move with it
         effects = [moved if e == effect else e for e in equations.model.effects]
         return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step

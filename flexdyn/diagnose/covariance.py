@@ -71,10 +71,8 @@ def whitener(equations: Equations, noise: Noise, mask: NDArray[np.bool_]) -> Whi
 def _kernels(equations: Equations) -> dict[str, list[Array]]:
     """Whole kernels from a channel's noise to a row, by order of the derivative: of positions, and of torques."""
     first, second = equations.filters.first.taps, equations.filters.second.taps[0]
-    data = equations.data[0]
-    twice = bool((equations.true.elastic & ~(data.has_q & data.has_theta)).any())
     whole = [np.convolve(second, taps) for taps in first]
-    if twice:
+    if equations.made_up.any():
         whole = [np.convolve(kernel, first[0]) for kernel in whole]
         whole += [np.convolve(np.convolve(second, once), first[2]) for once in first[1:]]
         whole.append(np.convolve(np.convolve(equations.filters.second.taps[2], first[1]), first[2]))

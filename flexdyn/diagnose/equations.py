@@ -56,7 +56,7 @@ class Equations:
         elastic = self.true.elastic if self.stiffness is None else np.isfinite(self.stiffness)
         kinds: list[tuple[int, str]] = []
         for j in range(self.true.n):
-            if not (first.has_q[j] and first.has_theta[j]):
+            if not first.both[j]:
                 kinds.append((j, TOTAL))
             else:
                 kinds += [(j, MOTOR), (j, LINK)] if elastic[j] else [(j, TOTAL), (j, TRANSMISSION)]
@@ -110,10 +110,10 @@ class Equations:
             parts.append(self.combined(along, motor, link, tau_s, only=j).ravel())
         return np.concatenate(parts)
 
-    def is_made_up(self, j: int) -> bool:
-        """Whether one of an elastic joint's two positions was not measured."""
-        data = self.data[0]
-        return bool(self.true.elastic[j] and not (data.has_q[j] and data.has_theta[j]))
+    @cached_property
+    def made_up(self) -> NDArray[np.bool_]:
+        """Elastic joints one of whose two positions was not measured (n,)."""
+        return np.asarray(self.true.elastic & ~self.data[0].both)
 
     def needed(self, along: Motion, j: int) -> Array:
         """Motor torque (samples,) that the model needs for a motion.
@@ -164,7 +164,7 @@ class Equations:
             elif signal == "tau_s":
                 tau_s[:, j] = d0
             else:
-                alone = not (along.data.has_q[j] and along.data.has_theta[j])
+                alone = not along.data.both[j]
                 sign = 1.0 if signal == "theta" else -1.0
                 if model.elastic[j] and (signal == "theta" or alone):
                     motor[:, j] -= model.rotor_inertia[j] * d2
@@ -184,7 +184,7 @@ class Equations:
     def _smoothed(self, along: Motion, x: Array, order: int) -> Array:
         y = self.filters.first.apply(x, order)
         spare = (len(y) - len(along.t)) // 2
-        if (self.true.elastic & ~(along.data.has_q & along.data.has_theta)).any():
+        if self.made_up.any():
             return self.filters.first.apply(y, 0)
         return y[spare : len(y) - spare]
 
@@ -287,7 +287,7 @@ class Equations:
         first = along.data
         lifted = np.zeros((self.filters.count(len(along.t)), model.n))
         at = self.filters.instants(len(along.t))
-        for i in np.flatnonzero(model.elastic & ~(first.has_q & first.has_theta)).tolist():
+        for i in np.flatnonzero(self.made_up).tolist():
             wrong = (motor[:, i] if not first.has_q[i] else link[:, i]) / model.stiffness[i]
             if first.has_q[i]:
                 lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(wrong, 2)
@@ -300,7 +300,7 @@ class Equations:
 
 def _same_signals(one: Equations, other: Equations) -> bool:
     """Whether two models leave the same signals behind the first filter: no position is made up, sensors agree."""
-    if (one.true.elastic & ~(one.data[0].has_q & one.data[0].has_theta)).any():
+    if one.made_up.any():
         return False
     mine, its = ([e for e in each.model.effects if isinstance(e, SensorEffect)] for each in (one, other))
     return mine == its and np.array_equal(one.true.elastic, other.true.elastic)

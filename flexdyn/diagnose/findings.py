@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.nesting import is_nested
@@ -13,6 +12,7 @@ from flexdyn.diagnose.result import Calibration, Finding, Number, Suspect, Tried
 from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.stage import Alternative
 from flexdyn.effects import Effect, JointElasticity, unit_for
+from flexdyn.effects.model_error import effect_place
 from flexdyn.model import FlexibleJointModel
 
 PLACES = ("channel", "other", "frame", "of", "parameter")
@@ -88,8 +88,8 @@ def wrong_number(model: FlexibleJointModel, number: FileNumber, last: Refined) -
 
 def side_of(model: FlexibleJointModel, number: FileNumber) -> str | None:
     """Where a number acts: a joint's by its kind, an effect's own side."""
-    match = re.fullmatch(r"effects\[(\d+)\]", number.of)
-    return getattr(model.effects[int(match[1])], "side", None) if match else SIDES.get(number.parameter)
+    place = effect_place(number.of)
+    return SIDES.get(number.parameter) if place is None else getattr(model.effects[place], "side", None)
 
 
 def calibrations(model: FlexibleJointModel, last: Refined) -> tuple[Calibration, ...]:

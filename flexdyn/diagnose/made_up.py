@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,21 +21,9 @@ ROUNDS, STEP, STEEPEST = 8, 1e-4, 10.0
 """Of Newton's method: steps, relative difference for its slopes, and how steep these are at most over the spring's."""
 
 
-@dataclass(frozen=True, eq=False)
-class MadeUp:
-    """Positions behind the first filter, all there.
-
-    Attributes:
-        q, theta: of links and rotors (samples, n) [rad or m].
-    """
-
-    q: Array
-    theta: Array
-
-
 def made_up(
     model: FlexibleJointModel, links: LinkSide, q: Array, theta: Array, tau: Array, data: Measured, kernel: Kernel
-) -> MadeUp:
+) -> tuple[Array, Array]:
     """Link and rotor positions, the missing ones behind the spring and the gap of their joint.
 
     The transmission winds by what its law needs to carry ``tau - J alpha - f_motor`` or ``M a + h + f_link``. What else
@@ -51,6 +37,9 @@ def made_up(
         tau: asked for (samples, n).
         data: the recording.
         kernel: the first filter.
+
+    Returns:
+        of links and of rotors, behind the filter (samples, n) each [rad or m].
     """
     only_motor, only_link = model.elastic & ~data.has_q, model.elastic & ~data.has_theta
     smooth_q, smooth_theta, smooth_tau = (kernel.apply(x, 0) for x in (q, theta, tau))
@@ -68,7 +57,7 @@ def made_up(
         for j in np.flatnonzero(only_link).tolist():
             rubbing = _friction(model, j, "link", smooth_q[:, j], v[:, j], t)
             smooth_theta[:, j] = smooth_q[:, j] + _wound(model, j, total[:, j] + rubbing)
-    return MadeUp(smooth_q, smooth_theta)
+    return smooth_q, smooth_theta
 
 
 def _acting(model: FlexibleJointModel, j: int) -> list[JointEffect]:

@@ -20,7 +20,7 @@ def sign_mask(equations: Equations, noise: Noise) -> NDArray[np.bool_]:
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
         hidden = np.zeros((len(at), len(equations.kinds)), dtype=bool)
-        unseen = [(int(i), TOTAL) for i in np.flatnonzero(_made_up(equations, along))]
+        unseen = [(int(i), TOTAL) for i in np.flatnonzero(equations.made_up)]
         for place, (j, kind) in enumerate(equations.kinds):
             if kind != SENSOR:
                 # A made-up position lacks its own joint's stuck friction, and loads every other equation with it.
@@ -28,11 +28,6 @@ def sign_mask(equations: Equations, noise: Noise) -> NDArray[np.bool_]:
                     hidden[:, place] |= _uncertain(equations, along, noise, i, of)[at]
         found.append(hidden.ravel())
     return np.concatenate(found)
-
-
-def _made_up(equations: Equations, along: Motion) -> NDArray[np.bool_]:
-    """Elastic joints that lack an encoder (n,)."""
-    return np.asarray(equations.true.elastic & ~(along.data.has_q & along.data.has_theta))
 
 
 def _uncertain(equations: Equations, along: Motion, noise: Noise, j: int, kind: str) -> NDArray[np.bool_]:

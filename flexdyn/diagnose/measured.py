@@ -44,6 +44,11 @@ class Measured:
     has_theta: NDArray[np.bool_]
     has_tau_s: NDArray[np.bool_]
 
+    @property
+    def both(self) -> NDArray[np.bool_]:
+        """Joints with both encoders (n,)."""
+        return np.asarray(self.has_q & self.has_theta)
+
     def channel(self, signal: str) -> Array:
         """One signal of all joints (samples, n)."""
         return {"q": self.q, "theta": self.theta, "tau": self.tau, "tau_s": self.tau_s}[signal]

@@ -87,19 +87,17 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
     A joint with one encoder gets the other position from its own equation (`made_up`); the whole motion is then
     filtered once more.
     """
-    elastic = model.elastic
     q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, q)
     tau = centred(data.tau)
     lost = kernel.half
     t = data.t
     tau_s = data.tau_s
-    if (elastic & ~(data.has_q & data.has_theta)).any():
-        whole = made_up(model, links, q, theta, tau, data, kernel)
-        q, theta = whole.q, whole.theta
+    if (model.elastic & ~data.both).any():
+        q, theta = made_up(model, links, q, theta, tau, data, kernel)
         tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
         lost += kernel.half
-    elif (~(data.has_q & data.has_theta)).any():  # as many samples as if a joint turned out to be elastic
+    elif not data.both.all():  # as many samples as if a joint turned out to be elastic
         inner = slice(kernel.half, len(t) - kernel.half)
         q, theta, tau, tau_s, t = q[inner], theta[inner], tau[inner], tau_s[inner], t[inner]
         lost += kernel.half

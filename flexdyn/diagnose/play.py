@@ -27,7 +27,7 @@ def half_gaps(equations: Equations, j: int, deflection: float) -> list[float]:
         j: the joint.
         deflection: nearly the greatest [rad or m].
     """
-    if equations.is_made_up(j):
+    if equations.made_up[j]:
         return [float(gap) for gap in deflection * np.geomspace(NARROW, WIDEST, POINTS)]
     widest = max(_unwound(equations, j), LEAST * deflection)
     grid = deflection * np.geomspace(NARROW, WIDE, POINTS)

@@ -181,7 +181,7 @@ def _sensors(equations: Equations, j: int, extent: Extent) -> Iterator[Proposal]
     """Lags, discs, gains and offsets of the channels that were measured and can show them."""
     model, data = equations.true, equations.data[0]
     joint = model.joint_names[j]
-    both = bool(data.has_q[j] and data.has_theta[j])
+    both = bool(data.both[j])
     for signal, there in (("q", data.has_q[j]), ("theta", data.has_theta[j])):
         if not there:
             continue

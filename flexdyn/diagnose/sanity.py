@@ -141,7 +141,7 @@ def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array])
 
 def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
     """Both positions of a joint are nearly the same: springs bend little."""
-    both = np.flatnonzero(data.has_q & data.has_theta)
+    both = np.flatnonzero(data.both)
     for j in both:
         joint = model.joint_names[j]
         for dead, alive in (("q", "theta"), ("theta", "q")):

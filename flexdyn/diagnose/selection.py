@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -16,6 +15,7 @@ from flexdyn.diagnose.stage import Alternative, Named, Stage
 from flexdyn.diagnose.verify import EXPLAINED, SURE, Check, Trial, better, confirmed, surely_less
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import Effect, JointElasticity
+from flexdyn.effects.model_error import effect_place
 
 MOST = 6
 """Effects that are named at most."""
@@ -214,6 +214,5 @@ def contains(one: Candidate, other: Candidate) -> bool:
 
 def _changed(candidate: Candidate) -> Effect | None:
     """The effect of the file that a number set free belongs to; None: it is a joint's or a link's."""
-    of = candidate.number.of if candidate.number is not None else ""
-    match = re.fullmatch(r"effects\[(\d+)\]", of)
-    return candidate.fitted.hypothesis.given.effects[int(match[1])] if match else None
+    place = effect_place(candidate.number.of) if candidate.number is not None else None
+    return None if place is None else candidate.fitted.hypothesis.given.effects[place]

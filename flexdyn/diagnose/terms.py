@@ -171,7 +171,7 @@ def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: Mo
         both = spring_torque(model, acting, motion, j)
         carried = both[:, 0]
         motor, link = motor - both[:, 1], link + both[:, 0]
-        if not (motion.data.has_q[j] and motion.data.has_theta[j]):
+        if not motion.data.both[j]:
             carried = _carried(model, acting, motion, j, applied, others)
     motor = motor - friction_torque(acting, model, motion, j, "motor", carried)
     link = link - friction_torque(acting, model, motion, j, "link", carried)

@@ -6,6 +6,7 @@ import math
 import re
 
 from flexdyn.diagnose.result import Diagnosis, Finding, Gap, Number, Suspect
+from flexdyn.effects.model_error import effect_place
 from flexdyn.model import FlexibleJointModel
 
 FEW = 2
@@ -125,10 +126,10 @@ def number_phrase(model: FlexibleJointModel, of: str, parameter: str) -> str:
     """A number of the model file: ``stiffness of elbow``, ``level of coulomb friction on the motor side of elbow``."""
     word = parameter.removeprefix("link_").replace("_", " ").replace("urdf", "URDF")
     word = {"com": "centre of mass"}.get(word, word)
-    match = re.fullmatch(r"effects\[(\d{1,6})\]", of)
-    if match is None or int(match[1]) >= len(model.effects):
+    place = effect_place(of)
+    if place is None or place >= len(model.effects):
         return f"{word} of {of}"
-    effect = model.effects[int(match[1])]
+    effect = model.effects[place]
     joint, side = getattr(effect, "joint", None), getattr(effect, "side", None)
     return f"{word} of {effect_name(effect.name)}{f' {place_phrase(joint, side)}' if joint else ''}"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import Any
 
 from flexdyn.effects import base
@@ -45,3 +46,9 @@ class ParameterError(base.Effect):
     @classmethod
     def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
         return {"of": joint, "parameter": "rotor_inertia"}
+
+
+def effect_place(of: str) -> int | None:
+    """The place of the effect that ``effects[i]`` says; None: it is the name of a joint or link."""
+    match = re.fullmatch(r"effects\[(\d{1,6})\]", of)
+    return int(match[1]) if match else None
