@@ -154,11 +154,11 @@ def _attempt(
         scale = scale_of(rng, arm, base, controls[0], int(rng.integers(2)), 1.0)
         hidden = (draw_outside(names[(number + seed) % len(names)], scale),)
     else:
+        factor = 0.3 if family == "hard" else 1.0
         for site in places:
-            arm = prepared(arm, site)
+            arm = prepared(arm, site, factor)
         if family == "rigid" and places[0][0] == "joint_elasticity":
             arm = _one_spring(rng, arm, places[0][1], base)
-        factor = 0.3 if family == "hard" else 1.0
         hidden = tuple(draw(site, scale_of(rng, arm, base, controls[0], site[1], factor)) for site in places)
     return _finish(f"{family}_{seed}_{number:03d}", arm, hidden, (controls[0], controls[1]), sensors, rng)
 

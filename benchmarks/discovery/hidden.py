@@ -97,9 +97,14 @@ def sites() -> list[Site]:
     return [*found, ("payload", 1, "link")]
 
 
-def prepared(arm: TwoLinkArm, site: Site) -> TwoLinkArm:
-    """The arm in which this can be hidden: without known friction that the effect would merely change."""
+def prepared(arm: TwoLinkArm, site: Site, size: float) -> TwoLinkArm:
+    """The arm in which this can be hidden: without known friction that the effect would merely change.
+
+    A spring that nobody knows of winds by as much less as the effect is to be smaller.
+    """
     name, j, side = site
+    if name == "joint_elasticity":
+        return arm.replace(stiffness=changed(arm.stiffness, j, arm.stiffness[j] / size))
     if name == "viscous_friction" and side == "motor":
         return arm.replace(viscous=changed(arm.viscous, j, 0.0))
     if name in WITHOUT_COULOMB and side == "motor":
@@ -117,7 +122,7 @@ def draw(site: Site, scale: Scale, joints: Sequence[str] = JOINTS, links: Sequen
         place = {"of": f"{side}_of_{of}" if side in ("coefficient", "level") else of, "parameter": side}
         return Hidden(name, None if side.startswith("link_") else j, None, {"factor": sizes.wrong_factor(scale)}, place)
     if name == "joint_elasticity":
-        return Hidden(name, j, side, {"stiffness": scale.K / (1.0 if scale.factor == 1.0 else 2.0)})
+        return Hidden(name, j, side, {"stiffness": scale.K})
     if name == "payload":
         return Hidden(name, None, None, sizes.payload(scale), {"frame": "tool"})
     if name in sizes.SENSOR:

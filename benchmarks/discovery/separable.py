@@ -31,7 +31,7 @@ from score import outcome
 
 TOLERANCE = 0.03
 KNOWN = ("stiffness", "damping", "rotor_inertia", "viscous", "coulomb", "mass", "com", "inertia")
-STARTS, EVALUATIONS = 1, 10
+STARTS, EVALUATIONS, FAR = 1, 10, 1e6
 SENSOR_COLUMNS = {
     "channel_lag": {"delay": LAG},
     "encoder_eccentricity": {"amplitude": DISC, "harmonic": DISC_HARMONIC, "phase": DISC_PHASE},
@@ -54,6 +54,8 @@ def site_of(entry: Mapping[str, Any], given: TwoLinkArm) -> Site | None:
         if of.startswith("effects["):
             _, j, wrong, _ = known_effects(given)[int(of[8:-1])]
             return name, j, wrong
+        if (of, number) == ("tool", "link_mass"):  # the tool is a point: more of it is a payload
+            return "payload", 1, "link"
         names = JOINTS if of in JOINTS else LINKS
         return (name, names.index(of), number) if of in names else None
     place = text(entry, "joint") or ""
@@ -123,7 +125,7 @@ def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
             plant = true_plant(calibrated(case.arm, TOLERANCE * x[:16]), all_of)
             table = sensor_table(all_of)
             run = innovations(case.fit.y[0], z, case.fit.tau, plant.P, plant.links, found.gain, found.seen, table, STEP)
-            errors = np.clip(np.nan_to_num(run @ found.whiten.T, nan=1e3), -1e3, 1e3)
+            errors = np.clip(np.nan_to_num(run @ found.whiten.T, nan=FAR), -FAR, FAR)
             return np.concatenate([errors.ravel(), x[:16] - prior / TOLERANCE])
 
         x0 = np.concatenate([np.zeros(16), first / unit])

@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 BENT, TRACE = 3.0, 0.01
 """What the equations of a right model may leave over noise: so many times that, or a share of what was there before:
 windows hardly see what a stiff spring does fast."""
+FAR_OFF = 3.0
+"""Times the floor that the data of the fit may be off: an end stop that the check never meets is not explained."""
 LEFT = 0.1
 """Share of what was unexplained that may be left for names to stand, where not all is explained."""
 
@@ -80,7 +82,8 @@ def concluded(
     space = calibrated.space
     mask = space.whiten.mask
     left = calibrated.regression.left[: len(mask)]  # white rows, a count more or less of the encoders allowed for
-    verdict = "unexplained" if not _explained(last, first) else "explained" if findings else "no_discrepancy"
+    near = _explained(last, first) and gaps[0].after <= FAR_OFF * max(gaps[0].floor, 1.0)
+    verdict = "unexplained" if not near else "explained" if findings else "no_discrepancy"
     return Diagnosis(
         verdict=verdict,
         findings=findings,

@@ -16,7 +16,7 @@ from flexdyn.diagnose.covariance import Noise, Whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber, with_factors
 from flexdyn.diagnose.regression import Regression
-from flexdyn.effects import Effect, KinematicError, PreslidingFriction, SensorEffect, SensorOffset
+from flexdyn.effects import Effect, KinematicError, Payload, PreslidingFriction, SensorEffect, SensorOffset
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
@@ -30,6 +30,11 @@ SETTLED = 0.05
 """Drop of chi^2 below which another step is not worth its time."""
 BLOCK = 0.5
 """Length of the blocks over which rows are taken to be correlated [s]."""
+AHEAD = 2
+"""Steps that may go on from where chi^2 rose: numbers that multiply one another lie along a bent valley, whose floor a
+straight step leaves and the next one finds again (the watchdog of Chamberlain et al., 1982)."""
+SHORTER = 0.3
+"""Share of a step that is tried where all of it was too much."""
 FAR = 0.05
 """Relative distance of a number from its given value beyond which its derivative is another one."""
 LOOSE = 1e3
@@ -173,17 +178,20 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
         space: data, weights and the derivatives that do not change.
         steps: at most so many.
     """
-    best = linearised(start, space)
-    current = moved(best.hypothesis, best.regression.values, best.scales)
+    best = base = linearised(start, space)
+    share, ahead, anew = 1.0, 0, False
     for _ in range(steps - 1):
         if best.regression.at_zero - best.chi2 < SETTLED:
             break
-        made = linearised(current, space)
-        if made.regression.at_zero > best.regression.at_zero:
-            current = _between(best.hypothesis, current)
+        made = linearised(moved(base.hypothesis, share * base.regression.values, base.scales), space, anew=anew)
+        if made.regression.at_zero <= best.regression.at_zero:
+            best, base, share, ahead = made, made, min(1.0, share / SHORTER), 0
             continue
-        best = made
-        current = moved(made.hypothesis, made.regression.values, made.scales)
+        anew = True
+        if share == 1.0 and ahead < AHEAD and made.chi2 < best.regression.at_zero:
+            base, ahead = made, ahead + 1
+        else:
+            base, share = best, SHORTER * share
     return _counted(best, space)
 
 
@@ -194,12 +202,18 @@ def _counted(made: Fit, space: Workspace) -> Fit:
     return dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=counts))
 
 
-def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
-    """The least-squares problem at a hypothesis; its step is not taken."""
+def linearised(hypothesis: Hypothesis, space: Workspace, *, anew: bool = False) -> Fit:
+    """The least-squares problem at a hypothesis; its step is not taken.
+
+    Args:
+        hypothesis: where.
+        space: of the fit.
+        anew: take the derivatives of all numbers here, and not only of those that are known to have changed.
+    """
     at, whiten = space.equations.of(hypothesis.model()), space.whiten
     unknowns = hypothesis.unknowns()
     scales = tuple(_scale(effect, name) for effect, name in unknowns)
-    slopes = [_slopes_of_numbers(hypothesis, at, space)]
+    slopes = [_slopes_of_numbers(hypothesis, at, space, anew=anew)]
     if unknowns:
         raw = [s * columns.of_parameter(at, e, name, 0.1 * s) for (e, name), s in zip(unknowns, scales, strict=True)]
         slopes.append(whiten(np.stack(raw, axis=1)))
@@ -212,7 +226,20 @@ def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
         rows=space.rows,
         nuisances=space.nuisance.shape[1],
     )
-    return Fit(hypothesis, at, regression, space, scales)
+    return Fit(hypothesis, at, _held(hypothesis, regression, scales), space, scales)
+
+
+def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> Regression:
+    """The problem without those unknowns that stand at a bound and would leave it: the others must do without them."""
+    first = len(hypothesis.factors)
+    wanted = regression.values[first : first + len(scales)] * np.array(scales)
+    pairs = zip(hypothesis.unknowns(), wanted.tolist(), strict=True)
+    held = [first + k for k, ((e, name), dx) in enumerate(pairs) if dx and _bounded(e, name, dx) == getattr(e, name)]
+    if not held:
+        return regression
+    X, sigma = regression.X.copy(), regression.sigma.copy()
+    X[:, held], sigma[held] = 0.0, 1e-9
+    return dataclasses.replace(regression, X=X, sigma=sigma)
 
 
 def tempering(made: Fit) -> float:
@@ -232,18 +259,19 @@ def tempering(made: Fit) -> float:
     return total * made.reduced
 
 
-def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
+def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace, *, anew: bool) -> Array:
     """Whitened derivatives of the file's numbers (rows, numbers), anew for those that have become other ones.
 
     These are numbers that are far from what was given, and those of a joint whose encoders or spring were wrong: it
     winds by less than a sensor may be off. A link's mass, its place and its inertia multiply one another: where one of
-    them is far off, all are taken anew.
+    them is far off or the links carry more, all are taken anew.
     """
-    far = {n for n, factor in hypothesis.factors.items() if n in hypothesis.freed and abs(factor - 1.0) > FAR}
-    links = any(number.joint is None for number in far)
-    joints = {getattr(e, "joint", None) for e in hypothesis.effects if isinstance(e, SensorEffect | KinematicError)}
-    slopes = space.numbers.copy() if far or joints else space.numbers
-    for k, (number, factor) in enumerate(hypothesis.factors.items()):
+    numbers, effects = hypothesis.factors, hypothesis.effects
+    far = {n for n, factor in numbers.items() if anew or (n in hypothesis.freed and abs(factor - 1.0) > FAR)}
+    links = any(number.joint is None for number in far) or any(isinstance(e, Payload) for e in effects)
+    joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect | KinematicError)}
+    slopes = space.numbers.copy() if far or joints or links else space.numbers
+    for k, (number, factor) in enumerate(numbers.items()):
         if number in far or number.joint in joints or (links and number.joint is None):
             slopes[:, k] = space.whiten(columns.of_number(at, number)) / factor
     return slopes
@@ -268,22 +296,6 @@ def _bounded(effect: Effect, name: str, step: float) -> float:
     if (name in POSITIVE or entry.metadata["strict"]) and value > lower == 0.0:
         return float(np.clip(value + step, value / 2.5, value * 2.5))
     return float(max(value + step, lower))
-
-
-def _between(last: Hypothesis, now: Hypothesis) -> Hypothesis:
-    """A third of the way from the last hypothesis to one that went too far."""
-    share = 0.3
-    factors = {n: f + share * (now.factors[n] - f) for n, f in last.factors.items()}
-    effects = []
-    for mine, its in zip(last.effects, now.effects, strict=True):
-        names = [entry.name for entry in mine.parameters()]
-        blended = {
-            k: getattr(mine, k) + share * (getattr(its, k) - getattr(mine, k))
-            for k in names
-            if math.isfinite(getattr(mine, k))
-        }
-        effects.append(mine.replace(**blended))
-    return dataclasses.replace(last, factors=factors, effects=tuple(effects))
 
 
 def _scale(effect: Effect, name: str) -> float:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +81,45 @@ class Refined:
         return {key: float(s) for key, s in zip(self.hypothesis.unknowns(), own, strict=True)}
 
 
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Of the surprises, with what weighs them.
+
+    Attributes:
+        J: slopes (surprises, numbers + unknowns).
+        weight: of the surprises, robust (surprises,).
+        prior: 1/sigma^2 of the numbers, 0 of the unknowns (numbers + unknowns,).
+        scales: of the unknowns.
+    """
+
+    J: Array
+    weight: Array
+    prior: Array
+    scales: tuple[float, ...]
+
+    @cached_property
+    def _inverse(self) -> Array:
+        H = (self.J * self.weight[:, None]).T @ self.J + np.diag(self.prior)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
+        return np.asarray(scale[:, None] * np.linalg.pinv(scale[:, None] * H * scale, rcond=1e-10) * scale)
+
+    def step(self, shot: Shot, at: Hypothesis) -> Array:
+        """From a hypothesis and its surprises (numbers + unknowns,)."""
+        off = np.zeros(len(self.prior))
+        off[: len(at.factors)] = np.array(list(at.factors.values())) - 1.0
+        return np.asarray(-self._inverse @ (self.J.T @ (self.weight * shot.whitened().ravel()) + self.prior * off))
+
+    def std(self, shot: Shot) -> Array:
+        """Standard deviations from the sandwich of windows' gradients (numbers + unknowns,)."""
+        surprises = shot.whitened()
+        each = self.J * (self.weight * surprises.ravel())[:, None]
+        by_window = each.reshape(len(surprises), -1, self.J.shape[1]).sum(axis=1)
+        by_window -= by_window.mean(axis=0)
+        meat = by_window.T @ by_window + np.diag(self.prior)
+        spread = np.sqrt(np.maximum(np.diag(self._inverse @ meat @ self._inverse), 0.0))
+        return np.asarray(spread * np.concatenate([np.ones(len(spread) - len(self.scales)), np.array(self.scales)]))
+
+
 def of_fit(made: Fit) -> Refined:
     """The numbers of a fit to the equations."""
     return Refined(made.hypothesis, np.array([*made.factor_std().values(), *made.std().values()]))
@@ -101,47 +141,64 @@ def refine(
     best = _cost(current, shot, temper)
     std = np.zeros(len(current.factors) + len(current.unknowns()))
     for k in range(rounds if math.isfinite(best) else 0):
-        J, scales = _slopes(current, shot, progress, k / rounds, (k + 1) / rounds)
-        step, std = _step(current, shot, J, scales, temper)
-        accepted = False
-        for share in (1.0, 0.3):
-            trial = moved(current, share * step, scales)
-            after = shoot(trial.seen(), windows)
-            cost = _cost(trial, after, temper)
+        slopes = _slopes(current, shot, temper, progress, (k / rounds, (k + 1) / rounds))
+        std = slopes.std(shot)
+        gained = 0.0
+        for trial in _trials(current, shot, slopes, windows):
+            cost = _cost(*trial, temper)
             if cost < best:
-                gained, accepted = best - cost, True
-                current, shot, best = trial, after, cost
+                gained, best = best - cost, cost
+                current, shot = trial
                 break
-        if not accepted or gained < 1e-3 * best:
+        if gained < 1e-3 * best:
             break
     return Refined(current, std, best, shot.whitened().size, _by_window(shot))
 
 
+def _trials(current: Hypothesis, shot: Shot, slopes: Slopes, windows: Windows) -> Iterator[tuple[Hypothesis, Shot]]:
+    """A full step, the same after another one with the same slopes from there, and a third of the step.
+
+    Numbers that multiply one another lie along a bent valley, whose floor a straight step leaves.
+    """
+    step = slopes.step(shot, current)
+    there = moved(current, step, slopes.scales)
+    seen = shoot(there.seen(), windows)
+    yield there, seen
+    if np.isfinite(seen.whitened()).all():
+        there = moved(there, slopes.step(seen, there), slopes.scales)
+        yield there, shoot(there.seen(), windows)
+    there = moved(current, 0.3 * step, slopes.scales)
+    yield there, shoot(there.seen(), windows)
+
+
 def _slopes(
-    hypothesis: Hypothesis, shot: Shot, progress: Callable[[float], None] | None, low: float, high: float
-) -> tuple[Array, tuple[float, ...]]:
+    hypothesis: Hypothesis,
+    shot: Shot,
+    temper: float,
+    progress: Callable[[float], None] | None,
+    shares: tuple[float, float],
+) -> Slopes:
     """Slopes of the surprises: one column a factor, then one an unknown, in units of its scale."""
-    models, steps = [], []
+    models = []
     for number, factor in hypothesis.factors.items():
         factors = {**hypothesis.factors, number: factor + STEP}
         models.append(dataclasses.replace(hypothesis, factors=factors).seen())
-        steps.append(STEP)
     scales = []
     for effect, name in hypothesis.unknowns():
         size = _size(effect, name)
         stepped = effect.replace(**{name: getattr(effect, name) + STEP * size})
         effects = tuple(stepped if e is effect else e for e in hypothesis.effects)
         models.append(dataclasses.replace(hypothesis, effects=effects).seen())
-        steps.append(STEP)
         scales.append(size)
     now = shot.whitened()
     columns = []
-    for k, (model, step) in enumerate(zip(models, steps, strict=True)):
-        slope = (shot.whitened(model) - now).ravel() / step
+    low, high = shares
+    for k, model in enumerate(models):
+        slope = (shot.whitened(model) - now).ravel() / STEP
         columns.append(np.where(np.isfinite(slope), slope, 0.0))  # windows that cannot be simulated do not tell
         if progress is not None:
             progress(low + (high - low) * (k + 1) / len(models))
-    return np.stack(columns, axis=1), tuple(scales)
+    return Slopes(np.stack(columns, axis=1), _weights(now), _priors(hypothesis, len(scales), temper), tuple(scales))
 
 
 def _size(effect: Effect, name: str) -> float:
@@ -152,26 +209,13 @@ def _size(effect: Effect, name: str) -> float:
     return value if value > 0.0 else 1e-3
 
 
-def _step(
-    hypothesis: Hypothesis, shot: Shot, J: Array, scales: tuple[float, ...], temper: float
-) -> tuple[Array, Array]:
-    """The step, and standard deviations from the sandwich of windows' gradients."""
-    surprises = shot.whitened()
-    r = surprises.ravel()
-    weight = 1.0 / (1.0 + (r / ROBUST) ** 2)
-    numbers = len(hypothesis.factors)
+def _weights(surprises: Array) -> Array:
+    return np.asarray(1.0 / (1.0 + (surprises.ravel() / ROBUST) ** 2))
+
+
+def _priors(hypothesis: Hypothesis, unknowns: int, temper: float) -> Array:
     sigma = np.array([LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors])
-    prior = np.concatenate([temper / sigma**2, np.zeros(J.shape[1] - numbers)])
-    off = np.concatenate([np.array(list(hypothesis.factors.values())) - 1.0, np.zeros(J.shape[1] - numbers)])
-    H = (J * weight[:, None]).T @ J + np.diag(prior)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
-    inverse = scale[:, None] * np.linalg.pinv(scale[:, None] * H * scale, rcond=1e-10) * scale
-    step = -inverse @ (J.T @ (weight * r) + prior * off)
-    by_window = (J * (weight * r)[:, None]).reshape(len(surprises), -1, J.shape[1]).sum(axis=1)
-    by_window -= by_window.mean(axis=0)
-    meat = by_window.T @ by_window + np.diag(prior)
-    std = np.sqrt(np.maximum(np.diag(inverse @ meat @ inverse), 0.0))
-    return step, std * np.concatenate([np.ones(numbers), np.array(scales)])
+    return np.concatenate([temper / sigma**2, np.zeros(unknowns)])
 
 
 def _cost(hypothesis: Hypothesis, shot: Shot, temper: float) -> float:
