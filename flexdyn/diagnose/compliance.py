@@ -29,7 +29,7 @@ def _along(equations: Equations, along: Motion, j: int) -> Array:
     by_motor = terms.motor - J * along.alpha[:, j]
     rows = np.zeros((filters.count(len(along.t)), len(equations.kinds)))
     has_q, has_theta = along.data.has_q[j], along.data.has_theta[j]
-    at = filters.instants(len(along.t))
+    swung = [filters.rows(by_motor, order) for order in range(3)]
     for place, (i, kind) in enumerate(equations.kinds):
         if has_q and has_theta:
             if i == j and kind == TRANSMISSION:
@@ -38,8 +38,7 @@ def _along(equations: Equations, along: Motion, j: int) -> Array:
             if i == j and kind == TOTAL:
                 rows[:, place] = -J * filters.rows(by_link, 2) / equations.gains[j]
         elif kind in (TOTAL, LINK):
-            M = along.M[at, i, j] - (J if i == j else 0.0)
-            swung = M * filters.rows(by_motor, 2)
-            swung += filters.rows(equations.stiffening(along, j)[:, i] * by_motor)
-            rows[:, place] = swung / (equations.gains[i] if kind == TOTAL else equations.softness[i])
+            loads = equations.dragged(along, j, swung, filters.instants(len(along.t)))[:, i]
+            loads -= J * swung[2] if i == j else 0.0  # a rigid joint's rotor is in M
+            rows[:, place] = loads / (equations.gains[i] if kind == TOTAL else equations.softness[i])
     return rows

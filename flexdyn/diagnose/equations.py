@@ -169,7 +169,7 @@ class Equations:
                 if model.elastic[j] and (signal == "theta" or alone):
                     motor[:, j] -= model.rotor_inertia[j] * d2
                 if signal == "q" or alone:
-                    link -= along.M[:, :, j] * d2[:, None] + self.stiffening(along, j) * d0[:, None]
+                    link -= self.dragged(along, j, (d0, d1, d2))
                 if not alone and not model.elastic[j]:
                     motor[:, j] -= sign * model.rotor_inertia[j] * d2
                     wound[:, j] = sign * d0
@@ -188,19 +188,20 @@ class Equations:
             return self.filters.first.apply(y, 0)
         return y[spare : len(y) - spare]
 
-    def stiffening(self, along: Motion, j: int, at: NDArray[np.intp] | slice = slice(None)) -> Array:
-        """dh/dq_j at samples of a motion (samples, n) [N m/rad], by differences."""
-        q, v = along.q[at], along.v[at]
-        moved = q.copy()
-        moved[:, j] += STEP
-        return (self.links.bias(moved, v) - self.links.bias(q, v)) / STEP
+    def dragged(
+        self, along: Motion, j: int, moved: Sequence[Array], at: NDArray[np.intp] | slice = slice(None)
+    ) -> Array:
+        """Change of M a + h at samples of a motion (samples, n) where a joint's position, speed and acceleration move.
 
-    def _slowing(self, along: Motion, j: int, at: NDArray[np.intp]) -> Array:
-        """dh/dv_j at samples of a motion (samples, n) [N m s/rad], by differences."""
+        ``dh/dq_j dq + dh/dv_j dv + M_j da``, the slopes of h by differences.
+        """
         q, v = along.q[at], along.v[at]
-        faster = v.copy()
+        ahead, faster = q.copy(), v.copy()
+        ahead[:, j] += STEP
         faster[:, j] += STEP
-        return (self.links.bias(q, faster) - self.links.bias(q, v)) / STEP
+        given = self.links.bias(q, v)
+        slopes = ((self.links.bias(ahead, v) - given) / STEP, (self.links.bias(q, faster) - given) / STEP)
+        return np.asarray(sum(s * d[:, None] for s, d in zip((*slopes, along.M[at, :, j]), moved, strict=True)))
 
     def _rows(self, model: FlexibleJointModel, motions: Sequence[Motion], effects: Sequence[Effect]) -> Array:
         return np.concatenate([self._of_motion(model, each, effects).ravel() for each in motions])
@@ -292,9 +293,7 @@ class Equations:
             if first.has_q[i]:
                 lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(wrong, 2)
             else:
-                slopes = (self.stiffening(along, i, at), self._slowing(along, i, at), along.M[at, :, i])
-                for order, slope in enumerate(slopes):
-                    lifted += slope * self.filters.rows(wrong, order)[:, None]
+                lifted += self.dragged(along, i, [self.filters.rows(wrong, order) for order in range(3)], at)
         return lifted
 
 
