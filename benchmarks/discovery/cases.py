@@ -140,6 +140,9 @@ def _attempt(
     family: str, seed: int, number: int, rng: np.random.Generator, durations: tuple[float, float], sensors: Sensors
 ) -> Case:
     arm, styles, bandwidth = draw_arm(rng), (draw_style(rng), draw_style(rng)), draw_bandwidth(rng)
+    places = [] if family in ("none", "outside") else chosen(family, seed, number)
+    if sensors.positions != "both" and any(name == "sensor_offset" and j == 0 for name, j, _ in places):
+        arm = arm.replace(vertical=True)  # lying down the first joint has no zero that anything but its encoder knows
     if family == "rigid":
         arm = arm.replace(stiffness=(np.inf, np.inf))
     resolution = np.array([sensors.motor_step(N) for N in arm.gear_ratio])
@@ -147,7 +150,6 @@ def _attempt(
     controls = [make_control(rng, arm, styles, duration, bandwidth, resolution) for duration in durations]
     base = controlled(arm.plant(), controls[0], step=QUICK)
     arm = with_friction(rng, arm, base)
-    places = [] if family == "none" else chosen(family, seed, number)
     hidden: tuple[Hidden, ...]
     if family == "outside":
         names = list(OUTSIDE)
