@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from flexdyn.diagnose import columns
 from flexdyn.diagnose.covariance import Noise, whitener
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.estimate import Fit, Hypothesis, Workspace, linearised, moved
+from flexdyn.diagnose.estimate import Fit, Workspace, linearised
+from flexdyn.diagnose.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.mask import sign_mask
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.numbers import FileNumber

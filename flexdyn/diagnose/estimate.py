@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,18 +13,12 @@ from numpy.typing import NDArray
 from flexdyn.diagnose import columns
 from flexdyn.diagnose.covariance import Noise, Whitener
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber, with_factors
+from flexdyn.diagnose.hypothesis import Hypothesis, bounded, moved
+from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.regression import Regression
-from flexdyn.effects import Effect, KinematicError, Payload, PreslidingFriction, SensorEffect, SensorOffset
-from flexdyn.model import FlexibleJointModel
+from flexdyn.effects import Effect, KinematicError, Payload, SensorEffect, SensorOffset
 
 Array = NDArray[np.float64]
-DISCRETE = ("harmonic", "exponent")
-"""Parameters that are counted and not measured."""
-POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
-"""Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
-BRISTLE = 0.1
-"""Longest time constant of bristles, damping/stiffness [s]: where they hardly bend, nothing holds their damping."""
 SETTLED = 0.05
 """Drop of chi^2 below which another step is not worth its time."""
 BLOCK = 0.5
@@ -43,50 +36,6 @@ ROUGH = 2.0
 """Mean square of the equations' white residuals above which the filters, and not the noise, limit the fit."""
 ALIKE = 0.1
 """Autocorrelation of what is left below which rows are taken to be independent of one another."""
-
-
-@dataclass(frozen=True, eq=False)
-class Hypothesis:
-    """What might be true: factors of the file's numbers, numbers that are out of tolerance, effects that are missing.
-
-    Attributes:
-        given: the model as it was given.
-        factors: by number of the file; 1 where it is as given.
-        freed: numbers that their tolerance does not hold.
-        effects: added.
-        counts: offsets of the encoders of about a count, as nobody knows whether they round or cut; not reported.
-    """
-
-    given: FlexibleJointModel
-    factors: Mapping[FileNumber, float]
-    freed: frozenset[FileNumber] = frozenset()
-    effects: tuple[Effect, ...] = ()
-    counts: tuple[SensorOffset, ...] = ()
-
-    def model(self) -> FlexibleJointModel:
-        """The model that this makes."""
-        return with_factors(self.given, self.factors, self.effects)
-
-    def seen(self) -> FlexibleJointModel:
-        """The model as its encoders report it."""
-        return with_factors(self.given, self.factors, (*self.effects, *self.counts))
-
-    def tolerated(self) -> Hypothesis:
-        """The same with its numbers back within their tolerance: what bent them may be gone."""
-        factors = dict(self.factors)
-        for number in set(factors) - self.freed:
-            most = IN_TOLERANCE * number.tolerance
-            factors[number] = float(np.clip(factors[number], 1.0 - most, 1.0 + most))
-        return dataclasses.replace(self, factors=factors)
-
-    def unknowns(self) -> list[tuple[Effect, str]]:
-        """Parameters of the added effects that are estimated."""
-        return [
-            (effect, entry.name)
-            for effect in self.effects
-            for entry in effect.parameters()
-            if entry.name not in DISCRETE and math.isfinite(getattr(effect, entry.name))
-        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,7 +183,7 @@ def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, .
     first = len(hypothesis.factors)
     wanted = regression.values[first : first + len(scales)] * np.array(scales)
     pairs = zip(hypothesis.unknowns(), wanted.tolist(), strict=True)
-    held = [first + k for k, ((e, name), dx) in enumerate(pairs) if dx and _bounded(e, name, dx) == getattr(e, name)]
+    held = [first + k for k, ((e, name), dx) in enumerate(pairs) if dx and bounded(e, name, dx) == getattr(e, name)]
     if not held:
         return regression
     X, sigma = regression.X.copy(), regression.sigma.copy()
@@ -275,27 +224,6 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace, 
         if number in far or number.joint in joints or (links and number.joint is None):
             slopes[:, k] = space.whiten(columns.of_number(at, number)) / factor
     return slopes
-
-
-def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
-    """The hypothesis after a step of its numbers; what has bounds stays within them."""
-    factors = {n: max(f + float(dx), 0.02) for (n, f), dx in zip(hypothesis.factors.items(), step, strict=False)}
-    changes: dict[Effect, dict[str, float]] = {}
-    for (effect, name), dx, scale in zip(hypothesis.unknowns(), step[len(factors) :], scales, strict=False):
-        changes.setdefault(effect, {})[name] = _bounded(effect, name, float(dx) * scale)
-    effects = tuple(e.replace(**changes.get(e, {})) for e in hypothesis.effects)
-    return dataclasses.replace(hypothesis, factors=factors, effects=effects)
-
-
-def _bounded(effect: Effect, name: str, step: float) -> float:
-    """A value after a step that neither leaves its bound nor more than halves or triples what must stay positive."""
-    entry = next(f for f in effect.parameters() if f.name == name)
-    value, lower = getattr(effect, name), entry.metadata["lower"]
-    if isinstance(effect, PreslidingFriction) and name == "damping":
-        return float(np.clip(value + step, 0.0, BRISTLE * effect.stiffness))
-    if (name in POSITIVE or entry.metadata["strict"]) and value > lower == 0.0:
-        return float(np.clip(value + step, value / 2.5, value * 2.5))
-    return float(max(value + step, lower))
 
 
 def _scale(effect: Effect, name: str) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.diagnose import windows as cutting
 from flexdyn.diagnose.conclusion import concluded
 from flexdyn.diagnose.covariance import Noise
-from flexdyn.diagnose.estimate import Hypothesis
+from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.measured import Measured, measured
 from flexdyn.diagnose.noise import torque_noise
 from flexdyn.diagnose.result import Diagnosis, Interrupted

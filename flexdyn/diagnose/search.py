@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from flexdyn.diagnose import columns
 from flexdyn.diagnose.covariance import Noise, encoders_rule, whitener
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.estimate import Fit, Hypothesis, Workspace, fit
+from flexdyn.diagnose.estimate import Fit, Workspace, fit
 from flexdyn.diagnose.filters import SECONDS, Filters
+from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.mask import sign_mask
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.noise import encoder_noise, recorded_torque_noise, torque_noise

@@ -7,7 +7,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from flexdyn.diagnose.estimate import ROUGH, Fit, Hypothesis, Workspace, fit, linearised, tempering
+from flexdyn.diagnose.estimate import ROUGH, Fit, Workspace, fit, linearised, tempering
+from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.nesting import is_simpler
 from flexdyn.diagnose.refine import refine
 from flexdyn.diagnose.search import ENOUGH, Candidate, Screen, candidates

@@ -6,7 +6,8 @@ import dataclasses
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from flexdyn.diagnose.estimate import Fit, Hypothesis
+from flexdyn.diagnose.estimate import Fit
+from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.verify import Trial

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.estimate import BLOCK, Fit, Hypothesis, Workspace
+from flexdyn.diagnose.estimate import BLOCK, Fit, Workspace
 from flexdyn.diagnose.gap import Shot, shoot
+from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.windows import Windows
 
 Array = NDArray[np.float64]

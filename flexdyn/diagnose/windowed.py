@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.apart import Known, Refit, laden
-from flexdyn.diagnose.estimate import Hypothesis, moved
 from flexdyn.diagnose.gap import Shot, shoot
+from flexdyn.diagnose.hypothesis import Hypothesis, moved
 from flexdyn.effects import Payload
 
 Array = NDArray[np.float64]
