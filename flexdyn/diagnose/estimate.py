@@ -28,6 +28,8 @@ AHEAD = 2
 straight step leaves and the next one finds again (the watchdog of Chamberlain et al., 1982)."""
 SHORTER = 0.3
 """Share of a step that is tried where all of it was too much."""
+ROUNDING = 1e-9
+"""Share of a step that is none."""
 FAR = 0.05
 """Relative distance of a number from its given value beyond which its derivative is another one."""
 LOOSE = 1e3
@@ -182,8 +184,11 @@ def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, .
     """The problem without those unknowns that stand at a bound and would leave it: the others must do without them."""
     first = len(hypothesis.factors)
     wanted = regression.values[first : first + len(scales)] * np.array(scales)
-    pairs = zip(hypothesis.unknowns(), wanted.tolist(), strict=True)
-    held = [first + k for k, ((e, name), dx) in enumerate(pairs) if dx and bounded(e, name, dx) == getattr(e, name)]
+    held = []
+    for k, ((effect, name), dx) in enumerate(zip(hypothesis.unknowns(), wanted.tolist(), strict=True)):
+        value = getattr(effect, name)
+        if abs(bounded(effect, name, dx) - value) < ROUNDING * abs(dx):
+            held.append(first + k)
     if not held:
         return regression
     X, sigma = regression.X.copy(), regression.sigma.copy()

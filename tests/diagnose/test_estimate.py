@@ -1,0 +1,84 @@
+"""Fits end where the sum of squares is least, by SciPy's least squares over the same rows and priors."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+import flexdyn as fd
+from flexdyn.diagnose.estimate import LOOSE, Workspace, fit
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.measured import measured
+from flexdyn.diagnose.search import workspace
+from tests.arms import two_link
+from tests.diagnose.truths import ARM, JOINTS, Levels
+from tests.oracles.integrate import held
+
+Array = NDArray[np.float64]
+LEVELS, SECONDS, RATE = Levels(2e-7, 3e-3), 6.0, 1000.0
+HANGING = dataclasses.replace(ARM, gravity=9.81)
+
+
+@cache
+def swinging() -> fd.Recording:
+    """The arm hanging in the vertical plane, pushed by its motors, as its encoders saw it."""
+    t = np.arange(round(SECONDS * RATE)) / RATE
+    tau = np.stack([3.0 * np.sin(5.1 * t + 0.5) + np.sin(13.0 * t), np.sin(6.7 * t) + 0.5 * np.sin(17.0 * t)], axis=1)
+    rows = iter(tau.tolist())
+    states, _ = held(HANGING.derivative, [-1.4, 0.3, -1.4, 0.3, 0, 0, 0, 0], t, lambda _t, _x: next(rows))
+    draw, step = np.random.default_rng(0), np.sqrt(12.0) * LEVELS.position
+    channels = {}
+    for j, joint in enumerate(JOINTS):
+        channels[f"q.{joint}"], channels[f"theta.{joint}"] = (step * np.round(states[:, k] / step) for k in (j, 2 + j))
+        channels[f"tau.{joint}"] = tau[:, j] + LEVELS.torque * draw.standard_normal(len(tau))
+    return fd.Recording(t, channels)
+
+
+def problem(*errors: fd.effects.ParameterError) -> tuple[Workspace, Hypothesis]:
+    """The arm's motion under a model with wrong numbers."""
+    model = two_link(HANGING, errors)
+    space, start, _ = workspace(model, (measured(model, swinging()),))
+    return space, start
+
+
+def least(space: Workspace, start: Hypothesis) -> float:
+    """The least sum of squares of white rows and priors that SciPy finds over the numbers of the file."""
+    numbers = list(start.factors)
+    sigma = np.array([LOOSE if n in start.freed else n.tolerance for n in numbers])
+
+    def rows(x: Array) -> Array:
+        factors = dict(zip(numbers, x.tolist(), strict=False))
+        at = space.equations.of(dataclasses.replace(start, factors=factors).model())
+        counts = x[len(numbers) :]
+        white = space.whiten(at.residual) + space.nuisance @ counts
+        return np.concatenate([white, (x[: len(numbers)] - 1.0) / sigma, counts / space.nuisance_sigma])
+
+    first = np.concatenate([np.ones(len(numbers)), np.zeros(len(space.channels))])
+    scale = np.concatenate([np.full(len(numbers), 0.01), space.nuisance_sigma])
+    return 2.0 * float(least_squares(rows, first, x_scale=scale, xtol=1e-12, ftol=1e-12, gtol=1e-12).cost)
+
+
+@pytest.mark.parametrize("factor", [0.6, 1.5])
+def test_a_link_far_off_is_fitted_along_its_valley(factor: float) -> None:
+    """Its mass, place and inertia multiply one another: what the data tells of them is a curve, and its foot is far."""
+    space, start = problem(fd.effects.ParameterError("link2", parameter="link_com", factor=factor))
+    free = frozenset(n for n in start.factors if (n.of, n.parameter) == ("link2", "link_com"))
+    start = dataclasses.replace(start, freed=free)
+    made = fit(start, space)
+    assert made.chi2 < least(space, start) + 1.0
+    (number,) = free
+    assert abs(made.hypothesis.factors[number] - 1.0 / factor) < 3.0 * made.factor_std()[number]
+
+
+def test_a_mass_that_would_be_negative_is_none_at_all() -> None:
+    """The other numbers are then at their best without it."""
+    space, start = problem(fd.effects.ParameterError("link2", parameter="link_mass", factor=1.1))
+    laden = dataclasses.replace(start, effects=(fd.effects.Payload(mass=0.05, frame="tool"),))
+    made, without = fit(laden, space), fit(start, space)
+    assert made.hypothesis.effects[0].values == pytest.approx((0.0,), abs=1e-12)
+    assert made.chi2 == pytest.approx(without.chi2, abs=0.2)
