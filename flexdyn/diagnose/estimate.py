@@ -20,7 +20,7 @@ from flexdyn.effects import Effect, KinematicError, Payload, SensorEffect, Senso
 
 Array = NDArray[np.float64]
 SETTLED = 0.05
-"""Drop of chi^2 below which another step is not worth its time."""
+"""Drop of chi^2, in units of what is left of a row, below which another step is not worth its time."""
 BLOCK = 0.5
 """Length of the blocks over which rows are taken to be correlated [s]."""
 AHEAD = 2
@@ -60,8 +60,13 @@ class Fit:
 
     @property
     def chi2(self) -> float:
-        """Sum of squares of white rows and priors."""
+        """Sum of squares of white rows and priors that the last step promises."""
         return self.regression.chi2
+
+    @property
+    def reached(self) -> float:
+        """The same where the hypothesis stands: the two differ where the fit has not come to an end."""
+        return self.regression.at_zero
 
     @property
     def reduced(self) -> float:
@@ -132,14 +137,14 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
     best = base = linearised(start, space)
     share, ahead, anew = 1.0, 0, False
     for _ in range(steps - 1):
-        if best.regression.at_zero - best.chi2 < SETTLED:
+        if best.reached - best.chi2 < SETTLED * max(1.0, best.reduced):
             break
         made = linearised(moved(base.hypothesis, share * base.regression.values, base.scales), space, anew=anew)
-        if made.regression.at_zero <= best.regression.at_zero:
+        if made.reached <= best.reached:
             best, base, share, ahead = made, made, min(1.0, share / SHORTER), 0
             continue
         anew = True
-        if share == 1.0 and ahead < AHEAD and made.chi2 < best.regression.at_zero:
+        if share == 1.0 and ahead < AHEAD and made.chi2 < best.reached:
             base, ahead = made, ahead + 1
         else:
             base, share = best, SHORTER * share

@@ -192,7 +192,7 @@ class Candidate:
         cost: of its description in BIC; a number of the file costs nothing, as it is there already.
         effect: that was added; None for a number set free.
         number: that was set free.
-        chi2: that compares with those of the same round.
+        chi2: that was reached; it compares with those of the same round.
     """
 
     fitted: Fit
@@ -246,9 +246,9 @@ def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) 
 
 
 def _candidate(before: Fit, after: Fit, cost: float, number: FileNumber | None) -> Candidate:
-    drop = (before.chi2 - after.chi2) / max(1.0, after.reduced) - cost
+    drop = (before.chi2 - after.reached) / max(1.0, after.reduced) - cost
     effect = None if number is not None else after.hypothesis.effects[-1]
-    return Candidate(after, drop, cost, effect, number, after.chi2)
+    return Candidate(after, drop, cost, effect, number, after.reached)
 
 
 def _is_a_limit(candidate: Candidate) -> bool:
