@@ -120,6 +120,13 @@ class LinkSide:
         self._links.bias(q_, v_, out)
         return out
 
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """M(q) a + h(q, v) (..., n) [N m]."""
+        q_, v_, a_ = self._columns(q, v, a)
+        out = np.empty(q_.shape)
+        self._links.inverse_dynamics(q_, v_, a_, out)
+        return out
+
     def acceleration(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
         """A = M(q)^-1 (tau - h(q, v)) (..., n) [rad/s^2], tau on the links."""
         q_, v_, tau_ = self._columns(q, v, tau)

@@ -183,6 +183,15 @@ void bias(const LinkDynamics& links, Array q, Array v, OutArray h) {
   }
 }
 
+void inverse_dynamics(const LinkDynamics& links, Array q, Array v, Array a, OutArray tau) {
+  const std::size_t rows = rows_of(links, q), n = links.size();
+  require(v.size() == q.size() && a.size() == q.size() && tau.size() == q.size(), "q, v, a, tau differ in size");
+  auto work = links.workspace();
+  for (std::size_t i = 0; i < rows * n; i += n) {
+    links.inverse_dynamics(*work, q.data() + i, v.data() + i, a.data() + i, tau.data() + i);
+  }
+}
+
 void energy(const LinkDynamics& links, Array q, Array v, OutArray kinetic, OutArray potential) {
   const std::size_t rows = rows_of(links, q), n = links.size();
   require(v.size() == q.size() && kinetic.size() == rows && potential.size() == rows, "sizes differ");
@@ -260,6 +269,7 @@ void bind_plant(nb::module_& m) {
       .def("mass_matrix", &mass_matrix, nb::arg("q"), nb::arg("out"))
       .def("least_inertia", &least_inertia, nb::arg("q"), nb::arg("out"))
       .def("bias", &bias, nb::arg("q"), nb::arg("v"), nb::arg("out"))
+      .def("inverse_dynamics", &inverse_dynamics, nb::arg("q"), nb::arg("v"), nb::arg("a"), nb::arg("out"))
       .def("energy", &energy, nb::arg("q"), nb::arg("v"), nb::arg("kinetic"), nb::arg("potential"));
   m.def("link_dynamics", &make_links, nb::arg("tree"), nb::arg("gravity"));
   nb::class_<Plant>(m, "Plant")

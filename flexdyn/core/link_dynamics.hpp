@@ -63,6 +63,8 @@ class LinkDynamics {
   void mass_matrix(Workspace& w, const double* q, double* M) const;
   // Least eigenvalue of M(q) scaled to a diagonal of ones: 0 where it is singular.
   double least_inertia(Workspace& w, const double* q) const;
+  // M(q) a + h(q, v), armature of rigid joints included.
+  void inverse_dynamics(Workspace& w, const double* q, const double* v, const double* a, double* tau) const;
   // Derivatives of M(q) a + h(q, v) by q and v at given q, v, a, (n, n) row-major.
   void inverse_derivatives(Workspace& w, const double* q, const double* v, const double* a, double* by_q,
                            double* by_v) const;

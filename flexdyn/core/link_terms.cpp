@@ -74,6 +74,16 @@ void LinkDynamics::bias(Workspace& w, const double* q, const double* v, double* 
   else Map<VectorXd>(h, n_) = whole;
 }
 
+void LinkDynamics::inverse_dynamics(Workspace& w, const double* q, const double* v, const double* a,
+                                    double* tau) const {
+  impl_->expand_position(q, w.q);
+  impl_->expand_rate(v, w.v);
+  impl_->expand_rate(a, w.a);
+  const auto& whole = pin::rnea(impl_->model, w.data, w.q, w.v, w.a);
+  if (impl_->mimics) Map<VectorXd>(tau, n_) = impl_->gain.transpose() * whole;
+  else Map<VectorXd>(tau, n_) = whole;
+}
+
 void LinkDynamics::inverse_derivatives(Workspace& w, const double* q, const double* v, const double* a, double* by_q,
                                        double* by_v) const {
   const MatrixXd& gain = impl_->gain;

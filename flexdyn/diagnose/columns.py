@@ -33,7 +33,7 @@ def of_number(equations: Equations, number: FileNumber) -> Array:
     """Derivative of the residual (rows,) by the factor of a number of the file, at the factor it has in the model."""
     model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + STEP)])
     if number.joint is None:
-        return (equations.of_links(LinkSide(model.resolved())) - equations.of_links(equations.links)) / STEP
+        return equations.of_links(LinkSide(model.resolved())) / STEP
     j = equations.true.index(number.joint)
     moved, true = model.resolved(), equations.true
     if number.parameter == "stiffness":  # the scale of the link's equation moves with it
@@ -41,7 +41,7 @@ def of_number(equations: Equations, number: FileNumber) -> Array:
         return (there.residual - equations.residual) / STEP
     change = equations.of_joint(j, moved, moved.all_effects) - equations.of_joint(j, true, true.all_effects)
     if number.parameter == "rotor_inertia" and not true.elastic[j]:
-        change = equations.of_links(LinkSide(moved)) - equations.of_links(equations.links)
+        change = equations.of_links(LinkSide(moved))
     return change / STEP
 
 
@@ -51,7 +51,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return _of_sensor(equations, effect) / scale
     if isinstance(effect, Payload):
         model = equations.true.replace(effects=[*equations.true.effects, effect])
-        return (equations.of_links(LinkSide(model)) - equations.of_links(equations.links)) / scale
+        return equations.of_links(LinkSide(model)) / scale
     true, effect = equations.true, _on_joint(effect)
     j = true.index(effect.joint)
     if isinstance(effect, NOT_PLAIN) and equations.made_up[j]:

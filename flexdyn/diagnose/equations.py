@@ -141,12 +141,12 @@ class Equations:
         return np.concatenate(parts)
 
     def of_links(self, links: LinkSide) -> Array:
-        """What another link side puts into the rows (rows,): -(M a + h)."""
+        """Change of the rows (rows,) where the links are others: less ``M a + h``."""
         parts = []
         for along in self.motions:
-            total = np.einsum("tij,tj->ti", links.mass_matrix(along.q), along.a) + links.bias(along.q, along.v)
-            needed = np.where(self.true.elastic, 0.0, -total)
-            parts.append(self.combined(along, np.zeros_like(total), -total, needed).ravel())
+            more = links.inverse_dynamics(along.q, along.v, along.a) - along.inverse_dynamics
+            needed = np.where(self.true.elastic, 0.0, -more)
+            parts.append(self.combined(along, np.zeros_like(more), -more, needed).ravel())
         return np.concatenate(parts)
 
     def of_channel(self, signal: str, j: int, error: Callable[[Measured], Array]) -> Array:

@@ -135,15 +135,14 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
         steps: at most so many.
     """
     best = base = linearised(start, space)
-    share, ahead, anew = 1.0, 0, False
+    share, ahead = 1.0, 0
     for _ in range(steps - 1):
         if best.reached - best.chi2 < SETTLED * max(1.0, best.reduced):
             break
-        made = linearised(moved(base.hypothesis, share * base.regression.values, base.scales), space, anew=anew)
+        made = linearised(moved(base.hypothesis, share * base.regression.values, base.scales), space)
         if made.reached <= best.reached:
             best, base, share, ahead = made, made, min(1.0, share / SHORTER), 0
             continue
-        anew = True
         if share == 1.0 and ahead < AHEAD and made.chi2 < best.reached:
             base, ahead = made, ahead + 1
         else:
@@ -158,18 +157,12 @@ def _counted(made: Fit, space: Workspace) -> Fit:
     return dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=counts))
 
 
-def linearised(hypothesis: Hypothesis, space: Workspace, *, anew: bool = False) -> Fit:
-    """The least-squares problem at a hypothesis; its step is not taken.
-
-    Args:
-        hypothesis: where.
-        space: of the fit.
-        anew: take the derivatives of all numbers here, and not only of those that are known to have changed.
-    """
+def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
+    """The least-squares problem at a hypothesis; its step is not taken."""
     at, whiten = space.equations.of(hypothesis.model()), space.whiten
     unknowns = hypothesis.unknowns()
     scales = tuple(_scale(effect, name) for effect, name in unknowns)
-    slopes = [_slopes_of_numbers(hypothesis, at, space, anew=anew)]
+    slopes = [_slopes_of_numbers(hypothesis, at, space)]
     if unknowns:
         raw = [s * columns.of_parameter(at, e, name, 0.1 * s) for (e, name), s in zip(unknowns, scales, strict=True)]
         slopes.append(whiten(np.stack(raw, axis=1)))
@@ -218,7 +211,7 @@ def tempering(made: Fit) -> float:
     return total * made.reduced
 
 
-def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace, *, anew: bool) -> Array:
+def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
     """Whitened derivatives of the file's numbers (rows, numbers), anew for those that have become other ones.
 
     These are numbers that are far from what was given, and those of a joint whose encoders or spring were wrong: it
@@ -226,7 +219,7 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace, 
     them is far off or the links carry more, all are taken anew.
     """
     numbers, effects = hypothesis.factors, hypothesis.effects
-    far = {n for n, factor in numbers.items() if anew or (n in hypothesis.freed and abs(factor - 1.0) > FAR)}
+    far = {n for n, factor in numbers.items() if n in hypothesis.freed and abs(factor - 1.0) > FAR}
     links = any(number.joint is None for number in far) or any(isinstance(e, Payload) for e in effects)
     joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect | KinematicError)}
     slopes = space.numbers.copy() if far or joints or links else space.numbers

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,19 +62,24 @@ class Motion(Smoothed):
     """Smoothed signals, and what the links' dynamics are along them.
 
     Attributes:
-        M: mass matrices (samples, n, n) [kg m^2].
+        links: whose dynamics.
         inverse_dynamics: M a + h (samples, n) [N m].
     """
 
-    M: Array
+    links: LinkSide
     inverse_dynamics: Array
+
+    @cached_property
+    def M(self) -> Array:
+        """Mass matrices (samples, n, n) [kg m^2]."""
+        return self.links.mass_matrix(self.q)
 
 
 def motion(links: LinkSide, signals: Smoothed) -> Motion:
     """The links' dynamics along smoothed signals."""
-    M = links.mass_matrix(signals.q)
-    total = np.einsum("tij,tj->ti", M, signals.a) + links.bias(signals.q, signals.v)
-    return Motion(**vars(signals), M=M, inverse_dynamics=total)
+    total = links.inverse_dynamics(signals.q, signals.v, signals.a)
+    own = {entry.name: getattr(signals, entry.name) for entry in dataclasses.fields(signals)}
+    return Motion(**own, links=links, inverse_dynamics=total)
 
 
 def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel: Kernel) -> Smoothed:
