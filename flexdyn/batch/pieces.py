@@ -14,6 +14,8 @@ import numpy as np
 
 LEVEL = 1
 """Of the compression."""
+CHECKSUM = 4
+"""Bytes of it."""
 
 
 def write_piece(folder: Path, chunk: int, shape: tuple[int, ...], values: Any, fill: Any) -> None:
@@ -23,7 +25,7 @@ def write_piece(folder: Path, chunk: int, shape: tuple[int, ...], values: Any, f
         folder: of the array.
         chunk: number of the piece along the first axis; it is all of the others.
         shape: of every piece.
-        values: of this one: floats or text; where it is the last it may be shorter.
+        values: of this one: numbers or text; where it is the last it may be shorter.
         fill: what the rest of it holds.
 
     Raises:
@@ -33,7 +35,7 @@ def write_piece(folder: Path, chunk: int, shape: tuple[int, ...], values: Any, f
     if len(values) < shape[0]:
         whole = np.full(shape, fill, dtype=values.dtype)
         whole[: len(values)] = values
-    place = folder / ".".join(["c", str(chunk), *["0"] * (len(shape) - 1)])
+    place = _place(folder, chunk, len(shape))
     fresh = place.with_name(f"{place.name}.{secrets.token_hex(16)}.partial")
     try:
         fresh.write_bytes(_encoded(whole))
@@ -44,12 +46,37 @@ def write_piece(folder: Path, chunk: int, shape: tuple[int, ...], values: Any, f
         raise
 
 
+def is_whole(folder: Path, chunk: int, axes: int) -> bool:
+    """Whether a piece is there and its checksum fits.
+
+    Args:
+        folder: of the array.
+        chunk: number of the piece along the first axis.
+        axes: of the array.
+    """
+    try:
+        content = _place(folder, chunk, axes).read_bytes()
+    except OSError:
+        return False
+    return len(content) > CHECKSUM and content[-CHECKSUM:] == _checksum(content[:-CHECKSUM])
+
+
+def _place(folder: Path, chunk: int, axes: int) -> Path:
+    return folder / ".".join(["c", str(chunk), *["0"] * (axes - 1)])
+
+
 def _encoded(values: Any) -> bytes:
-    """Floats, or texts with their lengths, compressed by zstd, then a CRC-32C: the codecs that the arrays name."""
-    from google_crc32c import value as checksum
+    """Numbers, or texts with their lengths, compressed by zstd, then a CRC-32C: the codecs that the arrays name."""
     from numcodecs.vlen import VLenUTF8
     from numcodecs.zstd import Zstd
 
-    plain = VLenUTF8().encode(values) if values.dtype == object else np.ascontiguousarray(values, dtype="<f8")
+    little = values.dtype.newbyteorder("<")
+    plain = VLenUTF8().encode(values) if values.dtype == object else np.ascontiguousarray(values, dtype=little)
     packed = bytes(Zstd(level=LEVEL).encode(plain))
-    return packed + int(checksum(packed)).to_bytes(4, "little")
+    return packed + _checksum(packed)
+
+
+def _checksum(content: bytes) -> bytes:
+    from google_crc32c import value
+
+    return int(value(content)).to_bytes(CHECKSUM, "little")
