@@ -67,13 +67,14 @@ def open_store(path: str | Path) -> Store:
     try:
         attrs = json.loads((folder / FILE).read_bytes())["attributes"]
         found = attrs.get("flexdyn_batch")
+        study = Study.from_text(attrs["study"]) if found == FORMAT else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         remedy = "give the path of what flexdyn batch wrote; if this is it, its zarr.json is damaged"
         raise InputError("not the store of a batch study", file=path, remedy=remedy) from None
-    if found != FORMAT:
+    if study is None:
         remedy = f"this version reads format {FORMAT}"
         raise InputError("not the store of a batch study", file=path, value=found, remedy=remedy)
-    return Store(folder, Study.from_text(attrs["study"]), str(attrs["flexdyn"]))
+    return Store(folder, study, str(attrs.get("flexdyn")))
 
 
 class Store:
