@@ -13,7 +13,9 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -118,11 +120,12 @@ def race(batch: Batch, solver: fd.solvers.Solver, runs: int) -> dict[str, Any]:
 
 def studies(batch: Batch, solver: fd.solvers.Solver, counts: Sequence[int], sample: range) -> dict[str, Any]:
     """The batch as a study: cost and memory over the number of runs, threads, and what it costs besides integrating."""
-    settings = solver.to_dict()
-    grown = [measured(batch, settings, runs, THREADS, numbers=True) for runs in counts]
     some = counts[len(counts) // 2]
     turns = [(1, THREADS) if turn % 2 == 0 else (THREADS, 1) for turn in range(PAIRS)]
-    trials = [(threads, measured(batch, settings, some, threads, numbers=False)) for turn in turns for threads in turn]
+    with TemporaryDirectory() as folder:
+        study = partial(measured, Path(folder), batch, solver.to_dict())
+        grown = [study(runs, THREADS, numbers=True) for runs in counts]
+        trials = [(threads, study(some, threads, numbers=False)) for turn in turns for threads in turn]
     least = {count: min(each.seconds for threads, each in trials if threads == count) for count in (1, THREADS)}
     bare = min(Flexdyn(batch, solver, 1).bare_seconds(sample) for _ in range(5)) / len(sample)
     whole = min(each.processor_seconds / each.runs for threads, each in trials if threads == 1)

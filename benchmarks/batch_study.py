@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 from typing import Any
 
 from batch_problem import DURATION, Batch
@@ -67,10 +67,14 @@ class Measured:
         return content | {"microseconds_per_run": float(f"{1e6 * self.seconds / self.runs:.4g}")}
 
 
-def measured(batch: Batch, solver: Mapping[str, Any], runs: int, workers: int, *, numbers: bool) -> Measured:
+def measured(
+    place: Path, batch: Batch, solver: Mapping[str, Any], runs: int, workers: int, *, numbers: bool
+) -> Measured:
     """Run a study.
 
     Args:
+        place: a folder that the study and its store stay in: for half a minute ext4 looks at every file that was
+            deleted before it makes a new one, and the studies to come would pay for those that were removed.
         batch: whose model and command it takes.
         solver: as a study file writes it.
         runs: how many.
@@ -80,17 +84,17 @@ def measured(batch: Batch, solver: Mapping[str, Any], runs: int, workers: int, *
     Raises:
         RuntimeError: a run failed, or the whole study did.
     """
-    with TemporaryDirectory() as folder:
-        study, out = _written(Path(folder), batch, solver, runs, numbers=numbers), Path(folder) / "out.zarr"
-        command = [sys.executable, "-c", CHILD, str(study), str(out), str(workers)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise RuntimeError(done.stderr)
-        start, seconds, processor, peak, chunks, failed = json.loads(done.stdout)
-        if failed:
-            raise RuntimeError(f"{failed} runs failed")
-        sizes = [path.stat().st_size for path in out.rglob("*") if path.is_file()]
-        return Measured(runs, start, seconds, processor, peak, chunks, sum(sizes) / 1e6, len(sizes))
+    folder = Path(mkdtemp(dir=place))
+    study, out = _written(folder, batch, solver, runs, numbers=numbers), folder / "out.zarr"
+    command = [sys.executable, "-c", CHILD, str(study), str(out), str(workers)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(done.stderr)
+    start, seconds, processor, peak, chunks, failed = json.loads(done.stdout)
+    if failed:
+        raise RuntimeError(f"{failed} runs failed")
+    sizes = [path.stat().st_size for path in out.rglob("*") if path.is_file()]
+    return Measured(runs, start, seconds, processor, peak, chunks, sum(sizes) / 1e6, len(sizes))
 
 
 def _written(folder: Path, batch: Batch, solver: Mapping[str, Any], runs: int, *, numbers: bool) -> Path:

@@ -55,6 +55,17 @@ def link_dynamics(tree: dict[str, Array], gravity: Array) -> LinkDynamics: ...
 def plant(
     links: LinkDynamics, stiffness: Array, damping: Array, rotor_inertia: Array, spin: Array, laws: Sequence[Law]
 ) -> Plant: ...
+def point_positions(
+    parent: NDArray[np.int32],
+    prismatic: NDArray[np.bool_],
+    axis: Array,
+    rotation: Array,
+    translation: Array,
+    joint: int,
+    point: Array,
+    q: Array,
+    out: Array,
+) -> None: ...
 def signal(breaks: Array, coef: Array, last: Array) -> Signal: ...
 def open_loop(samples: Signal | None = None) -> Command: ...
 def tracking(

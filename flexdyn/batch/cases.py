@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,8 @@ from flexdyn.solvers import Solver, make_solver
 from flexdyn.variants import Columns, Variants
 
 Array = NDArray[np.float64]
+MOST_KEPT = 4
+"""Studies whose cases are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,6 +177,11 @@ class Cases:
         return {path: i for i, path in enumerate(self.places)}
 
 
+_KEPT: dict[str, Cases] = {}
+"""By the study's text."""
+_KEEPING = Lock()
+
+
 def load_command(command: Any) -> Recording | PD | None:
     """The command of a study, its recordings read.
 
@@ -194,14 +202,14 @@ def load_command(command: Any) -> Recording | PD | None:
     return PD(**settings)
 
 
-@lru_cache(maxsize=4)
 def cases_of_text(text: str) -> Cases:
     """The cases of a study given as text; kept for the next chunk of the same study.
 
     Args:
         text: from `Study.to_text`.
     """
-    return Cases(Study.from_text(text))
+    found = _KEPT.get(text)
+    return keep(Cases(Study.from_text(text))) if found is None else found
 
 
 def cases_of(study: Study) -> Cases:
@@ -210,4 +218,23 @@ def cases_of(study: Study) -> Cases:
     Args:
         study: the study.
     """
-    return cases_of_text(study.to_text())
+    found = _KEPT.get(study.to_text())
+    return keep(Cases(study)) if found is None else found
+
+
+def keep(cases: Cases) -> Cases:
+    """Keep cases for whoever asks for those of the same study, in the place of the oldest that are kept.
+
+    Args:
+        cases: of a study that is whole.
+
+    Returns:
+        The cases that all use, which may be others that were kept meanwhile.
+    """
+    text = cases.study.to_text()
+    with _KEEPING:
+        if text not in _KEPT:
+            while len(_KEPT) >= MOST_KEPT:
+                del _KEPT[next(iter(_KEPT))]
+            _KEPT[text] = cases
+        return _KEPT[text]

@@ -95,7 +95,7 @@ class Made:
 @lru_cache(maxsize=4)
 def _opened(task: Task) -> Store:
     """The store of a task; kept for its next chunk."""
-    return Store(Path(task.store))
+    return Store(Path(task.store), cases_of_text(task.text).study)
 
 
 def _simulated(cases: Cases, numbers: Numbers, count: int, stopped: Callable[[], bool] | None) -> Made:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Future, ThreadPoolExecutor
+from queue import SimpleQueue
 from threading import Event
 from types import TracebackType
 from typing import Protocol, Self
@@ -80,14 +81,22 @@ class Threads:
         Raises:
             InputError: the store cannot be written to, or this is outside of the context.
         """
+        waiting, finished = iter(chunks), SimpleQueue[Future[Done]]()
+        working = self._submit(task, itertools.islice(waiting, 2 * self._count), finished)
+        while working:
+            future = finished.get()
+            working += self._submit(task, itertools.islice(waiting, 1), finished) - 1
+            yield future.result()
+
+    def _submit(self, task: Task, chunks: Iterable[int], finished: SimpleQueue[Future[Done]]) -> int:
+        """Have chunks done, each of which goes to the queue when it is; how many there were.
+
+        Raises:
+            InputError: the threads are not started.
+        """
         if self._pool is None:
             raise InputError("the threads are not started", key="workers", remedy="use it in a with statement")
-        waiting, working = iter(chunks), set[Future[Done]]()
-        while True:
-            for chunk in itertools.islice(waiting, 2 * self._count - len(working)):
-                working.add(self._pool.submit(task, chunk, self._stop.is_set))
-            if not working:
-                return
-            finished, working = wait(working, return_when=FIRST_COMPLETED)
-            for future in finished:
-                yield future.result()
+        begun = [self._pool.submit(task, chunk, self._stop.is_set) for chunk in chunks]
+        for future in begun:
+            future.add_done_callback(finished.put)
+        return len(begun)

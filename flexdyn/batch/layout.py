@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexdyn.batch.cases import Cases
 from flexdyn.records import SIGNALS
@@ -15,7 +16,7 @@ from flexdyn.records.units import PRISMATIC
 
 DONE = "ok"
 NOT_DONE = "not done"
-COORDINATES = ("run", "time", "joint")
+_FILL = {"string": NOT_DONE, "float64": np.nan, "int64": 0}
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,8 @@ class Layout:
         name: of the array.
         dims: of ``run``, ``time``, ``joint``.
         shape: in runs, samples, joints.
-        dtype: ``float64``, ``int64`` or ``str``.
+        piece: shape of each of the pieces that it is cut into, all alike: a chunk of runs, or all of a coordinate.
+        dtype: as the Zarr format calls it: ``float64``, ``int64`` or ``string``.
         attrs: kind, units, long_name.
         values: of a coordinate, which is written at once; None: chunk by chunk.
     """
@@ -34,9 +36,15 @@ class Layout:
     name: str
     dims: tuple[str, ...]
     shape: tuple[int, ...]
+    piece: tuple[int, ...]
     dtype: str
     attrs: Mapping[str, str]
     values: Any = None
+
+    @property
+    def fill(self) -> Any:
+        """What stands where nothing is written yet."""
+        return _FILL[self.dtype]
 
 
 def layouts(cases: Cases) -> Iterator[Layout]:
@@ -45,24 +53,28 @@ def layouts(cases: Cases) -> Iterator[Layout]:
     Args:
         cases: of the study.
     """
-    study, names = cases.study, cases.model.joint_names
-    count, times = study.count, cases.times
-    yield Layout("run", ("run",), (count,), "int64", {"long_name": "number of the run"}, np.arange(count))
-    yield Layout("time", ("time",), times.shape, "float64", {"units": "s", "long_name": "time"}, times)
-    yield Layout("joint", ("joint",), (len(names),), "str", {"long_name": "joint"}, np.array(names, dtype=object))
+    study, names, times = cases.study, np.array(cases.model.joint_names, dtype=object), cases.times
+    yield _coordinate("run", "int64", {"long_name": "number of the run"}, np.arange(study.count))
+    yield _coordinate("time", "float64", {"units": "s", "long_name": "time"}, times)
+    yield _coordinate("joint", "string", {"long_name": "joint"}, names)
+    runs, chunk, rest = (study.count,), (study.chunk,), (len(times), len(names))
     kinds = dict.fromkeys(cases.model.robot.kinds)
     for signal in study.keep:
         units = [PRISMATIC[SIGNALS[signal]] if kind == "prismatic" else SIGNALS[signal] for kind in kinds]
         attrs = {"kind": "channel", "units": " or ".join(units), "long_name": LONG_NAMES[signal]}
-        yield Layout(signal, ("run", "time", "joint"), (count, len(times), len(names)), "float64", attrs)
+        yield Layout(signal, ("run", "time", "joint"), runs + rest, chunk + rest, "float64", attrs)
     for path in study.vary:
         attrs = {"kind": "parameter", "units": cases.places[path].unit, "long_name": path}
-        yield Layout(array_name(path), ("run",), (count,), "float64", attrs)
+        yield Layout(array_name(path), ("run",), runs, chunk, "float64", attrs)
     for metric in cases.metrics:
         attrs = {"kind": "metric", "units": metric.unit, "long_name": metric.description}
-        yield Layout(array_name(metric.name), ("run",), (count,), "float64", attrs)
+        yield Layout(array_name(metric.name), ("run",), runs, chunk, "float64", attrs)
     attrs = {"kind": "status", "long_name": f"{DONE}, or why the run or a metric of it failed"}
-    yield Layout("status", ("run",), (count,), "str", attrs)
+    yield Layout("status", ("run",), runs, chunk, "string", attrs)
+
+
+def _coordinate(name: str, dtype: str, attrs: Mapping[str, str], values: NDArray[Any]) -> Layout:
+    return Layout(name, (name,), values.shape, values.shape, dtype, attrs, values)
 
 
 def array_name(path: str) -> str:

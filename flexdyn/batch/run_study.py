@@ -7,18 +7,16 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flexdyn.batch.chunk import Task
 from flexdyn.batch.executors import Executor, Threads
 from flexdyn.batch.progress import Meter, Progress
+from flexdyn.batch.results import Results
 from flexdyn.batch.store import Store, create, open_store
 from flexdyn.batch.study import Study
 from flexdyn.batch.studyfile import read_study, study_from_dict
 from flexdyn.errors import InputError
-
-if TYPE_CHECKING:
-    from flexdyn.batch.results import Results
 
 
 def run_study(
@@ -51,8 +49,6 @@ def run_study(
         InputError: a study that does not fit, a store that is there already or is of another study, a full disk.
         MissingExtra: zarr, dask or xarray is not installed.
     """
-    from flexdyn.batch.results import open_results
-
     whole = _study(study)
     executor = _executor(workers, scheduler)
     path = Path(out)
@@ -62,10 +58,10 @@ def run_study(
         with _alone(store):
             chunks: Sequence[int] = range(whole.chunks)
             if not is_new:
-                store.mend(whole)
+                store.mend()
                 chunks = list(store.missing())
             _work(executor, whole, store, chunks, progress or _nothing)
-    return open_results(path)
+    return Results(path, whole)
 
 
 def _work(
@@ -128,7 +124,7 @@ def _same(study: Study, path: Path) -> Store:
     if difference is not None:
         remedy = "write to another place, or remove this one"
         raise InputError(f"the store is of another study: {difference}", file=path, remedy=remedy)
-    return store
+    return Store(path, study, store.version)  # its files may lie elsewhere now
 
 
 @contextmanager

@@ -6,20 +6,20 @@ are there and their checksums fit.
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from flexdyn.batch.cases import Cases, cases_of
-from flexdyn.batch.layout import COORDINATES, NOT_DONE, Layout, layouts
-from flexdyn.batch.pieces import LEVEL, write_piece
+from flexdyn.batch.cases import cases_of
+from flexdyn.batch.layout import Layout, layouts
+from flexdyn.batch.metadata import FILE, array_metadata, encoded, group_metadata
+from flexdyn.batch.pieces import is_whole, write_piece
 from flexdyn.batch.study import Study
 from flexdyn.errors import InputError, MissingExtra
 
@@ -37,16 +37,17 @@ def create(study: Study, path: Path) -> Store:
         InputError: it cannot be made there.
         MissingExtra: zarr is not installed.
     """
+    _check_zarr()
     fresh = path.with_name(f".{path.name}.part")
     with writing(path, "give another place"):
         if fresh.exists():
             shutil.rmtree(fresh)
         try:
-            _skeleton(cases_of(study), fresh)
+            _skeleton(study, fresh)
             os.rename(fresh, path)
         finally:
             shutil.rmtree(fresh, ignore_errors=True)
-    return Store(path)
+    return Store(path, study)
 
 
 def open_store(path: str | Path) -> Store:
@@ -59,15 +60,21 @@ def open_store(path: str | Path) -> Store:
         InputError: there is none, or it is not one that this version reads.
         MissingExtra: zarr is not installed.
     """
+    _check_zarr()
     folder = Path(path)
     if not folder.exists():
         raise InputError("there is no such store", file=path)
-    store = Store(folder)
-    if store.attrs.get("flexdyn_batch") != FORMAT:
-        found = store.attrs.get("flexdyn_batch")
+    try:
+        attrs = json.loads((folder / FILE).read_bytes())["attributes"]
+        found = attrs.get("flexdyn_batch")
+        study = Study.from_text(attrs["study"]) if found == FORMAT else None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        remedy = "give the path of what flexdyn batch wrote; if this is it, its zarr.json is damaged"
+        raise InputError("not the store of a batch study", file=path, remedy=remedy) from None
+    if study is None:
         remedy = f"this version reads format {FORMAT}"
         raise InputError("not the store of a batch study", file=path, value=found, remedy=remedy)
-    return store
+    return Store(folder, study, str(attrs.get("flexdyn")))
 
 
 class Store:
@@ -75,34 +82,14 @@ class Store:
 
     Args:
         path: of its folder.
+        study: that it holds.
+        version: of the flexdyn that made it; default: this one.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, study: Study, version: str | None = None) -> None:
+        import flexdyn
 
-    @cached_property
-    def attrs(self) -> Mapping[str, Any]:
-        """Format, version and the study's text.
-
-        Raises:
-            InputError: the folder is no Zarr group.
-        """
-        zarr = _zarr()
-        try:
-            return dict(zarr.open_group(self.path, mode="r", zarr_format=3, use_consolidated=False).attrs)
-        except (FileNotFoundError, ValueError, KeyError, TypeError, OSError):
-            remedy = "give the path of what flexdyn batch wrote; if this is it, its zarr.json is damaged"
-            raise InputError("not the store of a batch study", file=self.path, remedy=remedy) from None
-
-    @cached_property
-    def study(self) -> Study:
-        """The study that it was made for."""
-        return Study.from_text(self.attrs["study"])
-
-    @property
-    def version(self) -> str:
-        """Of the flexdyn that made it."""
-        return str(self.attrs["flexdyn"])
+        self.path, self.study, self.version = path, study, version or flexdyn.__version__
 
     def write(self, chunk: int, columns: Mapping[str, Any]) -> None:
         """Write a chunk of runs; each piece is whole or not there.
@@ -115,8 +102,8 @@ class Store:
             InputError: the disk is full, or may not be written to.
         """
         with writing(self.path, "what is done stays; make room and go on with --resume"):
-            for name, array in self._arrays.items():
-                write_piece(self.path / name, chunk, array.chunks, columns[name], array.fill_value)
+            for each in self._chunked:
+                write_piece(self.path / each.name, chunk, each.piece, columns[each.name], each.fill)
 
     def has(self, chunk: int) -> bool:
         """Whether every piece of a chunk is there and whole.
@@ -124,15 +111,7 @@ class Store:
         Args:
             chunk: its number.
         """
-        runs = self.study.bounds(chunk)
-        for name, array in self._arrays.items():
-            if not (self.path / name / ".".join(["c", str(chunk), *["0"] * (array.ndim - 1)])).exists():
-                return False
-            try:
-                array[runs.start : runs.stop]
-            except (ValueError, RuntimeError, OSError):  # the checksum, the codec, the disk
-                return False
-        return True
+        return all(is_whole(self.path / each.name, chunk, len(each.piece)) for each in self._chunked)
 
     def missing(self) -> Iterator[int]:
         """The chunks that are not there or not whole, one after the other."""
@@ -148,11 +127,8 @@ class Store:
             for left in self.path.rglob("*.partial"):
                 left.unlink()
 
-    def mend(self, study: Study) -> None:
+    def mend(self) -> None:
         """Sweep, and make good what is damaged of all that follows from the study alone: metadata and coordinates.
-
-        Args:
-            study: the same one, maybe moved to another place since.
 
         Raises:
             InputError: the folder may not be written to.
@@ -162,7 +138,7 @@ class Store:
         with writing(self.path, "it must be writable to go on"):
             shutil.rmtree(fresh, ignore_errors=True)
             try:
-                _skeleton(cases_of(study), fresh)
+                _skeleton(self.study, fresh)
                 for made in fresh.rglob("*"):
                     place = self.path / made.relative_to(fresh)
                     if made.is_file() and not (place.is_file() and place.read_bytes() == made.read_bytes()):
@@ -172,11 +148,9 @@ class Store:
                 shutil.rmtree(fresh, ignore_errors=True)
 
     @cached_property
-    def _arrays(self) -> dict[str, Any]:
-        """What is written chunk by chunk; status last."""
-        group = _zarr().open_group(self.path, mode="r+", zarr_format=3)
-        arrays = {name: array for name, array in group.arrays() if name not in COORDINATES}
-        return dict(sorted(arrays.items(), key=lambda entry: entry[0] == "status"))
+    def _chunked(self) -> tuple[Layout, ...]:
+        """The arrays that are written chunk by chunk; status last."""
+        return tuple(each for each in layouts(cases_of(self.study)) if each.values is None)
 
 
 @contextmanager
@@ -196,43 +170,27 @@ def writing(path: Path, remedy: str) -> Iterator[None]:
         raise InputError(f"cannot be written ({error.strerror or error})", file=path, remedy=remedy) from None
 
 
-def _skeleton(cases: Cases, folder: Path) -> None:
+def _skeleton(study: Study, folder: Path) -> None:
     """Everything of a store that follows from the study alone: metadata and coordinates."""
     import flexdyn
 
-    attrs = {"flexdyn_batch": FORMAT, "flexdyn": flexdyn.__version__, "study": cases.study.to_text()}
-    group = _zarr().open_group(folder, mode="w-", zarr_format=3, attributes=attrs)
-    for each in layouts(cases):
-        array = _array(group, each, cases.study.chunk)
+    arrays = tuple(layouts(cases_of(study)))
+    folder.mkdir()
+    for each in arrays:
+        place = folder / each.name
+        place.mkdir()
+        (place / FILE).write_bytes(encoded(array_metadata(each)))
         if each.values is not None:
-            array[:] = each.values
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # consolidated metadata are zarr's own addition to the format
-        _zarr().consolidate_metadata(group.store)
+            write_piece(place, 0, each.piece, each.values, each.fill)
+    attrs = {"flexdyn_batch": FORMAT, "flexdyn": flexdyn.__version__, "study": study.to_text()}
+    (folder / FILE).write_bytes(encoded(group_metadata(attrs, arrays)))
 
 
-def _array(group: Any, each: Layout, chunk: int) -> Any:
-    from zarr.codecs import Crc32cCodec, ZstdCodec
+def _check_zarr() -> None:
+    """Say at once what the last line of a long study would be about.
 
-    runs = each.shape[0] if each.values is not None else chunk
-    fill = {"str": NOT_DONE, "float64": np.nan, "int64": 0}
-    return group.create_array(
-        each.name,
-        shape=each.shape,
-        chunks=(runs, *each.shape[1:]),
-        dtype=each.dtype,
-        fill_value=fill[each.dtype],
-        dimension_names=each.dims,
-        attributes=dict(each.attrs),
-        compressors=[ZstdCodec(level=LEVEL), Crc32cCodec()],
-        chunk_key_encoding={"name": "default", "separator": "."},
-        config={"write_empty_chunks": True},
-    )
-
-
-def _zarr() -> Any:
-    try:
-        import zarr
-    except ImportError:
-        raise MissingExtra("zarr", "batch") from None
-    return zarr
+    Raises:
+        MissingExtra: zarr is not installed.
+    """
+    if find_spec("zarr") is None:
+        raise MissingExtra("zarr", "batch")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from flexdyn.batch.cases import Cases, load_command
+from flexdyn.batch.cases import Cases, keep, load_command
 from flexdyn.batch.digests import digests
 from flexdyn.batch.distributions import Distribution, Grid, distribution
 from flexdyn.batch.rehearsal import rehearse
@@ -119,7 +119,8 @@ def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
     )
     cases = Cases(study)
     rehearse(cases)
-    return replace(study, files=digests(cases))
+    cases.study = replace(study, files=digests(cases))
+    return keep(cases).study
 
 
 def _model(entry: Any, folder: Path) -> FlexibleJointModel:

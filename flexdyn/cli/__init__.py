@@ -10,6 +10,8 @@ import sys
 import warnings
 from collections.abc import Sequence
 
+from flexdyn.cli.failures import report, show_warning
+
 BROKEN_PIPE = 141
 """128 + SIGPIPE: what a shell reports of a tool whose reader went away."""
 
@@ -23,8 +25,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code.
     """
-    from flexdyn.cli.failures import report, show_warning
-
     arguments = list(sys.argv[1:] if argv is None else argv) or ["--help"]
     with warnings.catch_warnings():
         warnings.showwarning = show_warning

@@ -97,7 +97,11 @@ def _run(
                 words = ["flexdyn", "batch", str(study), "-o", str(output), "--resume"]
                 note(f"what is done is stored; go on with: {shlex.join(words)}")
             raise
-    _show(results.summary(), as_json)
+    try:
+        _show(results.summary(), as_json)
+    except KeyboardInterrupt:
+        note(f"all runs are stored; see them with: {shlex.join(['flexdyn', 'batch', str(output), '--summary'])}")
+        raise
 
 
 def _summarise(store: Path, output: Path | None, views: list[str] | None, as_json: bool) -> None:

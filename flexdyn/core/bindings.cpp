@@ -5,6 +5,7 @@ NB_MODULE(_core, m) {
   nb::set_leak_warnings(false);
   m.doc() = "flexdyn's compiled core: plant, laws, steppers and the march that integrates.";
   flexdyn::bind_plant(m);
+  flexdyn::bind_kinematics(m);
   flexdyn::bind_simulate(m);
   flexdyn::bind_pack(m);
 }

@@ -45,6 +45,7 @@ class PythonCallable {
 };
 
 void bind_plant(nb::module_& m);
+void bind_kinematics(nb::module_& m);
 void bind_simulate(nb::module_& m);
 void bind_pack(nb::module_& m);
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -131,8 +132,9 @@ def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> FloatArray:
     Raises:
         InputError: not numbers, not one-dimensional, or integers that no double can hold exactly.
     """
-    if isinstance(values, np.ma.MaskedArray):
-        values = np.ma.filled(values.astype(np.float64), np.nan)
+    ma = sys.modules.get("numpy.ma")  # nobody has a masked array who has not imported it, which takes a while
+    if ma is not None and isinstance(values, ma.MaskedArray):
+        values = ma.filled(values.astype(np.float64), np.nan)
     try:
         array = np.asarray(values)
     except (TypeError, ValueError):

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexdyn import _core
 from flexdyn.robot.robot import Robot
 from flexdyn.robot.tree import Floats
 
@@ -32,30 +30,8 @@ def frame_positions(robot: Robot, q: ArrayLike, frame: str | None = None) -> Flo
     """
     place, tree = robot.frame(robot.tip if frame is None else frame), robot.tree
     positions = np.asarray(q, dtype=np.float64)
-    turned = robot.expand(positions.reshape(-1, positions.shape[-1]))
-    point: list[Any] = list(place.translation)
-    joint = place.joint
-    while joint >= 0:
-        axis, rotation, moved = tree.axis[joint], tree.rotation[joint], np.ascontiguousarray(turned[:, joint])
-        if tree.prismatic[joint]:
-            point = _times(rotation, [x + a * moved for x, a in zip(point, axis, strict=True)])
-        else:
-            along = np.outer(axis, axis)
-            cos, sin = np.cos(moved), np.sin(moved)
-            parts = (_times(rotation @ part, point) for part in (along, np.eye(3) - along, _across(axis)))
-            point = [fixed + cos * even + sin * odd for fixed, even, odd in zip(*parts, strict=True)]
-        point = [x + t for x, t in zip(point, tree.translation[joint], strict=True)]
-        joint = int(tree.parent[joint])
-    columns = [np.broadcast_to(x, len(turned)) for x in point]
-    return np.stack(columns, axis=-1).reshape(*positions.shape[:-1], 3)
-
-
-def _times(matrix: Floats, point: Sequence[Any]) -> list[Any]:
-    """Matrix times points, whose coordinates are columns; zeros, which most entries are on most arms, cost nothing."""
-    return [sum((factor * x for factor, x in zip(row, point, strict=True) if factor), start=0.0) for row in matrix]
-
-
-def _across(axis: Floats) -> Floats:
-    """The matrix S of ``S x = axis x x`` (3, 3)."""
-    a, b, c = axis
-    return np.array([[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]])
+    turned = np.ascontiguousarray(robot.expand(positions.reshape(-1, positions.shape[-1])))
+    found = np.empty((*positions.shape[:-1], 3))
+    way = (tree.parent, tree.prismatic, tree.axis, tree.rotation, tree.translation)
+    _core.point_positions(*way, place.joint, place.translation, turned, found)
+    return found

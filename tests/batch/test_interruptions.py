@@ -32,6 +32,15 @@ for line in sys.stdin:
     os.write(1, b"%d\\n" % child)
     os.write(1, b"%d\\n" % os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
+WHILE_IMPORTING = """
+import os, signal, sys
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+"""
+AT_THE_END = "import atexit, os, signal; atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))"
 LIMITED = """
 import resource, sys, flexdyn
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]),) * 2)
@@ -160,9 +169,9 @@ def test_a_read_only_folder(tmp_path: Path) -> None:
             folder.chmod(0o755)
 
 
-def flexdyn(*arguments: str | Path) -> subprocess.Popen[str]:
-    """The command in a process of its own."""
-    code = "import sys; from flexdyn.cli import main; sys.exit(main())"
+def flexdyn(*arguments: str | Path, before: str = "") -> subprocess.Popen[str]:
+    """The command in a process of its own, maybe with Python to be done before."""
+    code = f"{before}\nimport sys; from flexdyn_program import main; sys.exit(main())"
     words = [sys.executable, "-c", code, *map(str, arguments)]
     return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
@@ -188,6 +197,29 @@ def test_control_c(tmp_path: Path) -> None:
     assert tree(out) == tree(tmp_path / "whole.zarr")
 
 
+@pytest.mark.parametrize(
+    ("module", "done"), [("numpy", False), ("pinocchio", False), ("flexdyn.cli.app", False), ("xarray", True)]
+)
+def test_control_c_while_something_is_imported(tmp_path: Path, module: str, done: bool) -> None:
+    """Exit 130 and one line, as early as the first library is imported; after the runs one more says what is there."""
+    path, out = write_study(tmp_path), tmp_path / "out.zarr"
+    work = flexdyn("batch", path, "-o", out, before=WHILE_IMPORTING.format(module=module))
+    words, err = work.communicate()
+    said = [f"flexdyn: all runs are stored; see them with: flexdyn batch {out} --summary"] if done else []
+    assert err.splitlines() == [*said, "flexdyn: interrupted"]
+    assert (work.returncode, words) == (130, "")
+    assert out.exists() == done
+    assert fd.run_study(path, out, resume=True).summary().done == 12
+
+
+def test_control_c_after_everything_is_said(tmp_path: Path) -> None:
+    """While Python tidies up there is nothing left to interrupt: the study is done, and that is the exit code."""
+    work = flexdyn("batch", write_study(tmp_path), "-o", tmp_path / "out.zarr", before=AT_THE_END)
+    words, err = work.communicate()
+    assert (work.returncode, err) == (0, "")
+    assert "12 of 12 runs done" in words
+
+
 def test_control_c_does_not_wait_for_the_chunk_in_work(tmp_path: Path) -> None:
     """A chunk that would take days is given up at once."""
     path = write_study(tmp_path, runs=2, chunk=1, duration=1e6, rate=1e-3, metrics=None)
@@ -204,8 +236,7 @@ def test_progress_on_a_terminal(tmp_path: Path) -> None:
     """Runs done, rate and time left stand on stderr where that is a terminal, and stdout holds the results alone."""
     path = write_study(tmp_path, runs=60, chunk=3, duration=2.0)
     ours, theirs = os.openpty()
-    code = "import sys; from flexdyn.cli import main; sys.exit(main())"
-    words = [sys.executable, "-c", code, "batch", str(path), "-o", str(tmp_path / "out.zarr"), "--json"]
+    words = [sys.executable, "-m", "flexdyn_program", "batch", str(path), "-o", str(tmp_path / "out.zarr"), "--json"]
     work = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=theirs, text=True, env=os.environ | {"TERM": "xterm"})
     os.close(theirs)
     seen = b""

@@ -1,0 +1,7 @@
+"""``python -m flexdyn_program`` is ``flexdyn``."""
+
+import sys
+
+from flexdyn_program import main
+
+sys.exit(main())
