@@ -41,6 +41,7 @@ def test_equations_of_the_paper(states: tuple[Array, Array, Array], gravity: flo
     assert worst(links.mass_matrix(q), M) < 1e-11
     assert worst(links.bias(q, v), h) < 1e-11
     assert worst(links.acceleration(q, v, tau), a) < 1e-11
+    assert worst(links.inverse_dynamics(q, v, a), tau) < 1e-10
 
 
 def test_rigid_joints_carry_their_rotors(states: tuple[Array, Array, Array]) -> None:
@@ -50,6 +51,7 @@ def test_rigid_joints_carry_their_rotors(states: tuple[Array, Array, Array]) -> 
     links = fd.LinkSide(two_link(arm))
     expected = np.array([arm.accelerations(*row) for row in zip(q, v, tau, strict=True)])
     assert worst(links.acceleration(q, v, tau), expected) < 1e-11
+    assert worst(links.inverse_dynamics(q, v, expected), tau) < 1e-10
     bare = fd.LinkSide(two_link(TwoLink())).mass_matrix(q)
     np.testing.assert_allclose(links.mass_matrix(q) - bare, np.broadcast_to(np.diag([0, 0.3]), bare.shape), atol=1e-14)
 
@@ -83,6 +85,7 @@ def test_mimic_joints_are_projected(
     assert worst(links.mass_matrix(q), M) < 1e-11
     assert worst(links.bias(q, v), h) < 1e-11
     assert worst(links.acceleration(q, v, tau), (tau - h) / M[:, 0]) < 1e-11
+    assert worst(links.inverse_dynamics(q, v, tau), M[:, 0] * tau + h) < 1e-11
 
 
 @pytest.mark.parametrize("name", ["scara_two_link", "scara", "panda", "ur5"])
