@@ -12,6 +12,7 @@ from flexdyn.diagnose.estimate import BLOCK, Fit, Workspace
 from flexdyn.diagnose.gap import Shot, shoot
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.windows import Windows
+from flexdyn.effects import Effect, EncoderEccentricity, KinematicError, SensorOffset
 
 Array = NDArray[np.float64]
 SURE = 3.0
@@ -26,6 +27,8 @@ SOLID = 100.0
 """Drop of the squared white rows from which the equations alone may speak for an effect."""
 NEAR_NOISE = 0.05
 """Share of noise by which the equations of a right model may be off: filters, and noise that is estimated."""
+COUNT = math.sqrt(12.0)
+"""Of an encoder, in standard deviations of its noise."""
 SLIGHT_ROWS, SLIGHT_LOG = 3.0, 0.002
 """Standard errors at least: of a drop of all squared white rows, and of the mean logarithm of what windows are off.
 
@@ -107,7 +110,8 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     Its windows must surely be less off, and no more off in all unless that is noise. Where they say little, because
     noise decides in them what sticks, the equations may speak instead, for an effect that takes the bulk of what was
     left; if it leaves them nothing but noise, windows need only not object. Data that is at noise with and without it
-    says too little: there it must not object to what is beyond doubt in the fit. Where a position was made up and
+    says too little: there it must not object to what is beyond doubt in the fit, but for errors of position that no
+    encoder counts, which filters and rounding make. Where a position was made up and
     windows are at noise, an effect must be beyond doubt in the fit as well. One that only puts back numbers of the file
     which had been bent to do its work must do no harm.
     """
@@ -120,11 +124,32 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
         return False
     solid = trial.exact and doubtless
     if solid and now.at_noise and trial.at_noise and min(windows, rows) > -1.0:
-        return True
+        return not any(_below_a_count(effect, after) for effect in _added(before, after))
     if windows > (FAIR if solid else SURE) and trial.gap <= max(now.gap, 1.0):
         return True
     bulk = float(now.rows.sum() - trial.rows.sum()) > BULK * now.excess
     return solid and bulk and windows > (-1.0 if trial.at_noise else 0.0) and rows > SURE
+
+
+def _added(before: Fit, after: Fit) -> list[Effect]:
+    """Effects of a fit that another one does not have."""
+    known = {_place(effect) for effect in before.hypothesis.effects}
+    return [effect for effect in after.hypothesis.effects if _place(effect) not in known]
+
+
+def _place(effect: Effect) -> tuple[object, ...]:
+    return (effect.name, *(getattr(effect, key, None) for key in ("joint", "side", "channel")))
+
+
+def _below_a_count(effect: Effect, made: Fit) -> bool:
+    """Whether an effect is an error of position smaller than one count of its joint's coarser encoder."""
+    if not isinstance(effect, EncoderEccentricity | KinematicError | SensorOffset):
+        return False
+    if not isinstance(effect, KinematicError) and effect.signal not in ("q", "theta"):
+        return False
+    size = effect.offset if isinstance(effect, SensorOffset) else effect.amplitude
+    j, noise = made.equations.true.index(effect.joint), made.space.noise
+    return abs(size) < COUNT * float(np.nanmax([noise.q[j], noise.theta[j]]))
 
 
 def unbends(before: Fit, after: Fit) -> bool:
