@@ -11,6 +11,7 @@ CASES.truth/<case>.rivals.json, where score.py reads it: it bounds that of the n
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import json
 import sys
 from collections.abc import Mapping
@@ -101,6 +102,27 @@ def make_filter(case: Case) -> tuple[Filter, Array]:
     return design(arm, np.array(case.arm.middle), steps, peak, sensors.noise, seen), np.stack(columns, axis=1)
 
 
+def first_state(y: Array, z: Array, table: Array, seen: Array) -> Array:
+    """The true first state with its positions where the encoders, as wrong as they are taken to be, say they are."""
+    began = y.copy()
+    for i, value in zip(seen.tolist(), z.tolist(), strict=True):
+        disc = table[i, DISC] * np.sin(table[i, DISC_HARMONIC] * y[i] + table[i, DISC_PHASE])
+        began[i] = (value - table[i, SENSOR_OFFSET]) / (1.0 + table[i, SENSOR_GAIN]) - disc
+        if (i + 2) % 4 not in seen:
+            began[(i + 2) % 4] += began[i] - y[i]
+    return began
+
+
+def mirrored(true: Hidden, rival: Hidden) -> Hidden:
+    """A rival that is the same error of the other encoder: it begins at the true one, turned round."""
+    if rival.effect != true.effect or true.effect not in SENSORS or rival.joint != true.joint:
+        return rival
+    turned = {key: -value if key in ("offset", "gain", "delay") else value for key, value in true.parameters.items()}
+    if "phase" in turned:
+        turned["phase"] += np.pi
+    return dataclasses.replace(rival, parameters=turned)
+
+
 def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
     """BIC of the rival at a site, or of none, less that of the true law, on the fit's motion without noise."""
     found, z = make_filter(case)
@@ -111,7 +133,7 @@ def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
         rival = None
         if site is not None:
             scale = scale_of(np.random.default_rng(start), case.arm, case.fit, case.controls[0], site[1], 1.0)
-            rival = draw(site, scale)
+            rival = mirrored(true, draw(site, scale))
         keys = list(rival.parameters) if rival else []
         first = np.array([rival.parameters[key] for key in keys] if rival else [])
         unit = np.where(first == 0.0, 1.0, np.abs(first))
@@ -124,7 +146,8 @@ def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
                 all_of.append(Hidden(rival.effect, rival.joint, rival.side, numbers, rival.place))
             plant = true_plant(calibrated(case.arm, TOLERANCE * x[:16]), all_of)
             table = sensor_table(all_of)
-            run = innovations(case.fit.y[0], z, case.fit.tau, plant.P, plant.links, found.gain, found.seen, table, STEP)
+            began = first_state(case.fit.y[0], z[0], table, found.seen)
+            run = innovations(began, z, case.fit.tau, plant.P, plant.links, found.gain, found.seen, table, STEP)
             errors = np.clip(np.nan_to_num(run @ found.whiten.T, nan=FAR), -FAR, FAR)
             return np.concatenate([errors.ravel(), x[:16] - prior / TOLERANCE])
 
