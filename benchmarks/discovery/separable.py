@@ -117,7 +117,7 @@ def mirrored(true: Hidden, rival: Hidden) -> Hidden:
     """A rival that is the same error of the other encoder: it begins at the true one, turned round."""
     if rival.effect != true.effect or true.effect not in SENSORS or rival.joint != true.joint:
         return rival
-    turned = {key: -value if key in ("offset", "gain", "delay") else value for key, value in true.parameters.items()}
+    turned = {key: -value if key in ("offset", "gain") else value for key, value in true.parameters.items()}
     if "phase" in turned:
         turned["phase"] += np.pi
     return dataclasses.replace(rival, parameters=turned)

@@ -10,7 +10,7 @@ from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.search import Candidate, candidates
 from flexdyn.diagnose.selection import HARMLESS, Search, following, forward, slack
 from flexdyn.diagnose.stage import Stage
-from flexdyn.diagnose.verify import EXPLAINED, confirmed
+from flexdyn.diagnose.verify import EXPLAINED, confirmed, kind_and_place
 from flexdyn.diagnose.windows import Windows
 
 PROMISING = 0.3
@@ -101,6 +101,4 @@ def _instead(search: Search, stage: Stage, gone: Collection[int]) -> Stage | Non
 
 def _what(candidate: Candidate) -> tuple[object, ...]:
     """Kind and place of an effect, or the number that is set free."""
-    effect = candidate.effect
-    places = (getattr(effect, key, None) for key in ("joint", "side", "channel", "frame"))
-    return (candidate.number, effect and effect.name, *places)
+    return (candidate.number, *kind_and_place(candidate.effect))

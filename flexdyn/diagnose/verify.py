@@ -133,12 +133,13 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
 
 def _added(before: Fit, after: Fit) -> list[Effect]:
     """Effects of a fit that another one does not have."""
-    known = {_place(effect) for effect in before.hypothesis.effects}
-    return [effect for effect in after.hypothesis.effects if _place(effect) not in known]
+    known = {kind_and_place(effect) for effect in before.hypothesis.effects}
+    return [effect for effect in after.hypothesis.effects if kind_and_place(effect) not in known]
 
 
-def _place(effect: Effect) -> tuple[object, ...]:
-    return (effect.name, *(getattr(effect, key, None) for key in ("joint", "side", "channel")))
+def kind_and_place(effect: Effect | None) -> tuple[object, ...]:
+    """Of an effect, whatever its numbers are."""
+    return tuple(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame"))
 
 
 def _below_a_count(effect: Effect, made: Fit) -> bool:
