@@ -16,10 +16,9 @@ from typing import Any
 
 import numpy as np
 from cases import CHECK, FAMILIES, FIT, make_case, sensors_of, truth_columns
-from model_text import model_yaml, urdf
+from model_text import TOLERANCE, model_yaml, urdf
 from recording import Sensors
 
-TOLERANCE = 0.03
 SIX = "six"
 
 

@@ -8,6 +8,8 @@ from arm_draw import GRAVITY, JOINTS, LINKS, TwoLinkArm
 ERROR, MASS_ERROR = 0.03, 0.02
 """Greatest relative error of a number, uniform, and of a link's mass. Lengths and gear ratios are right: they are drawn
 or counted, not measured."""
+TOLERANCE = 0.03
+"""What the model file says of its numbers: a standard deviation."""
 
 
 def mistaken(

@@ -23,14 +23,13 @@ from arm_draw import JOINTS, LINKS, TwoLinkArm
 from cases import Case, make_case, scale_of, true_plant
 from hidden import Hidden, Site, draw
 from layout import Array
-from model_text import known_effects
+from model_text import TOLERANCE, known_effects
 from names import SENSORS, same, text
 from observer import DISC, DISC_HARMONIC, DISC_PHASE, LAG, SENSOR_GAIN, SENSOR_OFFSET, STEP, Filter, design, innovations
 from recording import Sensors, read
 from scipy.optimize import least_squares
 from score import outcome
 
-TOLERANCE = 0.03
 KNOWN = ("stiffness", "damping", "rotor_inertia", "viscous", "coulomb", "mass", "com", "inertia")
 STARTS, EVALUATIONS, FAR = 1, 10, 1e6
 SENSOR_COLUMNS = {

@@ -19,7 +19,8 @@ where the law has both.
     payload                 0.1-0.25 of the forearm and its tool
     springs and cables      6-15 % of peak torque over the range
     end stop                met by the outermost 0.03-0.06 rad of the reference
-    wrong number            0.70-0.85 or 1.2-1.5 of it, "hard" 0.80-0.88 or 1.14-1.25: beyond three tolerances of 3 %
+    wrong number            0.70-0.85 or 1.2-1.5 of it, "hard" 0.80-0.88 or 1.14-1.25: beyond three tolerances of 3 %,
+                            a link's only where the tolerance of its others cannot make up for it
     sensors                 lag 1-4 ms, eccentricity 0.3-1 mrad of the link or 10-30 mrad of the motor, offset 1-5 mrad,
                             gain 0.5-2 %
 """

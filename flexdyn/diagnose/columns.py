@@ -77,7 +77,9 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         step: of the difference, in the parameter's unit.
     """
     moved = effect.replace(**{name: getattr(effect, name) + step})
-    if isinstance(effect, SensorEffect | Payload | TorqueConstantError):
+    if isinstance(effect, SensorEffect) and isinstance(moved, SensorEffect):
+        return _of_sensor(equations, moved, effect) / step
+    if isinstance(effect, Payload | TorqueConstantError):
         return (of_effect(equations, moved) - of_effect(equations, effect)) / step
     true = equations.true
     j = true.index(_on_joint(effect).joint)
@@ -100,14 +102,23 @@ def _on_joint(effect: Effect) -> JointEffect:
     return effect
 
 
-def _of_sensor(equations: Equations, effect: SensorEffect) -> Array:
-    """The measured channel holds what the sensor added: the true one is less by that."""
+def _of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect | None = None) -> Array:
+    """The measured channel holds what the sensor added: the true one is less by that.
+
+    Args:
+        equations: of the model.
+        effect: of a sensor.
+        instead: of another one of its kind; None: of none.
+    """
     j = equations.true.index(effect.joint)
+
+    def true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
+        if isinstance(effect, ChannelLag) and effect.signal == "tau":
+            return np.asarray(np.interp(data.t + effect.delay, data.t, seen))
+        return true_channel([effect], seen, data.dt)
 
     def error(data: Measured) -> Array:
         seen = data.channel(effect.signal)[:, j]
-        if isinstance(effect, ChannelLag) and effect.signal == "tau":
-            return np.asarray(np.interp(data.t + effect.delay, data.t, seen)) - seen
-        return true_channel([effect], seen, data.dt) - seen
+        return true(effect, data, seen) - (seen if instead is None else true(instead, data, seen))
 
     return equations.of_channel(effect.signal, j, error)

@@ -38,7 +38,7 @@ def _along(equations: Equations, along: Motion, j: int) -> Array:
             if i == j and kind == TOTAL:
                 rows[:, place] = -J * filters.rows(by_link, 2) / equations.gains[j]
         elif kind in (TOTAL, LINK):
-            loads = equations.dragged(along, j, swung, filters.instants(len(along.t)))[:, i]
+            loads = along.dragged(j, swung, filters.instants(len(along.t)))[:, i]
             loads -= J * swung[2] if i == j else 0.0  # a rigid joint's rotor is in M
             rows[:, place] = loads / (equations.gains[i] if kind == TOTAL else equations.softness[i])
     return rows

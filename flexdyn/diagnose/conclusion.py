@@ -20,7 +20,7 @@ from flexdyn.diagnose.nesting import simplified
 from flexdyn.diagnose.refine import Refined, of_fit, refine
 from flexdyn.diagnose.result import Diagnosis, Finding, Gap
 from flexdyn.diagnose.search import Candidate, candidates
-from flexdyn.diagnose.selection import Search, slack
+from flexdyn.diagnose.selection import Search, is_rival, slack
 from flexdyn.diagnose.settling import again
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.verify import EXPLAINED, SURE, better
@@ -65,6 +65,7 @@ def concluded(
         first, last = once_more[0], once_more[-1]
         last, refined = _simulated(search, last, windows) if last.named else (last, None)
     before = last
+    last = _surely(model, search, last, refined or of_fit(last.fitted))
     last = _freed(search, last) if _explained(last, first) else _standing(search, first, last)
     refined = refined if last is before else None
     if refined is None and not hurry:
@@ -102,6 +103,16 @@ def _explained(stage: Stage, first: Stage) -> bool:
     near = stage.trial.median <= EXPLAINED * max(stage.trial.shot.floor(), 1.0)
     bent = max(BENT * float(stage.trial.count.sum()), TRACE * first.trial.excess)
     return near and stage.trial.excess <= bent
+
+
+def _surely(model: FlexibleJointModel, search: Search, stage: Stage, numbers: Refined) -> Stage:
+    """The stage without what its numbers do not stand for: the corrected model holds what is named and no more."""
+    idle = {
+        k
+        for k, each in enumerate(stage.named)
+        if not each.stays and finding(model, each.candidate, (), numbers, 0.0) is None
+    }
+    return search.stage(*stage.without(idle)) if idle else stage
 
 
 def _standing(search: Search, first: Stage, last: Stage) -> Stage:
@@ -154,7 +165,8 @@ def _freed(search: Search, stage: Stage) -> Stage:
     named = [Named(Candidate(made, drop, 0.0, None, number, made.chi2)) for number in wrong]
     if len(wrong) == 1:
         rivals = tuple(c for c in candidates(search.space, search.screen, stage.fitted) if c.number != wrong[0])
-        near = tuple(each for each in rivals if each.behind(named[0].candidate) <= slack(made))
+        one = named[0].candidate
+        near = tuple(each for each in rivals if each.behind(one) <= slack(made) and is_rival(each, one))
         named = [dataclasses.replace(named[0], rivals=near)]
     return Stage(made, search.trial(made.hypothesis), (*stage.named, *named))
 

@@ -46,9 +46,12 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         over = least.cost - least.rows - 2.0 * math.sqrt(2.0 * least.rows)
         most = min(costs) + max(ENOUGH, SHARED * least.cost / scale) + DOUBT * max(over, 0.0) / scale
         best = int(np.argmin(costs))
-        # A few windows that hang on whether a joint sticks may say anything: all must agree on what is worse.
+        # A few windows that hang on whether a joint sticks may say anything: all must agree on what is worse, but for
+        # what the file says of its numbers.
         unsure = [surely_less(each.by_window, asked[best].by_window) < SURE for each in asked]
-        stays = [cost <= most or open_ for cost, open_ in zip(costs, unsure, strict=True)]
+        seen = [max(0.0, float((each.by_window - asked[best].by_window).sum())) / scale for each in asked]
+        sure = [cost - more * open_ for cost, more, open_ in zip(costs, seen, unsure, strict=True)]
+        stays = [cost <= most for cost in sure]
         winner = 0 if stays[0] else best  # a name stays where nothing speaks for another
         kept = [each for each, stay in zip(entries, stays, strict=True) if stay]
         others = (*(each for each in kept if each is not entries[winner]), *rivals[ASKED:])

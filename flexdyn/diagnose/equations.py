@@ -19,8 +19,6 @@ from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 
 Array = NDArray[np.float64]
-STEP = 1e-5
-"""Of differences of h [rad and rad/s, or m and m/s]."""
 MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmission", "sensor"
 
 
@@ -169,7 +167,7 @@ class Equations:
                 if model.elastic[j] and (signal == "theta" or alone):
                     motor[:, j] -= model.rotor_inertia[j] * d2
                 if signal == "q" or alone:
-                    link -= self.dragged(along, j, (d0, d1, d2))
+                    link -= along.dragged(j, (d0, d1, d2))
                 if not alone and not model.elastic[j]:
                     motor[:, j] -= sign * model.rotor_inertia[j] * d2
                     wound[:, j] = sign * d0
@@ -187,21 +185,6 @@ class Equations:
         if self.made_up.any():
             return self.filters.first.apply(y, 0)
         return y[spare : len(y) - spare]
-
-    def dragged(
-        self, along: Motion, j: int, moved: Sequence[Array], at: NDArray[np.intp] | slice = slice(None)
-    ) -> Array:
-        """Change of M a + h at samples of a motion (samples, n) where a joint's position, speed and acceleration move.
-
-        ``dh/dq_j dq + dh/dv_j dv + M_j da``, the slopes of h by differences.
-        """
-        q, v = along.q[at], along.v[at]
-        ahead, faster = q.copy(), v.copy()
-        ahead[:, j] += STEP
-        faster[:, j] += STEP
-        given = self.links.bias(q, v)
-        slopes = ((self.links.bias(ahead, v) - given) / STEP, (self.links.bias(q, faster) - given) / STEP)
-        return np.asarray(sum(s * d[:, None] for s, d in zip((*slopes, along.M[at, :, j]), moved, strict=True)))
 
     def _rows(self, model: FlexibleJointModel, motions: Sequence[Motion], effects: Sequence[Effect]) -> Array:
         return np.concatenate([self._of_motion(model, each, effects).ravel() for each in motions])
@@ -293,7 +276,7 @@ class Equations:
             if first.has_q[i]:
                 lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(wrong, 2)
             else:
-                lifted += self.dragged(along, i, [self.filters.rows(wrong, order) for order in range(3)], at)
+                lifted += along.dragged(i, [self.filters.rows(wrong, order) for order in range(3)], at)
         return lifted
 
 

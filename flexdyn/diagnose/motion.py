@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,6 +17,9 @@ from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 
 Array = NDArray[np.float64]
+Places = NDArray[np.intp] | slice
+STEP = 1e-5
+"""Of differences of h [rad and rad/s, or m and m/s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +77,36 @@ class Motion(Smoothed):
     def M(self) -> Array:
         """Mass matrices (samples, n, n) [kg m^2]."""
         return self.links.mass_matrix(self.q)
+
+    def dragged(self, j: int, moved: Sequence[Array], at: Places = slice(None)) -> Array:
+        """Change of M a + h (samples, n) where a joint's position, speed and acceleration move.
+
+        ``dh/dq_j dq + dh/dv_j dv + M_j da``, the slopes of h by differences.
+
+        Args:
+            j: the joint.
+            moved: its position, speed and acceleration (samples,).
+            at: samples of the motion that are asked for.
+        """
+        slopes = (*self._slopes(j, at), self.M[at, :, j])
+        return np.asarray(sum(s * d[:, None] for s, d in zip(slopes, moved, strict=True)))
+
+    def _slopes(self, j: int, at: Places) -> tuple[Array, Array]:
+        """Of h by a joint's position and by its speed (samples, n); remembered, as many columns ask."""
+        place = (j, isinstance(at, slice))
+        if place not in self._known:
+            q, v = self.q[at], self.v[at]
+            ahead, faster = q.copy(), v.copy()
+            ahead[:, j] += STEP
+            faster[:, j] += STEP
+            given = self.links.bias(q, v)
+            by_place, by_speed = self.links.bias(ahead, v) - given, self.links.bias(q, faster) - given
+            self._known[place] = (by_place / STEP, by_speed / STEP)
+        return self._known[place]
+
+    @cached_property
+    def _known(self) -> dict[tuple[int, bool], tuple[Array, Array]]:
+        return {}
 
 
 def motion(links: LinkSide, signals: Smoothed) -> Motion:

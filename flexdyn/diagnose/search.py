@@ -39,12 +39,15 @@ MANY = 200.0
 SOFTENINGS, SOFTENED = 4, 0.1
 """Workspaces that are made for a joint that becomes elastic, until its stiffness changes by less than such a share."""
 SCALES = {
+    "parallel_spring": "stiffness",
     "presliding_friction": "stiffness",
     "spring_hysteresis": "width",
     "stribeck_friction": "velocity",
     "warm_up_friction": "time_constant",
 }
 """Laws that become a plainer one as this number grows or falls."""
+AWAY = 3.0
+"""Standard deviations by which it must be away from none."""
 ENOUGH = 10.0
 """Least drop of BIC for which an effect is named."""
 
@@ -258,7 +261,7 @@ def _is_a_limit(candidate: Candidate) -> bool:
         return False
     name, made = SCALES[effect.name], candidate.fitted
     std = made.std()[effect, name] / math.sqrt(max(1.0, made.reduced))  # what other laws leave says nothing of this one
-    return bool(std > getattr(effect, name))
+    return bool(AWAY * std > getattr(effect, name))
 
 
 def _softened(before: Fit, start: Hypothesis, choice: Screened, cost: float, scale: float) -> Candidate:

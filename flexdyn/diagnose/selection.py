@@ -8,9 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from flexdyn.diagnose.estimate import ROUGH, Fit, Workspace, fit, linearised, tempering
+from flexdyn.diagnose.findings import out_of_tolerance
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.nesting import is_simpler
-from flexdyn.diagnose.refine import refine
+from flexdyn.diagnose.refine import of_fit, refine
 from flexdyn.diagnose.search import ENOUGH, Candidate, Screen, candidates
 from flexdyn.diagnose.stage import Alternative, Named, Stage
 from flexdyn.diagnose.verify import EXPLAINED, SURE, Check, Trial, better, confirmed, surely_less
@@ -185,9 +186,14 @@ def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stag
             first = k
     rivals = [each for each, trial in zip(plain, trials, strict=True) if not search.prefers(trials[first], trial)]
     named = plain[first]
-    others = tuple(each for each in rivals if each is not named)
+    others = tuple(each for each in rivals if each is not named and is_rival(each, named))
     last = Named(named, others, _among(ranked, named, gaps))
     return dataclasses.replace(tried[id(named)], named=(*now.named, last))
+
+
+def is_rival(other: Candidate, named: Candidate) -> bool:
+    """Whether another does without what is named: a number that is surely out of tolerance with both is wrong."""
+    return named.number is None or named.number not in out_of_tolerance(of_fit(other.fitted))
 
 
 def _among(ranked: Sequence[Candidate], best: Candidate, gaps: Mapping[int, float]) -> tuple[Alternative, ...]:

@@ -13,6 +13,8 @@ from flexdyn.effects import ChannelLag, EncoderEccentricity, SensorEffect, Senso
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
+ROUNDS, SETTLED = 20, 1e-15
+"""Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
 
 
 def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
@@ -42,8 +44,10 @@ def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) ->
     discs = [e for e in effects if isinstance(e, EncoderEccentricity)]
     if discs:
         seen = x
-        for _ in range(20):  # amplitude times harmonic is far below 1: each round gains that factor
-            x = seen - np.sum([e.error(x) for e in discs], axis=0)
+        for _ in range(ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
+            before, x = x, seen - np.sum([e.error(x) for e in discs], axis=0)
+            if np.abs(x - before).max(initial=0.0) < SETTLED:
+                break
     delay = sum(e.delay for e in effects if isinstance(e, ChannelLag))
     return advanced(x, delay, dt) if delay else x
 

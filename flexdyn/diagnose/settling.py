@@ -7,8 +7,9 @@ import itertools
 from collections.abc import Collection
 
 from flexdyn.diagnose.estimate import fit
+from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.search import Candidate, candidates
-from flexdyn.diagnose.selection import HARMLESS, Search, following, forward, slack
+from flexdyn.diagnose.selection import HARMLESS, Search, following, forward, is_rival, slack
 from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import EXPLAINED, confirmed, kind_and_place
 from flexdyn.diagnose.windows import Windows
@@ -50,7 +51,7 @@ def settled(search: Search, first: Stage, stage: Stage) -> Stage:
     stage = pruned(search, stage)
     good = stage.trial.excess < PROMISING * first.trial.excess or stage.trial.median < EXPLAINED
     if len(stage.named) > 1 and good:
-        stage = _merged(search, _exchanged(search, stage))
+        stage = _asked_again(search, _merged(search, _exchanged(search, stage)))
     return stage
 
 
@@ -73,6 +74,38 @@ def _exchanged(search: Search, stage: Stage) -> Stage:
         place = next(k for k, each in enumerate(stage.named) if each is old)
         stage = _instead(search, stage, {place}) or stage
     return stage
+
+
+def _asked_again(search: Search, stage: Stage) -> Stage:
+    """Rivals that did as well before the other effects were known stay only where they do so beside them."""
+    goal = stage.fitted
+    effects = iter(goal.hypothesis.effects)
+    named = []
+    for k, each in enumerate(stage.named):
+        effect = next(effects) if each.candidate.number is None else None
+        if not each.rivals or each.stays:
+            named.append(each)
+            continue
+        search.say("asking rivals again", 0.0)
+        now = dataclasses.replace(each.candidate, fitted=goal, effect=effect, chi2=goal.reached)
+        start = stage.without({k})[0]
+        rivals = (_beside(search, start, rival) for rival in each.rivals)
+        kept = tuple(rival for rival in rivals if rival.behind(now) <= slack(goal) and is_rival(rival, now))
+        named.append(dataclasses.replace(each, candidate=now, rivals=kept))
+    return dataclasses.replace(stage, named=tuple(named))
+
+
+def _beside(search: Search, start: Hypothesis, rival: Candidate) -> Candidate:
+    """A rival fitted again, beside what was found since."""
+    last = rival.fitted.hypothesis
+    if rival.number is not None:
+        factors = {**start.factors, rival.number: last.factors[rival.number]}
+        start = dataclasses.replace(start, factors=factors, freed=start.freed | {rival.number})
+    elif rival.effect is not None:
+        start = dataclasses.replace(start, effects=(*start.effects, rival.effect))
+    made = fit(start, search.space)
+    effect = made.hypothesis.effects[-1] if rival.number is None else None
+    return dataclasses.replace(rival, fitted=made, effect=effect, chi2=made.reached)
 
 
 def _merged(search: Search, stage: Stage) -> Stage:

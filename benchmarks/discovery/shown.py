@@ -1,0 +1,50 @@
+"""Whether anything that an arm does can show that a number of its links is wrong.
+
+All that links do to the joints goes through the few numbers of `TwoLinkArm.links`. Where the other numbers, each within
+its tolerance, make those few what they truly are, no recording of any length tells the wrong number from a right one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from arm_draw import TwoLinkArm
+from layout import Array
+from model_text import TOLERANCE
+from score import INSEPARABLE
+
+NUMBERS = (("mass", 0), ("mass", 1), ("com", 0), ("com", 1), ("inertia", 0), ("inertia", 1), ("tool", 0))
+STEP = 1e-4
+
+
+def shown(true: TwoLinkArm, given: TwoLinkArm, wrong: tuple[str, int]) -> bool:
+    """Whether the least that others must bend, to make up for the wrong number, is more than inseparable laws differ.
+
+    Args:
+        true: arm.
+        given: as it is written down.
+        wrong: the number that is out of tolerance, and whose.
+    """
+    logs = np.array([np.log(_number(true, *each) / _number(given, *each)) for each in NUMBERS])
+    columns = [(_seen(_scaled(true, *each, STEP)) - _seen(true)) / STEP for each in NUMBERS]
+    J = TOLERANCE * np.stack(columns, axis=1)
+    bent = np.linalg.pinv(J) @ (_seen(true) - _seen(given))
+    others = np.array([each != wrong for each in NUMBERS])
+    return bool(bent @ bent - ((logs / TOLERANCE)[others] ** 2).sum() > INSEPARABLE)
+
+
+def _seen(arm: TwoLinkArm) -> Array:
+    """What the joints see of the links; lying down, no weights."""
+    return arm.links()[: 5 if arm.vertical else 3]
+
+
+def _number(arm: TwoLinkArm, name: str, j: int) -> float:
+    value = getattr(arm, name)
+    return float(value if name == "tool" else value[j])
+
+
+def _scaled(arm: TwoLinkArm, name: str, j: int, log: float) -> TwoLinkArm:
+    """The arm with one number times exp(log)."""
+    value = getattr(arm, name)
+    if name == "tool":
+        return arm.replace(tool=value * np.exp(log))
+    return arm.replace(**{name: tuple(each * np.exp(log) if k == j else each for k, each in enumerate(value))})
