@@ -68,11 +68,12 @@ def sensors_of(family: str) -> Sensors:
 
 
 def possible(family: str) -> list[Site]:
-    """What can be hidden in a family; what the first link has of its own inertia hardly shows in any arm."""
+    """What can be hidden in a family; no arm shows much of its first link's own inertia: its mass takes the place."""
     missing = {"motor_only": "q", "link_only": "theta"}.get(family)
     spring = "joint_elasticity"
     unseen = ("parameter_error", 0, "link_inertia")
-    found = [site for site in sites() if site != unseen and (missing is None or site[2] != missing)]
+    known = [("parameter_error", 0, "link_mass") if site == unseen else site for site in sites()]
+    found = [site for site in known if missing is None or site[2] != missing]
     if family == "rigid":
         wound = {"transmission", "load_dependent_friction", "theta", "stiffness"}
         twice = [(name, j, "link") for name in LAWS for j in (0, 1)]  # the motor's side is the same there

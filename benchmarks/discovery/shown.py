@@ -13,7 +13,7 @@ from model_text import TOLERANCE
 from score import INSEPARABLE
 
 NUMBERS = (("mass", 0), ("mass", 1), ("com", 0), ("com", 1), ("inertia", 0), ("inertia", 1), ("tool", 0))
-STEP = 1e-4
+STEP, ROUNDS = 1e-4, 8
 
 
 def shown(true: TwoLinkArm, given: TwoLinkArm, wrong: tuple[str, int]) -> bool:
@@ -25,9 +25,12 @@ def shown(true: TwoLinkArm, given: TwoLinkArm, wrong: tuple[str, int]) -> bool:
         wrong: the number that is out of tolerance, and whose.
     """
     logs = np.array([np.log(_number(true, *each) / _number(given, *each)) for each in NUMBERS])
-    columns = [(_seen(_scaled(true, *each, STEP)) - _seen(true)) / STEP for each in NUMBERS]
-    J = TOLERANCE * np.stack(columns, axis=1)
-    bent = np.linalg.pinv(J) @ (_seen(true) - _seen(given))
+    goal, bent = _seen(true), np.zeros(len(NUMBERS))
+    for _ in range(ROUNDS):  # the least change that does it, each time to first order around the last one
+        here = _bent(given, TOLERANCE * bent)
+        columns = [(_seen(_bent(here, STEP * axis)) - _seen(here)) / STEP for axis in np.eye(len(NUMBERS))]
+        J = TOLERANCE * np.stack(columns, axis=1)
+        bent = np.linalg.pinv(J) @ (goal - _seen(here) + J @ bent)
     others = np.array([each != wrong for each in NUMBERS])
     return bool(bent @ bent - ((logs / TOLERANCE)[others] ** 2).sum() > INSEPARABLE)
 
@@ -42,9 +45,10 @@ def _number(arm: TwoLinkArm, name: str, j: int) -> float:
     return float(value if name == "tool" else value[j])
 
 
-def _scaled(arm: TwoLinkArm, name: str, j: int, log: float) -> TwoLinkArm:
-    """The arm with one number times exp(log)."""
-    value = getattr(arm, name)
-    if name == "tool":
-        return arm.replace(tool=value * np.exp(log))
-    return arm.replace(**{name: tuple(each * np.exp(log) if k == j else each for k, each in enumerate(value))})
+def _bent(arm: TwoLinkArm, logs: Array) -> TwoLinkArm:
+    """The arm with its numbers times exp(logs) (numbers,)."""
+    factors = np.exp(logs)
+    changed: dict[str, object] = {"tool": float(arm.tool * factors[-1])}
+    for k, name in enumerate(("mass", "com", "inertia")):
+        changed[name] = tuple((np.array(getattr(arm, name)) * factors[2 * k : 2 * k + 2]).tolist())
+    return arm.replace(**changed)

@@ -11,7 +11,7 @@ from flexdyn.diagnose.refine import Refined, refine
 from flexdyn.diagnose.search import ENOUGH, Candidate
 from flexdyn.diagnose.selection import DOUBT, Search
 from flexdyn.diagnose.stage import Named, Stage
-from flexdyn.diagnose.verify import SURE, surely_less
+from flexdyn.diagnose.verify import SURE, confirmed, surely_less
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import Payload
 
@@ -55,8 +55,15 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         winner = 0 if stays[0] else best  # a name stays where nothing speaks for another
         kept = [each for each, stay in zip(entries, stays, strict=True) if stay]
         others = (*(each for each in kept if each is not entries[winner]), *rivals[ASKED:])
-        stage = _with(search, stage, place, dataclasses.replace(named, candidate=entries[winner], rivals=others))
+        after = _with(search, stage, place, dataclasses.replace(named, candidate=entries[winner], rivals=others))
+        stage = after if winner == 0 or _wanted(search, after) else stage
     return stage
+
+
+def _wanted(search: Search, stage: Stage) -> bool:
+    """Whether the check wants what came to stand last: it was asked about another name."""
+    less = search.stage(*stage.without({len(stage.named) - 1}))
+    return confirmed(less.trial, less.fitted, stage.trial, stage.fitted)
 
 
 def _is_a_mass(candidate: Candidate) -> bool:

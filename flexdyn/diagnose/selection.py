@@ -171,6 +171,8 @@ def _worth_a_try(before: Fit, ranked: Sequence[Candidate]) -> list[Candidate]:
 def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stage, gaps: dict[int, float]) -> Stage:
     """Of a confirmed candidate and those that do as well the plainest, of these the one that the check likes best.
 
+    It must want that one as well.
+
     One that contains another stays where the check surely needs what it has more.
     """
     best = stage.named[-1].candidate
@@ -180,9 +182,10 @@ def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stag
     plain = [each for each in near if all(search.prefers(of[id(each)], of[id(e)]) for e in near if contains(each, e))]
     trials = [of[id(each)] for each in plain]
     gaps.update({key: trial.gap for key, trial in of.items()})
-    first = 0
+    wanted = [each is best or confirmed(now.trial, now.fitted, of[id(each)], each.fitted) for each in plain]
+    first = wanted.index(True) if any(wanted) else 0
     for k, trial in enumerate(trials):
-        if search.prefers(trial, trials[first]):
+        if wanted[k] and search.prefers(trial, trials[first]):
             first = k
     rivals = [each for each, trial in zip(plain, trials, strict=True) if not search.prefers(trials[first], trial)]
     named = plain[first]

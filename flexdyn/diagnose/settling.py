@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Collection
 
 from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis import DISCRETE, Hypothesis
 from flexdyn.diagnose.search import Candidate, candidates
 from flexdyn.diagnose.selection import HARMLESS, Search, following, forward, is_rival, slack
 from flexdyn.diagnose.stage import Stage
@@ -133,5 +133,6 @@ def _instead(search: Search, stage: Stage, gone: Collection[int]) -> Stage | Non
 
 
 def _what(candidate: Candidate) -> tuple[object, ...]:
-    """Kind and place of an effect, or the number that is set free."""
-    return (candidate.number, *kind_and_place(candidate.effect))
+    """Kind, place and counted parameters of an effect, or the number that is set free."""
+    counted = tuple(getattr(candidate.effect, name, None) for name in DISCRETE)
+    return (candidate.number, *kind_and_place(candidate.effect), *counted)

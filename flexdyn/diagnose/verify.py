@@ -110,21 +110,24 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     Its windows must surely be less off, and no more off in all unless that is noise. Where they say little, because
     noise decides in them what sticks, the equations may speak instead, for an effect that takes the bulk of what was
     left; if it leaves them nothing but noise, windows need only not object. Data that is at noise with and without it
-    says too little: there it must not object to what is beyond doubt in the fit, but for errors of position that no
-    encoder counts, which filters and rounding make. Where a position was made up and
+    says too little: there it must not object to what is beyond doubt in the fit. Where a position was made up and
     windows are at noise, an effect must be beyond doubt in the fit as well. One that only puts back numbers of the file
-    which had been bent to do its work must do no harm.
+    which had been bent to do its work must do no harm. Errors of position that no encoder counts, which filters and
+    rounding make, are wanted by windows alone.
     """
     windows = better(now, trial)
     rows = surely_less(now.rows, trial.rows)
+    slight = any(_below_a_count(effect, after) for effect in _added(before, after))
     if unbends(before, after):
-        return min(windows, rows) > -SURE
+        return min(windows, rows) > -SURE and not slight
     doubtless = before.chi2 - after.chi2 > SOLID
     if not trial.exact and now.median <= 1.0 and not doubtless:  # equations are bent by more than this is worth
         return False
     solid = trial.exact and doubtless
     if solid and now.at_noise and trial.at_noise and min(windows, rows) > -1.0:
-        return not any(_below_a_count(effect, after) for effect in _added(before, after))
+        return not slight
+    if slight:
+        return windows > SURE and trial.gap < now.gap
     if windows > (FAIR if solid else SURE) and trial.gap <= max(now.gap, 1.0):
         return True
     bulk = float(now.rows.sum() - trial.rows.sum()) > BULK * now.excess

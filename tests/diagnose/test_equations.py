@@ -104,6 +104,19 @@ def test_a_numbers_column_is_the_slope_of_the_residual(signals: tuple[str, ...])
         assert np.linalg.norm(found - slope) < near * np.linalg.norm(slope) + 1e-9, number
 
 
+@pytest.mark.parametrize("signal", ["q", "theta"])
+@pytest.mark.parametrize(("name", "step"), [("amplitude", 1e-5), ("phase", 1e-3)])
+def test_a_sensors_column_is_the_slope_of_the_residual(signal: str, name: str, step: float) -> None:
+    """By central differences of the whole model around an encoder's disc that is off its axis."""
+    given = equations(Levels(1e-6, 1e-3), 0)
+    disc = fd.effects.EncoderEccentricity(f"{signal}.shoulder", amplitude=1e-3, harmonic=3.0, phase=0.4)
+    at = given.of(given.model.replace(effects=[*given.model.effects, disc]))
+    sides = [disc.replace(**{name: getattr(disc, name) + way * step}) for way in (1.0, -1.0)]
+    up, down = (at.of(at.model.replace(effects=[*given.model.effects, each])).residual for each in sides)
+    slope, found = (up - down) / (2.0 * step), columns.of_parameter(at, disc, name, step)
+    assert np.linalg.norm(found - slope) < 0.02 * np.linalg.norm(slope)
+
+
 def test_a_lag_is_seen_as_it_is() -> None:
     """To first order, the column of a lag is the residual of a recording that lags, less that of one that does not."""
     model = two_link(ARM)

@@ -9,6 +9,13 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose import contest
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.diagnose.refine import Refined
+from flexdyn.diagnose.search import Candidate
+from flexdyn.diagnose.selection import is_rival
+from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.verify import SURE, Trial, confirmed, surely_less
 from tests.arms import two_link
 from tests.oracles.two_link import TwoLink
@@ -65,3 +72,43 @@ def test_an_error_of_less_than_a_count_is_not_named_where_the_check_is_silent(
     """Whatever the fit gains by it; a torque is not counted."""
     trial = at_noise(0)
     assert confirmed(trial, fitted(None, 5000.0), trial, fitted(effect, 4000.0)) is named
+
+
+LAWS = (fd.effects.TorqueOffset("elbow", offset=0.1), fd.effects.CoulombFriction("elbow", side="motor", level=0.1))
+LEVEL = FileNumber("effects[0]", "level", 2.0, 0.03, "elbow")
+
+
+def candidate(
+    factor: float, std: float, effects: tuple[fd.effects.Effect, ...], number: FileNumber | None
+) -> Candidate:
+    """Of a fit in which a number of the file came to a factor, freed or not."""
+    freed = frozenset() if number is None else frozenset({number})
+    hypothesis = Hypothesis(two_link(TwoLink()), {LEVEL: factor}, freed, effects)
+    fitted: Any = SimpleNamespace(hypothesis=hypothesis, factor_std=lambda: {LEVEL: std}, std=dict)
+    return Candidate(fitted, 100.0, 0.0, effects[-1] if number is None else None, number, 1000.0)
+
+
+@pytest.mark.parametrize(("factor", "std", "rival"), [(0.84, 0.005, False), (0.95, 0.005, True), (0.84, 0.06, True)])
+def test_a_number_that_is_wrong_with_both_laws_is_wrong(factor: float, std: float, rival: bool) -> None:
+    """Another law is a rival of a wrong number only where the number stays in its tolerance beside it."""
+    offset = candidate(factor, std, (fd.effects.TorqueOffset("elbow", offset=1e-3),), None)
+    assert is_rival(offset, candidate(0.83, 0.005, (), LEVEL)) is rival
+    assert is_rival(candidate(0.83, 0.005, (), LEVEL), offset)
+
+
+@pytest.mark.parametrize(("priors", "left"), [(500.0, 0), (5.0, 1)])
+def test_what_the_file_says_of_its_numbers_decides_between_laws(
+    priors: float, left: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Windows that are alike keep a rival, but not one for which the file's numbers must bend far."""
+    windows = np.random.default_rng(0).chisquare(300.0, size=60)
+    named, rival = (candidate(1.0, 0.01, (law,), None) for law in LAWS)
+    costs = {id(named): windows.sum(), id(rival): windows.sum() + priors}
+
+    def asked(_search: Any, each: Candidate, _windows: Any) -> Refined:
+        return Refined(each.fitted.hypothesis, np.zeros(3), costs[id(each)], 18_000, windows)
+
+    monkeypatch.setattr(contest, "_asked", asked)
+    nothing: Any = None
+    stage = Stage(named.fitted, nothing, (Named(named, (rival,)),))
+    assert len(contest.contested(nothing, stage, nothing).named[0].rivals) == left
