@@ -32,8 +32,12 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         windows: of the data of the fit.
     """
     for place, named in enumerate(stage.named):
-        rivals = [each for each in named.rivals if _is_of(each, stage)]
-        if not rivals or not _is_of(named.candidate, stage):
+        if not _is_of(named.candidate, stage):
+            continue
+        mine = [each for each in named.rivals if _is_of(each, stage)]
+        same = [each for each in mine if _alike(each, named.candidate)]
+        rivals = [each for each in mine if each not in same]
+        if not rivals:
             continue
         entries = [named.candidate, *rivals[:ASKED]]
         asked = [_asked(search, each, windows) for each in entries]
@@ -55,6 +59,7 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         winner = 0 if stays[0] else best  # a name stays where nothing speaks for another
         kept = [each for each, stay in zip(entries, stays, strict=True) if stay]
         others = (*(each for each in kept if each is not entries[winner]), *rivals[ASKED:])
+        others = (*same, *others) if stays[0] else others
         after = _with(search, stage, place, dataclasses.replace(named, candidate=entries[winner], rivals=others))
         stage = after if winner == 0 or _wanted(search, after) else stage
     return stage
@@ -64,6 +69,13 @@ def _wanted(search: Search, stage: Stage) -> bool:
     """Whether the check wants what came to stand last: it was asked about another name."""
     less = search.stage(*stage.without({len(stage.named) - 1}))
     return confirmed(less.trial, less.fitted, stage.trial, stage.fitted)
+
+
+def _alike(one: Candidate, other: Candidate) -> bool:
+    """Whether one law is a name for the other: both leave the same rows, and windows need not be asked."""
+    left, its = (each.fitted.regression.left[: len(each.fitted.regression.y)] for each in (one, other))
+    near = len(left) == len(its) and abs(one.chi2 - other.chi2) < ENOUGH
+    return near and float(((left - its) ** 2).sum()) < ENOUGH
 
 
 def _is_a_mass(candidate: Candidate) -> bool:

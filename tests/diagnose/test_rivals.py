@@ -74,17 +74,46 @@ def test_an_error_of_less_than_a_count_is_not_named_where_the_check_is_silent(
     assert confirmed(trial, fitted(None, 5000.0), trial, fitted(effect, 4000.0)) is named
 
 
+def windowed(seed: int, size: float, gap: float) -> Trial:
+    """A check whose equations leave three times the noise, and whose windows are off by so much."""
+    draw = np.random.default_rng(seed)
+    by_window = size * draw.uniform(0.9, 1.1, size=24)
+    shot: Any = SimpleNamespace(by_window=by_window, misfit=50.0 * by_window, gap=gap)
+    return Trial(shot, 3.0 * draw.chisquare(100, size=24), np.full(24, 100.0))
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "less", "gap", "named"),
+    [(2e-6, 0.7, 1.2, True), (2e-6, 0.7, 2.1, False), (2e-6, 0.995, 1.9, False), (2e-4, 0.995, 1.9, True)],
+)
+def test_an_error_of_less_than_a_count_is_wanted_by_windows_alone(
+    amplitude: float, less: float, gap: float, named: bool
+) -> None:
+    """They must surely be less off, and in all: a filter's error beside backlash looks like an error of position."""
+    effect = fd.effects.KinematicError("elbow", amplitude=amplitude, harmonic=1.0, phase=0.0)
+    now, trial = windowed(0, 2.0, 2.0), windowed(0, 2.0 * less, gap)
+    assert confirmed(now, fitted(None, 5000.0), trial, fitted(effect, 4000.0)) is named
+
+
 LAWS = (fd.effects.TorqueOffset("elbow", offset=0.1), fd.effects.CoulombFriction("elbow", side="motor", level=0.1))
 LEVEL = FileNumber("effects[0]", "level", 2.0, 0.03, "elbow")
 
 
 def candidate(
-    factor: float, std: float, effects: tuple[fd.effects.Effect, ...], number: FileNumber | None
+    factor: float,
+    std: float,
+    effects: tuple[fd.effects.Effect, ...],
+    number: FileNumber | None,
+    rest: np.ndarray | None = None,
 ) -> Candidate:
     """Of a fit in which a number of the file came to a factor, freed or not."""
     freed = frozenset() if number is None else frozenset({number})
     hypothesis = Hypothesis(two_link(TwoLink()), {LEVEL: factor}, freed, effects)
-    fitted: Any = SimpleNamespace(hypothesis=hypothesis, factor_std=lambda: {LEVEL: std}, std=dict)
+    rows = np.random.default_rng(len(effects)).standard_normal(50)
+    regression = SimpleNamespace(y=rows, left=rows if rest is None else rest)
+    fitted: Any = SimpleNamespace(
+        hypothesis=hypothesis, factor_std=lambda: {LEVEL: std}, std=dict, regression=regression
+    )
     return Candidate(fitted, 100.0, 0.0, effects[-1] if number is None else None, number, 1000.0)
 
 
@@ -102,7 +131,8 @@ def test_what_the_file_says_of_its_numbers_decides_between_laws(
 ) -> None:
     """Windows that are alike keep a rival, but not one for which the file's numbers must bend far."""
     windows = np.random.default_rng(0).chisquare(300.0, size=60)
-    named, rival = (candidate(1.0, 0.01, (law,), None) for law in LAWS)
+    named = candidate(1.0, 0.01, LAWS[:1], None)
+    rival = candidate(1.0, 0.01, LAWS[1:], None, np.zeros(50))
     costs = {id(named): windows.sum(), id(rival): windows.sum() + priors}
 
     def asked(_search: Any, each: Candidate, _windows: Any) -> Refined:
