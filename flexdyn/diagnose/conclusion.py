@@ -17,24 +17,21 @@ from flexdyn.diagnose.gap import shoot
 from flexdyn.diagnose.localise import localise, traces
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.nesting import simplified
+from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.refine import Refined, of_fit, refine
 from flexdyn.diagnose.result import Diagnosis, Finding, Gap
 from flexdyn.diagnose.search import Candidate, candidates
 from flexdyn.diagnose.selection import Search, is_rival, slack
 from flexdyn.diagnose.settling import again
 from flexdyn.diagnose.stage import Named, Stage
-from flexdyn.diagnose.verify import EXPLAINED, SURE, better
+from flexdyn.diagnose.standing import explained, standing, surely, unbent
+from flexdyn.diagnose.verify import SURE, better
 from flexdyn.diagnose.windows import Windows
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-BENT, TRACE = 3.0, 0.01
-"""What the equations of a right model may leave over noise: so many times that, or a share of what was there before:
-windows hardly see what a stiff spring does fast."""
 FAR_OFF = 3.0
 """Times the floor that the data of the fit may be off: an end stop that the check never meets is not explained."""
-LEFT = 0.1
-"""Share of what was unexplained that may be left for names to stand, where not all is explained."""
 
 
 def concluded(
@@ -58,22 +55,22 @@ def concluded(
     """
     first, last = stages[0], stages[-1]
     refined: Refined | None = None
-    if last.named and not hurry and (last.fitted.reduced > ROUGH or not _explained(last, first)):
+    if last.named and not hurry and (last.fitted.reduced > ROUGH or not explained(last, first)):
         last, refined = _simulated(search, last, windows)
-    if thorough and last.fitted.reduced > ROUGH and not _explained(last, first):
+    if thorough and last.fitted.reduced > ROUGH and not explained(last, first):
         search, once_more = again(search, stages[-1], windows)
         first, last = once_more[0], once_more[-1]
         last, refined = _simulated(search, last, windows) if last.named else (last, None)
     before = last
-    last = _surely(model, search, last, refined or of_fit(last.fitted))
-    last = _freed(search, last) if _explained(last, first) else _standing(search, first, last)
+    last = surely(model, search, last, refined or of_fit(last.fitted))
+    last = _freed(search, last) if explained(last, first) else standing(search, first, last)
     refined = refined if last is before else None
     if refined is None and not hurry:
         last = contested(search, last, windows)
     plain = with_filter_bias if last.named and not hurry else of_fit
     numbers = simplified(refined or plain(last.fitted))
     corrected, calibrated = numbers.hypothesis.seen(), first.fitted
-    within = _unbent(search, first).fitted.hypothesis.seen()
+    within = unbent(search, first).fitted.hypothesis.seen()
     gaps = []
     for each in (windows, search.check.windows):
         after = shoot(corrected, each)
@@ -83,7 +80,7 @@ def concluded(
     space = calibrated.space
     mask = space.whiten.mask
     left = calibrated.regression.left[: len(mask)]  # white rows, a count more or less of the encoders allowed for
-    near = _explained(last, first) and gaps[0].after <= FAR_OFF * max(gaps[0].floor, 1.0)
+    near = explained(last, first) and gaps[0].after <= FAR_OFF * max(gaps[0].floor, 1.0)
     verdict = "unexplained" if not near else "explained" if findings else "no_discrepancy"
     return Diagnosis(
         verdict=verdict,
@@ -98,65 +95,9 @@ def concluded(
     )
 
 
-def _explained(stage: Stage, first: Stage) -> bool:
-    """Whether windows are as near as noise lets them, and the equations as near as their filters do."""
-    near = stage.trial.median <= EXPLAINED * max(stage.trial.shot.floor(), 1.0)
-    bent = max(BENT * float(stage.trial.count.sum()), TRACE * first.trial.excess)
-    return near and stage.trial.excess <= bent
-
-
-def _surely(model: FlexibleJointModel, search: Search, stage: Stage, numbers: Refined) -> Stage:
-    """The stage without what its numbers do not stand for: the corrected model holds what is named and no more."""
-    idle = {
-        k
-        for k, each in enumerate(stage.named)
-        if not each.stays and finding(model, each.candidate, (), numbers, 0.0) is None
-    }
-    return search.stage(*stage.without(idle)) if idle else stage
-
-
-def _standing(search: Search, first: Stage, last: Stage) -> Stage:
-    """The stage with those names that leave little unexplained: in all, or at their own joints, if much was there.
-
-    What is missing at one joint says nothing against a name at another.
-    """
-    if last.trial.excess > LEFT * first.trial.excess:
-        before, after = _excess(first), _excess(last)
-        names = last.fitted.equations.true.joint_names
-        gone = set()
-        for k, each in enumerate(last.named):
-            at = list(range(len(names))) if each.joint is None else [names.index(each.joint)]
-            was, left = before[at].sum(), after[at].sum()
-            if left > LEFT * was or was < LEFT * before.sum():
-                gone.add(k)
-        last = search.stage(*last.without(gone)) if gone else last
-    return last if last.named else _unbent(search, first)
-
-
-def _excess(stage: Stage) -> Array:
-    """What the equations of every joint leave over noise on the data of the fit (n,)."""
-    made = stage.fitted
-    mask, kinds = made.space.whiten.mask, made.equations.kinds
-    squares = np.where(mask, 0.0, made.regression.left[: len(mask)] ** 2 - 1.0).reshape(-1, len(kinds)).sum(axis=0)
-    of = np.array([i for i, _ in kinds])
-    return np.array([max(1.0, float(squares[of == j].sum())) for j in range(made.equations.true.n)])
-
-
-def _unbent(search: Search, first: Stage) -> Stage:
-    """The first stage with numbers within their tolerance, as given where that is nearer.
-
-    A gap that nothing explains bends numbers without reason.
-    """
-    made = first.fitted
-    given = dataclasses.replace(made.hypothesis, factors=dict.fromkeys(made.hypothesis.factors, 1.0))
-    tried = [(search.trial(each), each) for each in (made.hypothesis.tolerated(), given)]
-    trial, held = min(tried, key=lambda pair: pair[0].gap)
-    return Stage(dataclasses.replace(made, hypothesis=held), trial)
-
-
 def _freed(search: Search, stage: Stage) -> Stage:
     """Numbers that are surely out of tolerance named for it, beside what would put them back as well."""
-    wrong = out_of_tolerance(of_fit(stage.fitted))
+    wrong = [each for each in out_of_tolerance(of_fit(stage.fitted)) if not _unseen(each, stage)]
     if not wrong:
         return stage
     hypothesis = stage.fitted.hypothesis
@@ -169,6 +110,12 @@ def _freed(search: Search, stage: Stage) -> Stage:
         near = tuple(each for each in rivals if each.behind(one) <= slack(made) and is_rival(each, one))
         named = [dataclasses.replace(named[0], rivals=near)]
     return Stage(made, search.trial(made.hypothesis), (*stage.named, *named))
+
+
+def _unseen(number: FileNumber, stage: Stage) -> bool:
+    """Whether it is a damper's whose deflection nobody measured: positions that are made up take no notice of it."""
+    at = stage.fitted.equations
+    return number.parameter == "damping" and number.joint is not None and bool(at.made_up[at.true.index(number.joint)])
 
 
 def _simulated(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refined | None]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose import columns
 from flexdyn.diagnose.covariance import Noise, Whitener
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.hypothesis import Hypothesis, bounded, moved
+from flexdyn.diagnose.hypothesis import ROUNDING, Hypothesis, bounded, moved
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.regression import Regression
 from flexdyn.effects import Effect, KinematicError, Payload, SensorEffect, SensorOffset
@@ -28,8 +28,6 @@ AHEAD = 2
 straight step leaves and the next one finds again (the watchdog of Chamberlain et al., 1982)."""
 SHORTER = 0.3
 """Share of a step that is tried where all of it was too much."""
-ROUNDING = 1e-9
-"""Share of a step that is none."""
 FAR = 0.05
 """Relative distance of a number from its given value beyond which its derivative is another one."""
 LOOSE = 1e3
@@ -50,6 +48,8 @@ class Fit:
         regression: at the last step; its columns are the file's numbers, then the effects' unknowns.
         space: it was made in.
         scales: of the effects' unknowns.
+        held: columns of those that stand at a bound and would leave it.
+        free: the problem in which they are not held, which tells how well they are known; None: there are none.
     """
 
     hypothesis: Hypothesis
@@ -57,6 +57,8 @@ class Fit:
     regression: Regression
     space: Workspace
     scales: tuple[float, ...] = field(default=())
+    held: tuple[int, ...] = ()
+    free: Regression | None = None
 
     @property
     def chi2(self) -> float:
@@ -72,6 +74,13 @@ class Fit:
     def reduced(self) -> float:
         """Mean square of the white rows: 1 where only noise is left."""
         return self.regression.data_chi2 / self.regression.rows
+
+    @property
+    def step(self) -> Array:
+        """To where the last linear problem is least, the offsets of the encoders included (columns,)."""
+        step = self.regression.values.copy()
+        step[list(self.held)] = 0.0
+        return step
 
     def std(self) -> dict[tuple[Effect, str], float]:
         """Standard deviations of the effects' unknowns."""
@@ -90,10 +99,16 @@ class Fit:
 
         Where more than noise is left, its filters bend the numbers as well: by as much again as the rows are off.
         """
+        spread = self._spread_of(self.regression)
+        if self.free is not None:
+            spread[list(self.held)] = self._spread_of(self.free)[list(self.held)]
+        return spread
+
+    def _spread_of(self, regression: Regression) -> Array:
         filters, kinds = self.equations.filters, self.equations.kinds
         block = max(1, round(BLOCK / (filters.every * self.equations.data[0].dt))) * len(kinds)
-        both = (self.regression.covariance, self.regression.sandwich(block))
-        return np.sqrt(max(1.0, self.reduced) * np.maximum(*(np.diag(each) for each in both)))
+        both = (regression.covariance, regression.sandwich(block))
+        return np.asarray(np.sqrt(max(1.0, self.reduced) * np.maximum(*(np.diag(each) for each in both))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +154,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
     for _ in range(steps - 1):
         if best.reached - best.chi2 < SETTLED * max(1.0, best.reduced):
             break
-        made = linearised(moved(base.hypothesis, share * base.regression.values, base.scales), space)
+        made = linearised(moved(base.hypothesis, share * base.step, base.scales), space)
         if made.reached <= best.reached:
             best, base, share, ahead = made, made, min(1.0, share / SHORTER), 0
             continue
@@ -175,11 +190,16 @@ def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
         rows=space.rows,
         nuisances=space.nuisance.shape[1],
     )
-    return Fit(hypothesis, at, _held(hypothesis, regression, scales), space, scales)
+    held = _held(hypothesis, regression, scales)
+    if not held:
+        return Fit(hypothesis, at, regression, space, scales)
+    X, sigma = regression.X.copy(), regression.sigma.copy()
+    X[:, held], sigma[list(held)] = 0.0, 1e-9  # the others must do without them
+    return Fit(hypothesis, at, dataclasses.replace(regression, X=X, sigma=sigma), space, scales, held, regression)
 
 
-def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> Regression:
-    """The problem without those unknowns that stand at a bound and would leave it: the others must do without them."""
+def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:
+    """Columns of those unknowns that stand at a bound and would leave it."""
     first = len(hypothesis.factors)
     wanted = regression.values[first : first + len(scales)] * np.array(scales)
     held = []
@@ -187,11 +207,7 @@ def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, .
         value = getattr(effect, name)
         if abs(bounded(effect, name, dx) - value) < ROUNDING * abs(dx):
             held.append(first + k)
-    if not held:
-        return regression
-    X, sigma = regression.X.copy(), regression.sigma.copy()
-    X[:, held], sigma[held] = 0.0, 1e-9
-    return dataclasses.replace(regression, X=X, sigma=sigma)
+    return tuple(held)
 
 
 def tempering(made: Fit) -> float:

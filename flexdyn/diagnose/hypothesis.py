@@ -19,6 +19,8 @@ DISCRETE = ("harmonic", "exponent")
 """Parameters that are counted and not measured."""
 POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
 """Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
+ROUNDING = 1e-9
+"""Share of a step that is none."""
 BRISTLE = 0.1
 """Longest time constant of bristles, damping/stiffness [s]: where they hardly bend, nothing holds their damping."""
 
@@ -82,7 +84,12 @@ def bounded(effect: Effect, name: str, step: float) -> float:
     entry = next(f for f in effect.parameters() if f.name == name)
     value, lower = getattr(effect, name), entry.metadata["lower"]
     if isinstance(effect, PreslidingFriction) and name == "damping":
-        return float(np.clip(value + step, 0.0, BRISTLE * effect.stiffness))
+        return float(np.clip(_landed(value + step, 0.0, step), 0.0, BRISTLE * effect.stiffness))
     if (name in POSITIVE or entry.metadata["strict"]) and value > lower == 0.0:
         return float(np.clip(value + step, value / 2.5, value * 2.5))
-    return float(max(value + step, lower))
+    return float(max(_landed(value + step, lower, step), lower))
+
+
+def _landed(value: float, bound: float, step: float) -> float:
+    """At the bound where only rounding of the step keeps it away: a size of 1e-30 is none."""
+    return bound if abs(value - bound) < ROUNDING * abs(step) else value

@@ -39,15 +39,14 @@ MANY = 200.0
 SOFTENINGS, SOFTENED = 4, 0.1
 """Workspaces that are made for a joint that becomes elastic, until its stiffness changes by less than such a share."""
 SCALES = {
-    "parallel_spring": "stiffness",
-    "presliding_friction": "stiffness",
-    "spring_hysteresis": "width",
-    "stribeck_friction": "velocity",
-    "warm_up_friction": "time_constant",
+    "parallel_spring": ("stiffness", 3.0),
+    "presliding_friction": ("stiffness", 1.0),
+    "spring_hysteresis": ("width", 1.0),
+    "stribeck_friction": ("velocity", 1.0),
+    "warm_up_friction": ("time_constant", 1.0),
 }
-"""Laws that become a plainer one as this number grows or falls."""
-AWAY = 3.0
-"""Standard deviations by which it must be away from none."""
+"""Laws that become a plainer one as a number grows or falls, and by how many standard deviations it must be away from
+none. Of what comes with reversals and passes, windows see more than equations do."""
 ENOUGH = 10.0
 """Least drop of BIC for which an effect is named."""
 
@@ -223,8 +222,11 @@ def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) 
     found = []
     scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
     ranked = screen.ranked(made, scale)
+    kept = (
+        MANY_KEPT if space.equations.made_up.any() else KEPT
+    )  # columns are less of a guide where a position is made up
     for k, choice in enumerate(ranked[:MANY_KEPT]):
-        share = WORTH if k < KEPT else NEARLY
+        share = WORTH if k < kept else NEARLY
         if choice.score < max(ENOUGH, least / scale, share * ranked[0].score):
             break
         after = extended(made, choice)
@@ -259,9 +261,9 @@ def _is_a_limit(candidate: Candidate) -> bool:
     effect = candidate.effect
     if effect is None or effect.name not in SCALES:
         return False
-    name, made = SCALES[effect.name], candidate.fitted
+    (name, away), made = SCALES[effect.name], candidate.fitted
     std = made.std()[effect, name] / math.sqrt(max(1.0, made.reduced))  # what other laws leave says nothing of this one
-    return bool(AWAY * std > getattr(effect, name))
+    return bool(away * std > getattr(effect, name))
 
 
 def _softened(before: Fit, start: Hypothesis, choice: Screened, cost: float, scale: float) -> Candidate:

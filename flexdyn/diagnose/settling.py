@@ -13,6 +13,7 @@ from flexdyn.diagnose.selection import HARMLESS, Search, following, forward, is_
 from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import EXPLAINED, confirmed, kind_and_place
 from flexdyn.diagnose.windows import Windows
+from flexdyn.effects import JointElasticity
 
 PROMISING = 0.3
 """Share of what was unexplained below which effects are asked whether others would do better."""
@@ -50,7 +51,8 @@ def settled(search: Search, first: Stage, stage: Stage) -> Stage:
     """
     stage = pruned(search, stage)
     good = stage.trial.excess < PROMISING * first.trial.excess or stage.trial.median < EXPLAINED
-    if len(stage.named) > 1 and good:
+    older = any(not each.stays and each.candidate.fitted.space is not search.space for each in stage.named)
+    if good and (len(stage.named) > 1 or older):  # other noise by now, or other effects
         stage = _asked_again(search, _merged(search, _exchanged(search, stage)))
     return stage
 
@@ -89,9 +91,10 @@ def _asked_again(search: Search, stage: Stage) -> Stage:
         search.say("asking rivals again", 0.0)
         now = dataclasses.replace(each.candidate, fitted=goal, effect=effect, chi2=goal.reached)
         start = stage.without({k})[0]
-        rivals = (_beside(search, start, rival) for rival in each.rivals)
-        kept = tuple(rival for rival in rivals if rival.behind(now) <= slack(goal) and is_rival(rival, now))
-        named.append(dataclasses.replace(each, candidate=now, rivals=kept))
+        soft = [rival for rival in each.rivals if isinstance(rival.effect, JointElasticity)]  # in equations of its own
+        asked = [_beside(search, start, rival) for rival in each.rivals if rival not in soft]
+        near = [rival for rival in asked if rival.behind(now) <= slack(goal) and is_rival(rival, now)]
+        named.append(dataclasses.replace(each, candidate=now, rivals=(*near, *soft)))
     return dataclasses.replace(stage, named=tuple(named))
 
 

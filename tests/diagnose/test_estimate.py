@@ -82,3 +82,13 @@ def test_a_mass_that_would_be_negative_is_none_at_all() -> None:
     made, without = fit(laden, space), fit(start, space)
     assert made.hypothesis.effects[0].values == pytest.approx((0.0,), abs=1e-12)
     assert made.chi2 == pytest.approx(without.chi2, abs=0.2)
+
+
+def test_an_unknown_at_its_bound_is_as_well_known_as_one_away_from_it() -> None:
+    """A mass of zero that could only be a negative one has the spread of a mass that is there."""
+    spread = []
+    for factor in (1.1, 0.9):
+        space, start = problem(fd.effects.ParameterError("link2", parameter="link_mass", factor=factor))
+        made = fit(dataclasses.replace(start, effects=(fd.effects.Payload(mass=0.05, frame="tool"),)), space)
+        spread.append(made.std()[made.hypothesis.effects[0], "mass"])
+    assert spread[0] == pytest.approx(spread[1], rel=0.5)

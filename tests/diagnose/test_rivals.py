@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose import contest
+from flexdyn.diagnose import contest, settling
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.refine import Refined
@@ -72,6 +72,40 @@ def test_an_error_of_less_than_a_count_is_not_named_where_the_check_is_silent(
     """Whatever the fit gains by it; a torque is not counted."""
     trial = at_noise(0)
     assert confirmed(trial, fitted(None, 5000.0), trial, fitted(effect, 4000.0)) is named
+
+
+@pytest.mark.parametrize(("behind", "left"), [(1000.0, 0), (1.0, 1)])
+def test_rivals_are_asked_again_beside_what_was_found_since(
+    behind: float, left: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before the second effect was known the first one's rival did as well; now it must do so beside it."""
+
+    def made(chi2: float, *effects: fd.effects.Effect) -> Any:
+        hypothesis = Hypothesis(two_link(TwoLink()), {LEVEL: 1.0}, effects=effects)
+        regression = SimpleNamespace(rows=1000, data_chi2=1000.0)
+        return SimpleNamespace(hypothesis=hypothesis, regression=regression, reduced=1.0, chi2=chi2, reached=chi2)
+
+    offset, coulomb = LAWS
+    drag = fd.effects.QuadraticDrag("shoulder", side="link", coefficient=0.3)
+    first = Candidate(made(9e6, offset), 0.0, 0.0, offset, None, 9e6)
+    rival = Candidate(made(9e6, coulomb), 0.0, 0.0, coulomb, None, 9e6)
+    both = made(1000.0, offset, drag)
+    second = Candidate(both, 0.0, 0.0, drag, None, 1000.0)
+    asked = []
+
+    def fit(start: Hypothesis, _space: Any) -> Any:
+        asked.append(start.effects)
+        return made(1000.0 + behind, *start.effects)
+
+    monkeypatch.setattr(settling, "fit", fit)
+    nothing: Any = None
+    stage = Stage(both, nothing, (Named(first, (rival,)), Named(second)))
+    search: Any = SimpleNamespace(space=None, say=lambda *_: None)
+    after = settling._asked_again(search, stage)
+    assert asked == [(drag, coulomb)]
+    assert len(after.named[0].rivals) == left
+    assert after.named[0].candidate.chi2 == 1000.0
+    assert after.named[1] is stage.named[1]
 
 
 def windowed(seed: int, size: float, gap: float) -> Trial:

@@ -1,0 +1,90 @@
+"""Which names stand in the end: those whose numbers say so, and that leave little at their joints."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.findings import finding
+from flexdyn.diagnose.refine import Refined
+from flexdyn.diagnose.selection import Search
+from flexdyn.diagnose.stage import Stage
+from flexdyn.diagnose.verify import EXPLAINED
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+BENT, TRACE = 3.0, 0.01
+"""What the equations of a right model may leave over noise: so many times that, or a share of what was there before:
+windows hardly see what a stiff spring does fast."""
+OFF = 0.5
+"""Share of what windows of a joint were off by above which no name of that joint stands, where not all is explained."""
+LEFT = 0.1
+"""Share of what was unexplained that may be left for names to stand, where not all is explained."""
+
+
+def explained(stage: Stage, first: Stage) -> bool:
+    """Whether windows are as near as noise lets them, and the equations as near as their filters do."""
+    near = stage.trial.median <= EXPLAINED * max(stage.trial.shot.floor(), 1.0)
+    bent = max(BENT * float(stage.trial.count.sum()), TRACE * first.trial.excess)
+    return near and stage.trial.excess <= bent
+
+
+def surely(model: FlexibleJointModel, search: Search, stage: Stage, numbers: Refined) -> Stage:
+    """The stage without what its numbers do not stand for: the corrected model holds what is named and no more."""
+    idle = {
+        k
+        for k, each in enumerate(stage.named)
+        if not each.stays and finding(model, each.candidate, (), numbers, 0.0) is None
+    }
+    return search.stage(*stage.without(idle)) if idle else stage
+
+
+def standing(search: Search, first: Stage, last: Stage) -> Stage:
+    """The stage with those names that leave little unexplained: in all, or at their own joints, if much was there.
+
+    What is missing at one joint says nothing against a name at another.
+    """
+    before, after, windows = _excess(first), _excess(last), _seen(last) / _seen(first)
+    names = last.fitted.equations.true.joint_names
+    most = last.trial.excess > LEFT * first.trial.excess
+    gone = set()
+    for k, each in enumerate(last.named):
+        at = list(range(len(names))) if each.joint is None else [names.index(each.joint)]
+        was, left = before[at].sum(), after[at].sum()
+        if (most and (left > LEFT * was or was < LEFT * before.sum())) or windows[at].min() > OFF:
+            gone.add(k)
+    last = search.stage(*last.without(gone)) if gone else last
+    return last if last.named else unbent(search, first)
+
+
+def _seen(stage: Stage) -> Array:
+    """By how much the check's windows are off at every joint, in units of noise (n,)."""
+    shot = stage.trial.shot
+    squares, used = (shot.scaled**2 * shot.used).sum(axis=(0, 1)), shot.used.sum(axis=(0, 1))
+    joints = [name.partition(".")[2] for name in shot.windows.channels]
+    names = stage.fitted.equations.true.joint_names
+    mine = np.array([[joint == name for joint in joints] for name in names], dtype=float)
+    return np.asarray(np.sqrt(np.maximum(mine @ squares, 1e-12) / np.maximum(mine @ used, 1.0)))
+
+
+def _excess(stage: Stage) -> Array:
+    """What the equations of every joint leave over noise on the data of the fit (n,)."""
+    made = stage.fitted
+    mask, kinds = made.space.whiten.mask, made.equations.kinds
+    squares = np.where(mask, 0.0, made.regression.left[: len(mask)] ** 2 - 1.0).reshape(-1, len(kinds)).sum(axis=0)
+    of = np.array([i for i, _ in kinds])
+    return np.array([max(1.0, float(squares[of == j].sum())) for j in range(made.equations.true.n)])
+
+
+def unbent(search: Search, first: Stage) -> Stage:
+    """The first stage with numbers within their tolerance, as given where that is nearer.
+
+    A gap that nothing explains bends numbers without reason.
+    """
+    made = first.fitted
+    given = dataclasses.replace(made.hypothesis, factors=dict.fromkeys(made.hypothesis.factors, 1.0))
+    tried = [(search.trial(each), each) for each in (made.hypothesis.tolerated(), given)]
+    trial, held = min(tried, key=lambda pair: pair[0].gap)
+    return Stage(dataclasses.replace(made, hypothesis=held), trial)
