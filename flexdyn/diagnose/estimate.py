@@ -17,6 +17,7 @@ from flexdyn.diagnose.hypothesis import ROUNDING, Hypothesis, bounded, moved
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.regression import Regression
 from flexdyn.effects import Effect, KinematicError, Payload, SensorEffect, SensorOffset
+from flexdyn.errors import SimulationError
 
 Array = NDArray[np.float64]
 SETTLED = 0.05
@@ -148,13 +149,20 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
         start: where to begin.
         space: data, weights and the derivatives that do not change.
         steps: at most so many.
+
+    Raises:
+        SimulationError: where it begins, the equations are not finite.
     """
     best = base = linearised(start, space)
     share, ahead = 1.0, 0
     for _ in range(steps - 1):
         if best.reached - best.chi2 < SETTLED * max(1.0, best.reduced):
             break
-        made = linearised(moved(base.hypothesis, share * base.step, base.scales), space)
+        try:
+            made = linearised(moved(base.hypothesis, share * base.step, base.scales), space)
+        except SimulationError:  # too far
+            base, share = best, SHORTER * share
+            continue
         if made.reached <= best.reached:
             best, base, share, ahead = made, made, min(1.0, share / SHORTER), 0
             continue
@@ -173,18 +181,23 @@ def _counted(made: Fit, space: Workspace) -> Fit:
 
 
 def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
-    """The least-squares problem at a hypothesis; its step is not taken."""
-    at, whiten = space.equations.of(hypothesis.model()), space.whiten
+    """The least-squares problem at a hypothesis; its step is not taken.
+
+    Raises:
+        SimulationError: the equations are not finite there.
+    """
+    at = space.equations.of(hypothesis.model())
     unknowns = hypothesis.unknowns()
     scales = tuple(_scale(effect, name) for effect, name in unknowns)
-    slopes = [_slopes_of_numbers(hypothesis, at, space)]
-    if unknowns:
-        raw = [s * columns.of_parameter(at, e, name, 0.1 * s) for (e, name), s in zip(unknowns, scales, strict=True)]
-        slopes.append(whiten(np.stack(raw, axis=1)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        y, X = _rows(hypothesis, at, space, scales)
+        finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
+    if not finite:
+        raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
     centre, sigma = _priors(hypothesis, len(unknowns), space.temper)
     regression = Regression(
-        y=whiten(at.residual),
-        X=np.hstack([*slopes, space.nuisance]),
+        y=y,
+        X=X,
         centre=np.concatenate([centre, np.zeros(space.nuisance.shape[1])]),
         sigma=np.concatenate([sigma, space.nuisance_sigma]),
         rows=space.rows,
@@ -196,6 +209,18 @@ def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
     X, sigma = regression.X.copy(), regression.sigma.copy()
     X[:, held], sigma[list(held)] = 0.0, 1e-9  # the others must do without them
     return Fit(hypothesis, at, dataclasses.replace(regression, X=X, sigma=sigma), space, scales, held, regression)
+
+
+def _rows(hypothesis: Hypothesis, at: Equations, space: Workspace, scales: tuple[float, ...]) -> tuple[Array, Array]:
+    """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k)."""
+    slopes = [_slopes_of_numbers(hypothesis, at, space)]
+    raw = [
+        s * columns.of_parameter(at, effect, name, 0.1 * s)
+        for (effect, name), s in zip(hypothesis.unknowns(), scales, strict=True)
+    ]
+    if raw:
+        slopes.append(space.whiten(np.stack(raw, axis=1)))
+    return space.whiten(at.residual), np.hstack([*slopes, space.nuisance])
 
 
 def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:

@@ -24,7 +24,7 @@ from flexdyn.diagnose.own_effects import own_effects
 from flexdyn.diagnose.proposal import Point, Proposal
 from flexdyn.diagnose.proposals import proposals
 from flexdyn.effects import Effect, JointElasticity, Payload, SensorOffset
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, SimulationError
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
@@ -222,9 +222,7 @@ def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) 
     found = []
     scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
     ranked = screen.ranked(made, scale)
-    kept = (
-        MANY_KEPT if space.equations.made_up.any() else KEPT
-    )  # columns are less of a guide where a position is made up
+    kept = MANY_KEPT if space.equations.made_up.any() else KEPT  # where a position is made up, columns guide less
     for k, choice in enumerate(ranked[:MANY_KEPT]):
         share = WORTH if k < kept else NEARLY
         if choice.score < max(ENOUGH, least / scale, share * ranked[0].score):
@@ -239,7 +237,7 @@ def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) 
             continue
         try:
             made_of = _candidate(made, fit(after, space), cost, choice.number)
-        except InputError:  # a user's law that fails elsewhere
+        except (InputError, SimulationError):  # a user's law that fails elsewhere, a spring beyond all bounds
             continue
         if made_of.drop >= ENOUGH and not _is_a_limit(made_of):
             found.append(made_of)

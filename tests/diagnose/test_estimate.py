@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import flexdyn as fd
-from flexdyn.diagnose.estimate import LOOSE, Workspace, fit
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose import estimate
+from flexdyn.diagnose.estimate import LOOSE, Workspace, fit, linearised
+from flexdyn.diagnose.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.search import workspace
+from flexdyn.errors import SimulationError
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, Levels
 from tests.oracles.integrate import held
@@ -92,3 +94,22 @@ def test_an_unknown_at_its_bound_is_as_well_known_as_one_away_from_it() -> None:
         made = fit(dataclasses.replace(start, effects=(fd.effects.Payload(mass=0.05, frame="tool"),)), space)
         spread.append(made.std()[made.hypothesis.effects[0], "mass"])
     assert spread[0] == pytest.approx(spread[1], rel=0.5)
+
+
+def test_a_spring_beyond_all_bounds_is_an_error_and_a_step_to_it_is_shortened(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not a number does not travel on: a fit steps back, a hypothesis that begins there is refused."""
+    space, start = problem()
+    wild = fd.effects.HardeningSpring("shoulder", cubic=1e306)
+    with pytest.raises(SimulationError, match="not finite"):
+        linearised(dataclasses.replace(start, effects=(wild,)), space)
+
+    tame = dataclasses.replace(start, effects=(fd.effects.HardeningSpring("shoulder", cubic=50.0),))
+    asked = []
+
+    def step(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
+        asked.append(hypothesis)
+        return dataclasses.replace(start, effects=(wild,)) if len(asked) == 1 else moved(hypothesis, step, scales)
+
+    monkeypatch.setattr(estimate, "moved", step)
+    assert fit(tame, space).reached <= linearised(tame, space).reached
+    assert len(asked) > 1
