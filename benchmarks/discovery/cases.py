@@ -251,7 +251,9 @@ def given_for(one: Hidden, arm: TwoLinkArm, given: TwoLinkArm) -> TwoLinkArm:
 
 
 def _shows(one: Hidden, arm: TwoLinkArm, given: TwoLinkArm) -> bool:
-    """Whether an effect is more than the tolerance of the arm's other numbers: a wrong number of a link may be less."""
+    """Whether an effect is more than the tolerance of other numbers: a link's wrong one or a payload may be less."""
+    if one.effect == "payload":
+        return shown(true_arm(arm, one), given, ("tool", 0))
     if one.effect != "parameter_error" or one.joint is not None:
         return True
     return shown(true_arm(arm, one), given, number_of(one))

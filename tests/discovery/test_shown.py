@@ -64,6 +64,8 @@ def test_cases_hide_wrong_numbers_that_show() -> None:
     for number in range(90):
         case = make_case("single", 4, number, 1.0, 1.0)
         (one,) = case.hidden
+        if one.effect == "payload":
+            assert shown(true_arm(case.arm, one), case.given, ("tool", 0))
         if one.effect == "parameter_error" and one.joint is None:
             hidden += 1
             assert shown(true_arm(case.arm, one), case.given, number_of(one))
