@@ -16,7 +16,7 @@ where the law has both.
     damping across          2-6 % of critical
     offset, ripple          2-6 % of peak torque; gain 5-15 %; delay 2-5 ms
     torque-speed limit      a line that cuts off the top 15-40 % of the torque
-    payload                 0.1-0.25 of the forearm and its tool
+    payload                 0.1-0.25 of the forearm and its tool, more than the tolerance of the masses makes up for
     springs and cables      6-15 % of peak torque over the range
     end stop                met by the outermost 0.03-0.06 rad of the reference
     wrong number            0.70-0.85 or 1.2-1.5 of it, "hard" 0.80-0.88 or 1.14-1.25: beyond three tolerances of 3 %,

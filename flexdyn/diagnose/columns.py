@@ -76,9 +76,10 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         name: of the parameter.
         step: of the difference, in the parameter's unit.
     """
-    moved = effect.replace(**{name: getattr(effect, name) + step})
-    if isinstance(effect, SensorEffect) and isinstance(moved, SensorEffect):
-        return _of_sensor(equations, moved, effect) / step
+    ahead = {name: getattr(effect, name) + step}
+    if isinstance(effect, SensorEffect):
+        return _of_sensor(equations, effect.replace(**ahead), effect) / step
+    moved = effect.replace(**ahead)
     if isinstance(effect, Payload | TorqueConstantError):
         return (of_effect(equations, moved) - of_effect(equations, effect)) / step
     true = equations.true

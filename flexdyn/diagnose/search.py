@@ -176,8 +176,7 @@ def extended(made: Fit, choice: Screened) -> Hypothesis | None:
     """The hypothesis with a proposal added, its numbers back within their tolerance."""
     start = made.hypothesis.tolerated()
     if choice.number is not None:
-        factors = {**start.factors, choice.number: made.hypothesis.factors[choice.number]}
-        return dataclasses.replace(start, factors=factors, freed=start.freed | {choice.number})
+        return start.freed_of(choice.number, made.hypothesis.factors[choice.number])
     effect = choice.proposal.make(choice.point, choice.values) if choice.proposal else None
     if effect is None or effect.is_neutral:
         return None

@@ -14,6 +14,7 @@ from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import EXPLAINED, confirmed, kind_and_place
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import JointElasticity
+from flexdyn.errors import SimulationError
 
 PROMISING = 0.3
 """Share of what was unexplained below which effects are asked whether others would do better."""
@@ -93,20 +94,21 @@ def _asked_again(search: Search, stage: Stage) -> Stage:
         start = stage.without({k})[0]
         soft = [rival for rival in each.rivals if isinstance(rival.effect, JointElasticity)]  # in equations of its own
         asked = [_beside(search, start, rival) for rival in each.rivals if rival not in soft]
-        near = [rival for rival in asked if rival.behind(now) <= slack(goal) and is_rival(rival, now)]
+        near = [one for one in asked if one is not None and one.behind(now) <= slack(goal) and is_rival(one, now)]
         named.append(dataclasses.replace(each, candidate=now, rivals=(*near, *soft)))
     return dataclasses.replace(stage, named=tuple(named))
 
 
-def _beside(search: Search, start: Hypothesis, rival: Candidate) -> Candidate:
-    """A rival fitted again, beside what was found since."""
-    last = rival.fitted.hypothesis
+def _beside(search: Search, start: Hypothesis, rival: Candidate) -> Candidate | None:
+    """A rival fitted again, beside what was found since; None where its equations overflow there."""
     if rival.number is not None:
-        factors = {**start.factors, rival.number: last.factors[rival.number]}
-        start = dataclasses.replace(start, factors=factors, freed=start.freed | {rival.number})
+        start = start.freed_of(rival.number, rival.fitted.hypothesis.factors[rival.number])
     elif rival.effect is not None:
         start = dataclasses.replace(start, effects=(*start.effects, rival.effect))
-    made = fit(start, search.space)
+    try:
+        made = fit(start, search.space)
+    except SimulationError:
+        return None
     effect = made.hypothesis.effects[-1] if rival.number is None else None
     return dataclasses.replace(rival, fitted=made, effect=effect, chi2=made.reached)
 

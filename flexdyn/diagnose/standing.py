@@ -26,7 +26,7 @@ LEFT = 0.1
 
 def explained(stage: Stage, first: Stage) -> bool:
     """Whether windows are as near as noise lets them, and the equations as near as their filters do."""
-    near = stage.trial.median <= EXPLAINED * max(stage.trial.shot.floor(), 1.0)
+    near = stage.trial.median <= EXPLAINED * max(stage.trial.floor, 1.0)
     bent = max(BENT * float(stage.trial.count.sum()), TRACE * first.trial.excess)
     return near and stage.trial.excess <= bent
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +62,11 @@ class Trial:
     def median(self) -> float:
         """Gap of the median window [1]."""
         return float(np.median(self.shot.by_window))
+
+    @cached_property
+    def floor(self) -> float:
+        """Gap of a perfect model, by a simulation of its own [1]."""
+        return self.shot.floor()
 
     @property
     def excess(self) -> float:

@@ -1,0 +1,83 @@
+"""Names stand where their numbers and the windows of their joints say so; what falls leaves the model."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.refine import Refined
+from flexdyn.diagnose.search import Candidate
+from flexdyn.diagnose.stage import Named, Stage
+from flexdyn.diagnose.standing import standing, surely
+from tests.arms import two_link
+from tests.oracles.two_link import TwoLink
+
+DRAG = fd.effects.QuadraticDrag("shoulder", side="link", coefficient=0.3)
+OFFSET = fd.effects.TorqueOffset("elbow", offset=0.2)
+MODEL = two_link(TwoLink())
+
+
+def stage(squares: tuple[float, float], gaps: tuple[float, float], *effects: fd.effects.Effect) -> Stage:
+    """What equations leave over noise at both joints, by how much windows are off there, and what was named.
+
+    The check's equations leave a tenth of the fit's.
+    """
+    rows = np.sqrt(np.tile(squares, 100) + 1.0)
+    fitted: Any = SimpleNamespace(
+        hypothesis=Hypothesis(MODEL, {}, effects=effects),
+        space=SimpleNamespace(whiten=SimpleNamespace(mask=np.zeros(200, dtype=bool))),
+        equations=SimpleNamespace(kinds=((0, "total"), (1, "total")), true=MODEL),
+        regression=SimpleNamespace(left=rows),
+    )
+    windows = SimpleNamespace(channels=("q.shoulder", "q.elbow"))
+    shot = SimpleNamespace(
+        scaled=np.tile(gaps, (3, 50, 1)).astype(float), used=np.ones((3, 50, 2), dtype=bool), windows=windows
+    )
+    trial: Any = SimpleNamespace(shot=shot, excess=10.0 * sum(squares))
+    named = tuple(Named(Candidate(fitted, 100.0, 0.0, each, None, 0.0)) for each in effects)
+    return Stage(fitted, trial, named)
+
+
+def searched(left: list[tuple[fd.effects.Effect, ...]]) -> Any:
+    """A search that writes down what it is asked to fit again."""
+
+    def again(start: Hypothesis, named: tuple[Named, ...]) -> Stage:
+        left.append(start.effects)
+        return Stage(stage((1.0, 1.0), (1.0, 1.0), *start.effects).fitted, SimpleNamespace(), named)  # type: ignore[arg-type]
+
+    return SimpleNamespace(stage=again)
+
+
+@pytest.mark.parametrize(
+    ("squares", "gaps", "kept"),
+    [
+        ((2.0, 2.0), (4.0, 4.0), (DRAG, OFFSET)),  # little is left, in equations and windows
+        ((2.0, 2.0), (6.0, 4.0), (OFFSET,)),  # the shoulder's windows are more than half as far off as before
+        ((80.0, 2.0), (4.0, 4.0), (OFFSET,)),  # the shoulder's equations are
+    ],
+)
+def test_a_name_stands_where_its_joint_is_explained(
+    squares: tuple[float, float], gaps: tuple[float, float], kept: tuple[fd.effects.Effect, ...]
+) -> None:
+    """Before, equations left 100 at each joint, and windows were ten times the noise off."""
+    first, last = stage((100.0, 100.0), (10.0, 10.0)), stage(squares, gaps, DRAG, OFFSET)
+    left: list[tuple[fd.effects.Effect, ...]] = []
+    after = standing(searched(left), first, last)
+    assert tuple(each.candidate.effect for each in after.named) == kept
+    assert left == ([] if kept == (DRAG, OFFSET) else [kept])
+
+
+@pytest.mark.parametrize(("std", "kept"), [(0.01, (DRAG, OFFSET)), (0.1, (DRAG,))])
+def test_what_is_not_named_leaves_the_model(std: float, kept: tuple[fd.effects.Effect, ...]) -> None:
+    """An offset that is less than three standard deviations from none is not named, so the model must not hold it."""
+    last = stage((1.0, 1.0), (1.0, 1.0), DRAG, OFFSET)
+    left: list[tuple[fd.effects.Effect, ...]] = []
+    numbers = Refined(last.fitted.hypothesis, np.array([0.01, std]))
+    after = surely(MODEL, searched(left), last, numbers)
+    assert tuple(each.candidate.effect for each in after.named) == kept
+    assert left == ([] if kept == (DRAG, OFFSET) else [kept])
