@@ -6,23 +6,23 @@ Seeds below 10000 are for development; from 10000 on they are for evaluation and
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 import layout as at
 import numpy as np
 from arm_draw import JOINTS, TwoLinkArm, draw_arm, inertia_at, pair
 from control import draw_bandwidth, make_control
-from hidden import Hidden, Site, changed, draw, enter, number_of, prepared, sites, true_arm
+from hidden import Hidden, Site, changed, draw, number_of, prepared, sites, true_arm
 from layout import Array
 from model_text import ERROR, MASS_ERROR, known_effects, mistaken
 from motions import Style, draw_style
-from outside import OUTSIDE, draw_outside, enter_outside
+from outside import OUTSIDE, draw_outside
+from plants import Case, true_plant
 from recording import TORQUE_NOISE, Sensors, record
 from shown import shown
 from sizes import FRICTION as LAWS
 from sizes import Scale
-from two_link_run import Control, Plant, Truth, controlled
+from two_link_run import Control, Truth, controlled
+from visible import visible
 
 FAMILIES = ("single", "hard", "pair", "motor_only", "link_only", "rigid", "none", "outside")
 FIT, CHECK = 40.0, 12.0  # s
@@ -31,34 +31,6 @@ ATTEMPTS = 60
 QUICK = 2e-4  # s, step of the run that only sizes the effects
 FRICTION = {"viscous": (0.03, 0.08), "coulomb": (0.03, 0.06)}
 """Friction that the model file knows: shares of the peak torque (at the greatest speed)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """One case: the truth, and what the code under test is given.
-
-    Attributes:
-        name: for its folder.
-        hidden: what is to be found.
-        arm: true, without the hidden effects that have a law.
-        given: the arm as the model file has it.
-        plant: true, hidden effects included.
-        fit, check: what really happened.
-        recordings: channels of fit and check.
-        sensors: what was measured.
-        controls: of fit and check.
-    """
-
-    name: str
-    hidden: tuple[Hidden, ...]
-    arm: TwoLinkArm
-    given: TwoLinkArm
-    plant: Plant
-    fit: Truth
-    check: Truth
-    recordings: dict[str, dict[str, Array]]
-    sensors: Sensors
-    controls: tuple[Control, Control]
 
 
 def sensors_of(family: str) -> Sensors:
@@ -204,16 +176,6 @@ def scale_of(
     )
 
 
-def true_plant(arm: TwoLinkArm, hidden: Sequence[Hidden]) -> Plant:
-    """The plant with everything that is hidden."""
-    for one in hidden:
-        arm = true_arm(arm, one)
-    plant = arm.plant()
-    for one in hidden:
-        (enter if one.catalogued else enter_outside)(plant.P, one)
-    return plant
-
-
 def _finish(
     name: str,
     arm: TwoLinkArm,
@@ -237,7 +199,10 @@ def _finish(
     recordings = [record(run, JOINTS, arm.gear_ratio, hidden, sensors, rng) for run in runs]
     hidden = tuple(_indexed(one, given) for one in hidden)
     names = dict(zip(("fit", "check"), recordings, strict=True))
-    return Case(name, hidden, arm, given, plant, runs[0], runs[1], names, sensors, controls)
+    case = Case(name, hidden, arm, given, plant, runs[0], runs[1], names, sensors, controls)
+    if not all(visible(case, one) for one in hidden):
+        raise ArithmeticError(f"{name}: one of the recordings does not show what is hidden")
+    return case
 
 
 def given_for(one: Hidden, arm: TwoLinkArm, given: TwoLinkArm) -> TwoLinkArm:

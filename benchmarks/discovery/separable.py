@@ -20,24 +20,18 @@ from typing import Any
 
 import numpy as np
 from arm_draw import JOINTS, LINKS, TwoLinkArm
-from cases import Case, make_case, scale_of, true_plant
+from cases import make_case, scale_of
 from hidden import Hidden, Site, draw
 from layout import Array
 from model_text import TOLERANCE, known_effects
 from names import SENSORS, same, text
-from observer import DISC, DISC_HARMONIC, DISC_PHASE, LAG, SENSOR_GAIN, SENSOR_OFFSET, STEP, Filter, design, innovations
-from recording import Sensors, read
+from plants import Case
 from scipy.optimize import least_squares
 from score import outcome
+from visible import make_filter, reported, surprises
 
 KNOWN = ("stiffness", "damping", "rotor_inertia", "viscous", "coulomb", "mass", "com", "inertia")
-STARTS, EVALUATIONS, FAR = 1, 10, 1e6
-SENSOR_COLUMNS = {
-    "channel_lag": {"delay": LAG},
-    "encoder_eccentricity": {"amplitude": DISC, "harmonic": DISC_HARMONIC, "phase": DISC_PHASE},
-    "sensor_gain": {"gain": SENSOR_GAIN},
-    "sensor_offset": {"offset": SENSOR_OFFSET},
-}
+STARTS, EVALUATIONS = 1, 10
 SIGNED = ("offset", "gain", "phase", "rest", "cos_1", "sin_1", "cos_2", "sin_2", "lower", "upper", "coefficient")
 
 
@@ -77,41 +71,6 @@ def written(case: Case) -> Array:
     return np.asarray(np.where(fine, np.log(np.where(fine, given / np.where(fine, true, 1.0), 1.0)), 0.0).ravel())
 
 
-def sensor_table(hidden: list[Hidden]) -> Array:
-    """Errors of the encoders q1, q2, theta1, theta2 (4, 6)."""
-    table = np.zeros((4, 6))
-    for one in hidden:
-        for key, column in SENSOR_COLUMNS.get(one.effect, {}).items():
-            row = (one.joint or 0) + (2 if one.place["channel"].startswith("theta") else 0)
-            table[row, column] = one.parameters[key]
-    return table
-
-
-def make_filter(case: Case) -> tuple[Filter, Array]:
-    """The filter of a case, and what its encoders would report without steps (samples, m)."""
-    sensors: Sensors = case.sensors
-    seen = np.array({"both": [0, 1, 2, 3], "motor": [2, 3], "link": [0, 1]}[sensors.positions])
-    steps = np.array([sensors.link_step()] * 2 + [sensors.motor_step(N) for N in case.arm.gear_ratio])[seen]
-    peak = np.abs(case.fit.tau).max(axis=0)
-    columns = []
-    for i in seen:
-        name = f"{'q' if i < 2 else 'theta'}.{JOINTS[i % 2]}"
-        columns.append(read(case.fit.y[:, i], [e for e in case.hidden if e.place.get("channel") == name]))
-    arm = case.arm.plant()
-    return design(arm, np.array(case.arm.middle), steps, peak, sensors.noise, seen), np.stack(columns, axis=1)
-
-
-def first_state(y: Array, z: Array, table: Array, seen: Array) -> Array:
-    """The true first state with its positions where the encoders, as wrong as they are taken to be, say they are."""
-    began = y.copy()
-    for i, value in zip(seen.tolist(), z.tolist(), strict=True):
-        disc = table[i, DISC] * np.sin(table[i, DISC_HARMONIC] * y[i] + table[i, DISC_PHASE])
-        began[i] = (value - table[i, SENSOR_OFFSET]) / (1.0 + table[i, SENSOR_GAIN]) - disc
-        if (i + 2) % 4 not in seen:
-            began[(i + 2) % 4] += began[i] - y[i]
-    return began
-
-
 def mirrored(true: Hidden, rival: Hidden) -> Hidden:
     """A rival that is the same error of the other encoder: it begins at the true one, turned round."""
     if rival.effect != true.effect or true.effect not in SENSORS or rival.joint != true.joint:
@@ -124,7 +83,7 @@ def mirrored(true: Hidden, rival: Hidden) -> Hidden:
 
 def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
     """BIC of the rival at a site, or of none, less that of the true law, on the fit's motion without noise."""
-    found, z = make_filter(case)
+    found, z = make_filter(case), reported(case, case.fit)
     others = [one for one in case.hidden if one is not true]
     prior = written(case)
     best = np.inf
@@ -143,11 +102,7 @@ def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
             if rival is not None:
                 numbers = dict(zip(keys, free, strict=True))
                 all_of.append(Hidden(rival.effect, rival.joint, rival.side, numbers, rival.place))
-            plant = true_plant(calibrated(case.arm, TOLERANCE * x[:16]), all_of)
-            table = sensor_table(all_of)
-            began = first_state(case.fit.y[0], z[0], table, found.seen)
-            run = innovations(began, z, case.fit.tau, plant.P, plant.links, found.gain, found.seen, table, STEP)
-            errors = np.clip(np.nan_to_num(run @ found.whiten.T, nan=FAR), -FAR, FAR)
+            errors = surprises(case.fit, z, calibrated(case.arm, TOLERANCE * x[:16]), all_of, found)
             return np.concatenate([errors.ravel(), x[:16] - prior / TOLERANCE])
 
         x0 = np.concatenate([np.zeros(16), first / unit])

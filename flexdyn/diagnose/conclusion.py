@@ -24,7 +24,7 @@ from flexdyn.diagnose.search import Candidate, candidates
 from flexdyn.diagnose.selection import Search, is_rival, slack
 from flexdyn.diagnose.settling import again
 from flexdyn.diagnose.stage import Named, Stage
-from flexdyn.diagnose.standing import explained, standing, surely, unbent
+from flexdyn.diagnose.standing import explained, idle, standing, surely, unbent
 from flexdyn.diagnose.verify import SURE, better
 from flexdyn.diagnose.windows import Windows
 from flexdyn.model import FlexibleJointModel
@@ -61,14 +61,14 @@ def concluded(
         search, once_more = again(search, stages[-1], windows)
         first, last = once_more[0], once_more[-1]
         last, refined = _simulated(search, last, windows) if last.named else (last, None)
-    before = last
-    last = surely(model, search, last, refined or of_fit(last.fitted))
-    last = _freed(search, last) if explained(last, first) else standing(search, first, last)
-    refined = refined if last is before else None
+    sure = surely(model, search, last, refined or of_fit(last.fitted))
+    refined = refined if sure is last else None
+    known = refined or of_fit(sure.fitted)
+    last = _freed(search, sure) if explained(sure, first) else standing(search, first, sure, known)
+    refined = refined if last is sure else None
     if refined is None and not hurry:
         last = contested(search, last, windows)
-    plain = with_filter_bias if last.named and not hurry else of_fit
-    numbers = simplified(refined or plain(last.fitted))
+    last, numbers = _final(model, search, last, windows, refined, hurry=hurry)
     corrected, calibrated = numbers.hypothesis.seen(), first.fitted
     within = unbent(search, first).fitted.hypothesis.seen()
     gaps = []
@@ -128,6 +128,22 @@ def _simulated(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, R
         return stage, None
     std = np.maximum(refined.std, of_fit(stage.fitted).std)
     return dataclasses.replace(stage, trial=trial), dataclasses.replace(refined, std=std)
+
+
+def _final(
+    model: FlexibleJointModel, search: Search, last: Stage, windows: Windows, refined: Refined | None, *, hurry: bool
+) -> tuple[Stage, Refined]:
+    """The last stage and its final numbers.
+
+    Where positions are made up, equations know some numbers too poorly to name what windows show well.
+    """
+    plain = with_filter_bias if last.named and not hurry else of_fit
+    numbers = simplified(refined or plain(last.fitted))
+    poor = refined is None and not last.trial.exact and not hurry
+    if poor and idle(model, last, numbers):
+        last, refined = _simulated(search, last, windows)
+        numbers = simplified(refined) if refined is not None else numbers
+    return last, numbers
 
 
 def _findings(

@@ -20,7 +20,9 @@ Array = NDArray[np.float64]
 ROUNDS = 6
 """Corrections of the first states at most, each with a new linear response."""
 SETTLED = 0.8
-"""Another correction is worth its time if the last one left less than this of the squared residual."""
+"""Another correction of a window is worth its time if the last one left less than this of its squared residual."""
+FARTHEST = 100.0
+"""Standard deviations that a first state is moved at most: beyond, it is no correction but a response that explodes."""
 STRAY = 4.0
 """A window so many times as far off as the median one may still be on the wrong side of a stick: it is tried on."""
 SHORTER = 0.3
@@ -206,25 +208,30 @@ def _fitted(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Ar
     """Correct the first states by linear responses until it does not pay any more; moved: where to begin."""
     motion = shooter.run(starts.x + moved)
     residual = _residual(shooter, motion, used)
-    fit = _Fit(moved, residual, motion, Filter.of(shooter.windows, spread(shooter, motion), starts.std, used))
-    factor = np.ones(len(moved))
+    response = spread(shooter, motion, np.arange(len(moved)))
+    fit = _Fit(moved, residual, motion, Filter.of(shooter.windows, response, starts.std, used))
+    factor, open_ = np.ones(len(moved)), np.ones(len(moved), dtype=bool)
     if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
         return fit
     for _ in range(ROUNDS):
         wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
-        wanted = shooter.bounded(starts.x + np.nan_to_num(wanted)) - starts.x
-        again = shooter.run(starts.x + wanted)
+        wanted = np.clip(np.nan_to_num(wanted), -FARTHEST * starts.std, FARTHEST * starts.std)
+        wanted = shooter.bounded(starts.x + wanted) - starts.x
+        again = shooter.run(starts.x + wanted, which=np.flatnonzero(open_))
         left = _residual(shooter, again, used)
         before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
-        better = after < before
+        better = open_ & (after < before)
         factor = np.where(better, 1.0, SHORTER * factor)
         motion = _chosen(better, again, fit.motion)
         moved = np.where(better[:, None], wanted, fit.moved)
         fit = _Fit(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
-        if np.minimum(before, after).sum() > SETTLED * before.sum() and not fit.stray(used).any():
+        open_ = (better & (after < SETTLED * before)) | fit.stray(used)
+        if not open_.any():
             break
-        response = spread(shooter, motion)
-        fit = _Fit(fit.moved, fit.residual, motion, Filter.of(shooter.windows, response, starts.std, used))
+        which = np.flatnonzero(better & open_)
+        if len(which):
+            response = response.replaced(which, spread(shooter, motion, which))
+            fit = _Fit(fit.moved, fit.residual, motion, Filter.of(shooter.windows, response, starts.std, used))
     return fit
 
 
@@ -232,7 +239,7 @@ def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: _Fit
     """Window by window the fit that leaves less."""
     wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
     motion = _chosen(wins, other.motion, one.motion)
-    filter_ = Filter.of(shooter.windows, spread(shooter, motion), starts.std, used)
+    filter_ = Filter.of(shooter.windows, spread(shooter, motion, np.arange(len(wins))), starts.std, used)
     moved = np.where(wins[:, None], other.moved, one.moved)
     return _Fit(moved, np.where(wins[:, None, None], other.residual, one.residual), motion, filter_)
 

@@ -13,6 +13,7 @@ from flexdyn.diagnose.shooting import Motion, Shooter
 from flexdyn.diagnose.windows import Windows
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 GAINS_EVERY = 5
 """Blocks over which the effect of torques on accelerations is taken as one."""
 HUGE = 1e9
@@ -37,15 +38,27 @@ class Spread:
     push: Array
     seen: Array
 
+    def replaced(self, which: Indices, other: Spread) -> Spread:
+        """The same with the responses of some windows from another one, which holds these alone."""
+        parts = {"flow": self.flow.copy(), "push": self.push.copy(), "seen": self.seen.copy()}
+        for name, part in parts.items():
+            part[which] = getattr(other, name)
+        return Spread(**parts)
 
-def spread(shooter: Shooter, motion: Motion) -> Spread:
-    """Linear response of every window along its simulated motion.
+
+def spread(shooter: Shooter, whole: Motion, which: Indices) -> Spread:
+    """Linear response of windows along their simulated motion.
 
     The plant's Jacobian holds over a block; a contact that sticks at its beginning takes its velocity out. What a
     reversal does to a velocity that slides on is left out.
+
+    Args:
+        shooter: that simulated them.
+        whole: motion of all windows.
+        which: of them are wanted.
     """
-    windows, n = shooter.windows, shooter.model.n
-    A, B = _slopes(shooter, motion)
+    windows, n, motion = shooter.windows, shooter.model.n, whole.part(which)
+    A, B = _slopes(shooter, motion, which)
     still = _still(shooter, motion)
     free, A[still], B[still] = B.copy(), 0.0, 0.0
     # A block's mean stands (block - 1)/2 samples after its first one.
@@ -56,10 +69,10 @@ def spread(shooter: Shooter, motion: Motion) -> Spread:
     pushed_out[:, :, positions, positions] += unsure * (to + fro) ** 2
     keep = 1.0 - still[:, :, None, :]
     first = into * keep  # out of a state whose sticking velocities are gone
-    whole, pushed = first.copy(), pushed_in.copy()
-    whole[:, 1:] = first[:, 1:] @ out[:, :-1]
+    flow, pushed = first.copy(), pushed_in.copy()
+    flow[:, 1:] = first[:, 1:] @ out[:, :-1]
     pushed[:, 1:] += first[:, 1:] @ pushed_out[:, :-1] @ first[:, 1:].transpose(0, 1, 3, 2)
-    return Spread(whole, pushed, _outputs(shooter) * _gains(shooter, motion)[..., None])
+    return Spread(flow, pushed, _outputs(shooter) * _gains(shooter, motion, which)[..., None])
 
 
 def _over(h: float, A: Array, B: Array, windows: Windows, positions: int) -> tuple[Array, Array]:
@@ -77,14 +90,14 @@ def _over(h: float, A: Array, B: Array, windows: Windows, positions: int) -> tup
     return flow[:, :, :nx, :nx], push
 
 
-def _slopes(shooter: Shooter, motion: Motion) -> tuple[Array, Array]:
+def _slopes(shooter: Shooter, motion: Motion, which: Indices) -> tuple[Array, Array]:
     """A and B at the start of every block; in B all contacts are free, and no friction falls steeply."""
     count, knots, nx = motion.x.shape
     n = shooter.model.n
     A, B = np.zeros((count, knots, nx, nx)), np.zeros((count, knots, nx, n))
     base, up = np.empty(nx), np.empty(nx)
     for w in np.flatnonzero(motion.written == shooter.windows.rows).tolist():
-        plant, torques = shooter.plants[w], shooter.torques(w)
+        plant, torques = shooter.plants[which[w]], shooter.torques(int(which[w]))
         for k in range(knots):
             x, tau = motion.x[w, k], torques[k]
             plant.jacobian(0.0, x, tau, 0.0, A[w, k])
@@ -162,14 +175,14 @@ def _outputs(shooter: Shooter) -> Array:
     return C
 
 
-def _gains(shooter: Shooter, motion: Motion) -> Array:
+def _gains(shooter: Shooter, motion: Motion, which: Indices) -> Array:
     """Slope of every sensor (windows, blocks, channels)."""
     windows = shooter.windows
-    gain = np.ones((len(windows), windows.blocks, len(windows.channels)))
+    gain = np.ones((len(which), windows.blocks, len(windows.channels)))
     for k, name in enumerate(windows.channels):
         signal, _, joint = name.partition(".")
         x = getattr(motion, signal)[:, :: windows.block, shooter.model.index(joint)]
         effects = sensors(shooter.model, name)
-        for w in range(len(windows)) if effects else ():
-            gain[w, :, k] = slope(effects, x[w], windows.t[w, :: windows.block])
+        for w in range(len(which)) if effects else ():
+            gain[w, :, k] = slope(effects, x[w], windows.t[which[w], :: windows.block])
     return gain

@@ -7,21 +7,20 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.findings import finding
+from flexdyn.diagnose.findings import finding, out_of_tolerance
 from flexdyn.diagnose.refine import Refined
 from flexdyn.diagnose.selection import Search
 from flexdyn.diagnose.stage import Stage
-from flexdyn.diagnose.verify import EXPLAINED
+from flexdyn.diagnose.verify import EXPLAINED, Trial
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 BENT, TRACE = 3.0, 0.01
 """What the equations of a right model may leave over noise: so many times that, or a share of what was there before:
 windows hardly see what a stiff spring does fast."""
-OFF = 0.5
-"""Share of what windows of a joint were off by above which no name of that joint stands, where not all is explained."""
 LEFT = 0.1
-"""Share of what was unexplained that may be left for names to stand, where not all is explained."""
+"""Share of what was unexplained that may be left for names to stand, where not all is explained: in squares, of rows
+and of windows."""
 
 
 def explained(stage: Stage, first: Stage) -> bool:
@@ -31,42 +30,52 @@ def explained(stage: Stage, first: Stage) -> bool:
     return near and stage.trial.excess <= bent
 
 
-def surely(model: FlexibleJointModel, search: Search, stage: Stage, numbers: Refined) -> Stage:
-    """The stage without what its numbers do not stand for: the corrected model holds what is named and no more."""
-    idle = {
+def idle(model: FlexibleJointModel, stage: Stage, numbers: Refined) -> set[int]:
+    """Places of names that their numbers do not stand for."""
+    return {
         k
         for k, each in enumerate(stage.named)
         if not each.stays and finding(model, each.candidate, (), numbers, 0.0) is None
     }
-    return search.stage(*stage.without(idle)) if idle else stage
 
 
-def standing(search: Search, first: Stage, last: Stage) -> Stage:
+def surely(model: FlexibleJointModel, search: Search, stage: Stage, numbers: Refined) -> Stage:
+    """The stage without what its numbers do not stand for: the corrected model holds what is named and no more."""
+    gone = idle(model, stage, numbers)
+    return search.stage(*stage.without(gone)) if gone else stage
+
+
+def standing(search: Search, first: Stage, last: Stage, numbers: Refined) -> Stage:
     """The stage with those names that leave little unexplained: in all, or at their own joints, if much was there.
 
-    What is missing at one joint says nothing against a name at another.
+    What is missing at one joint says nothing against a name at another. What a name leaves is counted with the numbers
+    of the file within their tolerance; one of its own joint that is surely out of it, unnamed, did the name's work.
     """
-    before, after, windows = _excess(first), _excess(last), _seen(last) / _seen(first)
+    within = search.trial(numbers.hypothesis.tolerated())
+    before, after = _excess(first), _excess(last)
+    windows = np.maximum(_seen(last.trial, last), _seen(within, last)) / _seen(first.trial, last)
     names = last.fitted.equations.true.joint_names
+    bent = {number.joint for number in out_of_tolerance(numbers)} - {None}
     most = last.trial.excess > LEFT * first.trial.excess
     gone = set()
     for k, each in enumerate(last.named):
         at = list(range(len(names))) if each.joint is None else [names.index(each.joint)]
         was, left = before[at].sum(), after[at].sum()
-        if (most and (left > LEFT * was or was < LEFT * before.sum())) or windows[at].min() > OFF:
+        much = most and (left > LEFT * was or was < LEFT * before.sum())
+        if much or windows[at].min() > LEFT or each.joint in bent:
             gone.add(k)
     last = search.stage(*last.without(gone)) if gone else last
     return last if last.named else unbent(search, first)
 
 
-def _seen(stage: Stage) -> Array:
-    """By how much the check's windows are off at every joint, in units of noise (n,)."""
-    shot = stage.trial.shot
+def _seen(trial: Trial, stage: Stage) -> Array:
+    """By how much the check's windows are off at every joint, squared, in units of noise and over it (n,)."""
+    shot = trial.shot
     squares, used = (shot.scaled**2 * shot.used).sum(axis=(0, 1)), shot.used.sum(axis=(0, 1))
     joints = [name.partition(".")[2] for name in shot.windows.channels]
     names = stage.fitted.equations.true.joint_names
     mine = np.array([[joint == name for joint in joints] for name in names], dtype=float)
-    return np.asarray(np.sqrt(np.maximum(mine @ squares, 1e-12) / np.maximum(mine @ used, 1.0)))
+    return np.asarray(np.maximum(mine @ squares / np.maximum(mine @ used, 1.0) - 1.0, 1e-9))
 
 
 def _excess(stage: Stage) -> Array:

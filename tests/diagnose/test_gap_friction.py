@@ -106,7 +106,7 @@ def test_noise_that_would_excuse_any_motion_is_told(tmp_path: Path) -> None:
     windows = Windows.of(model, [slider_recording(x, FORCE, RATE, levels, 0)], levels.noise(1))
     shooter = Shooter(model, windows)
     starts = first_states(shooter)
-    response = spread(shooter, shooter.run(starts.x))
+    response = spread(shooter, shooter.run(starts.x), np.arange(len(starts.x)))
     grown = dataclasses.replace(response, flow=10.0 * response.flow)
     used = np.ones(windows.measured.shape, bool)
     told = [Filter.of(windows, each, starts.std, used).wild for each in (response, grown)]

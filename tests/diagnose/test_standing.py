@@ -10,6 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.numbers import file_numbers
 from flexdyn.diagnose.refine import Refined
 from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.stage import Named, Stage
@@ -43,22 +44,22 @@ def stage(squares: tuple[float, float], gaps: tuple[float, float], *effects: fd.
     return Stage(fitted, trial, named)
 
 
-def searched(left: list[tuple[fd.effects.Effect, ...]]) -> Any:
-    """A search that writes down what it is asked to fit again."""
+def searched(left: list[tuple[fd.effects.Effect, ...]], within: Any = None) -> Any:
+    """A search that writes down what it is asked to fit again, and that tries whatever it is asked with one result."""
 
     def again(start: Hypothesis, named: tuple[Named, ...]) -> Stage:
         left.append(start.effects)
         return Stage(stage((1.0, 1.0), (1.0, 1.0), *start.effects).fitted, SimpleNamespace(), named)  # type: ignore[arg-type]
 
-    return SimpleNamespace(stage=again)
+    return SimpleNamespace(stage=again, trial=lambda hypothesis: within)
 
 
 @pytest.mark.parametrize(
     ("squares", "gaps", "kept"),
     [
-        ((2.0, 2.0), (4.0, 4.0), (DRAG, OFFSET)),  # little is left, in equations and windows
-        ((2.0, 2.0), (6.0, 4.0), (OFFSET,)),  # the shoulder's windows are more than half as far off as before
-        ((80.0, 2.0), (4.0, 4.0), (OFFSET,)),  # the shoulder's equations are
+        ((2.0, 2.0), (3.0, 3.0), (DRAG, OFFSET)),  # little is left, in equations and windows
+        ((2.0, 2.0), (4.0, 3.0), (OFFSET,)),  # more than a tenth of what was in the shoulder's windows, squared
+        ((80.0, 2.0), (3.0, 3.0), (OFFSET,)),  # of what was in the shoulder's equations
     ],
 )
 def test_a_name_stands_where_its_joint_is_explained(
@@ -67,9 +68,31 @@ def test_a_name_stands_where_its_joint_is_explained(
     """Before, equations left 100 at each joint, and windows were ten times the noise off."""
     first, last = stage((100.0, 100.0), (10.0, 10.0)), stage(squares, gaps, DRAG, OFFSET)
     left: list[tuple[fd.effects.Effect, ...]] = []
-    after = standing(searched(left), first, last)
+    after = standing(searched(left, last.trial), first, last, Refined(last.fitted.hypothesis, np.zeros(2)))
     assert tuple(each.candidate.effect for each in after.named) == kept
     assert left == ([] if kept == (DRAG, OFFSET) else [kept])
+
+
+def test_a_name_does_not_stand_on_numbers_out_of_their_tolerance() -> None:
+    """Windows that only a bent number brings near are as far off without it."""
+    first, last = stage((100.0, 100.0), (10.0, 10.0)), stage((2.0, 2.0), (3.0, 3.0), DRAG, OFFSET)
+    unbent = stage((2.0, 2.0), (3.0, 5.0)).trial
+    left: list[tuple[fd.effects.Effect, ...]] = []
+    standing(searched(left, unbent), first, last, Refined(last.fitted.hypothesis, np.zeros(2)))
+    assert left == [(DRAG,)]
+
+
+@pytest.mark.parametrize(("std", "kept"), [(0.3, (DRAG, OFFSET)), (0.05, (DRAG,))])
+def test_a_number_of_its_joint_that_did_its_work_speaks_against_a_name(
+    std: float, kept: tuple[fd.effects.Effect, ...]
+) -> None:
+    """The elbow's stiffness is half as much again, out of its tolerance, more or less surely."""
+    first, last = stage((100.0, 100.0), (10.0, 10.0)), stage((2.0, 2.0), (3.0, 3.0), DRAG, OFFSET)
+    stiffness = next(n for n in file_numbers(MODEL) if (n.of, n.parameter) == ("elbow", "stiffness"))
+    bent = Refined(Hypothesis(MODEL, {stiffness: 1.5}, effects=(DRAG, OFFSET)), np.array([std, 0.0, 0.0]))
+    left: list[tuple[fd.effects.Effect, ...]] = []
+    after = standing(searched(left, last.trial), first, last, bent)
+    assert tuple(each.candidate.effect for each in after.named) == kept
 
 
 @pytest.mark.parametrize(("std", "kept"), [(0.01, (DRAG, OFFSET)), (0.1, (DRAG,))])
