@@ -31,7 +31,8 @@ from score import outcome
 from visible import make_filter, reported, surprises
 
 KNOWN = ("stiffness", "damping", "rotor_inertia", "viscous", "coulomb", "mass", "com", "inertia")
-STARTS, EVALUATIONS = 1, 10
+EVALUATIONS = 10
+DISCS = {"kinematic_error", "encoder_eccentricity"}
 SIGNED = ("offset", "gain", "phase", "rest", "cos_1", "sin_1", "cos_2", "sin_2", "lower", "upper", "coefficient")
 
 
@@ -71,14 +72,24 @@ def written(case: Case) -> Array:
     return np.asarray(np.where(fine, np.log(np.where(fine, given / np.where(fine, true, 1.0), 1.0)), 0.0).ravel())
 
 
-def mirrored(true: Hidden, rival: Hidden) -> Hidden:
-    """A rival that is the same error of the other encoder: it begins at the true one, turned round."""
-    if rival.effect != true.effect or true.effect not in SENSORS or rival.joint != true.joint:
-        return rival
+def starts(case: Case, true: Hidden, site: Site | None) -> list[Hidden | None]:
+    """Rivals at a site from where a fit may begin: those of the same shape as the true law at its own numbers.
+
+    The same error of the other encoder is the true one turned round; a transmission's error is that of either encoder,
+    one way round or the other.
+    """
+    if site is None:
+        return [None]
+    scale = scale_of(np.random.default_rng(0), case.arm, case.fit, case.controls[0], site[1], 1.0)
+    rival = draw(site, scale)
+    alike = (rival.effect == true.effect and rival.effect in SENSORS) or {rival.effect, true.effect} <= DISCS
+    if not alike or rival.joint != true.joint:
+        return [rival]
     turned = {key: -value if key in ("offset", "gain") else value for key, value in true.parameters.items()}
-    if "phase" in turned:
-        turned["phase"] += np.pi
-    return dataclasses.replace(rival, parameters=turned)
+    if "phase" not in turned:
+        return [dataclasses.replace(rival, parameters=turned)]
+    phases = [turned["phase"] + np.pi * half for half in ((1,) if rival.effect == true.effect else (0, 1))]
+    return [dataclasses.replace(rival, parameters=turned | {"phase": phase}) for phase in phases]
 
 
 def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
@@ -87,11 +98,7 @@ def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
     others = [one for one in case.hidden if one is not true]
     prior = written(case)
     best = np.inf
-    for start in range(STARTS):
-        rival = None
-        if site is not None:
-            scale = scale_of(np.random.default_rng(start), case.arm, case.fit, case.controls[0], site[1], 1.0)
-            rival = mirrored(true, draw(site, scale))
+    for rival in starts(case, true, site):
         keys = list(rival.parameters) if rival else []
         first = np.array([rival.parameters[key] for key in keys] if rival else [])
         unit = np.where(first == 0.0, 1.0, np.abs(first))

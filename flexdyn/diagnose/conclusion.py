@@ -24,14 +24,12 @@ from flexdyn.diagnose.search import Candidate, candidates
 from flexdyn.diagnose.selection import Search, is_rival, slack
 from flexdyn.diagnose.settling import again
 from flexdyn.diagnose.stage import Named, Stage
-from flexdyn.diagnose.standing import explained, idle, standing, surely, unbent
+from flexdyn.diagnose.standing import explained, idle, standing, surely, unbent, verdict
 from flexdyn.diagnose.verify import SURE, better
 from flexdyn.diagnose.windows import Windows
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-FAR_OFF = 3.0
-"""Times the floor that the data of the fit may be off: an end stop that the check never meets is not explained."""
 
 
 def concluded(
@@ -80,15 +78,14 @@ def concluded(
     space = calibrated.space
     mask = space.whiten.mask
     left = calibrated.regression.left[: len(mask)]  # white rows, a count more or less of the encoders allowed for
-    near = explained(last, first) and gaps[0].after <= FAR_OFF * max(gaps[0].floor, 1.0)
-    verdict = "unexplained" if not near else "explained" if findings else "no_discrepancy"
+    answer = verdict(bool(findings), gaps, near=explained(last, first))
     return Diagnosis(
-        verdict=verdict,
+        verdict=answer,
         findings=findings,
         calibration=calibrations(model, numbers),
         fit=gaps[0],
         check=gaps[1],
-        where=() if verdict == "no_discrepancy" else localise(calibrated.equations, left, mask),
+        where=() if answer == "no_discrepancy" else localise(calibrated.equations, left, mask),
         model=numbers.hypothesis.model(),
         notes=_notes(model, search.space.equations.data),
         residuals=traces(space.equations, space.equations.of(corrected), mask),

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.findings import finding, out_of_tolerance
 from flexdyn.diagnose.refine import Refined
+from flexdyn.diagnose.result import Gap
 from flexdyn.diagnose.selection import Search
 from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import EXPLAINED, Trial
@@ -21,6 +23,25 @@ windows hardly see what a stiff spring does fast."""
 LEFT = 0.1
 """Share of what was unexplained that may be left for names to stand, where not all is explained: in squares, of rows
 and of windows."""
+
+FAR_OFF, ASTRAY = 3.0, 10.0
+"""Times the floor that the data of the fit may be off: an end stop that the check never meets is not explained. And
+that the check may be off beside names, where one window may be on the wrong side of a stick; without any, no more than
+the fit."""
+
+
+def verdict(named: bool, gaps: Sequence[Gap], *, near: bool) -> str:
+    """What the report says of the gap.
+
+    Args:
+        named: whether anything is.
+        gaps: of the fit and of the check.
+        near: whether windows and equations are as near as noise lets them, taken together.
+    """
+    most = (FAR_OFF, ASTRAY if named else FAR_OFF)
+    if not near or any(gap.after > times * max(gap.floor, 1.0) for gap, times in zip(gaps, most, strict=True)):
+        return "unexplained"
+    return "explained" if named else "no_discrepancy"
 
 
 def explained(stage: Stage, first: Stage) -> bool:

@@ -14,7 +14,8 @@ from flexdyn.diagnose.numbers import file_numbers
 from flexdyn.diagnose.refine import Refined
 from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.stage import Named, Stage
-from flexdyn.diagnose.standing import standing, surely
+from flexdyn.diagnose.result import Gap
+from flexdyn.diagnose.standing import standing, surely, verdict
 from tests.arms import two_link
 from tests.oracles.two_link import TwoLink
 
@@ -104,3 +105,20 @@ def test_what_is_not_named_leaves_the_model(std: float, kept: tuple[fd.effects.E
     after = surely(MODEL, searched(left), last, numbers)
     assert tuple(each.candidate.effect for each in after.named) == kept
     assert left == ([] if kept == (DRAG, OFFSET) else [kept])
+
+
+@pytest.mark.parametrize(
+    ("named", "fit", "check", "near", "said"),
+    [
+        (False, 1.1, 1.2, True, "no_discrepancy"),
+        (False, 1.1, 40.0, True, "unexplained"),  # a stop that the fit never meets
+        (True, 1.1, 6.0, True, "explained"),  # one window on the wrong side of a stick
+        (True, 1.1, 40.0, True, "unexplained"),
+        (True, 4.0, 1.0, True, "unexplained"),
+        (True, 1.1, 1.2, False, "unexplained"),
+    ],
+)
+def test_the_verdict_is_of_both_recordings(named: bool, fit: float, check: float, near: bool, said: str) -> None:
+    """With a floor of 1, and of less, which counts as 1."""
+    gaps = [Gap(50.0, 50.0, fit, 1.0), Gap(50.0, 50.0, check, 0.8)]
+    assert verdict(named, gaps, near=near) == said

@@ -1,0 +1,36 @@
+"""What the benchmark's own simulator says of laws that are the same and of laws that are not."""
+
+from __future__ import annotations
+
+import cases
+import pytest
+from hidden import Hidden, Site
+from plants import true_plant
+from score import INSEPARABLE
+from separable import delta_bic
+from two_link_run import controlled
+
+KINEMATIC = Hidden("kinematic_error", 0, "transmission", {"amplitude": 1e-4, "harmonic": 2.0, "phase": 0.6})
+OFFSET = Hidden("sensor_offset", 0, "sensor", {"offset": 2e-3}, {"channel": "q.shoulder"})
+DRAG = Hidden("quadratic_drag", 0, "motor", {"coefficient": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("true", "rival", "apart"),
+    [
+        (KINEMATIC, ("encoder_eccentricity", 0, "theta"), False),  # bends the same, and hardly pulls
+        (OFFSET, ("sensor_offset", 0, "theta"), False),  # lying down the first joint has no zero of its own
+        (DRAG, ("torque_offset", 0, "motor"), True),
+        (KINEMATIC, None, True),
+    ],
+    ids=lambda each: each if isinstance(each, bool) else (each[0] if isinstance(each, tuple) else None),
+)
+def test_laws_are_apart_where_they_do_not_do_the_same(true: Hidden, rival: Site | None, apart: bool) -> None:
+    """By a delta BIC of 20, over a short motion of an arm that lies."""
+    one = next(c for c in (cases.make_case("none", 5, k, 3.0, 1.5) for k in range(20)) if not c.arm.vertical)
+    plant = true_plant(one.arm, (true,))
+    runs = [controlled(plant, control) for control in one.controls]
+    case = type(one)(
+        one.name, (true,), one.arm, one.arm, plant, runs[0], runs[1], one.recordings, one.sensors, one.controls
+    )
+    assert (delta_bic(case, true, rival) > INSEPARABLE) == apart
