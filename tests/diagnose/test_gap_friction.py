@@ -124,3 +124,40 @@ def test_first_states_bend_no_bristle_far_beyond_its_reach(tmp_path: Path) -> No
     bounded = Shooter(model, windows).bounded(far)
     assert (bounded[:, 2] <= 2.0 * effect.reach).all()
     np.testing.assert_array_equal(bounded[:, :2], far[:, :2])
+
+
+@pytest.mark.parametrize("timed", [False, True], ids=["one plant", "a plant a window"])
+def test_some_windows_are_simulated_as_among_all(tmp_path: Path, timed: bool) -> None:
+    """Motions and responses of a few windows are those they have among all of them; the others count as not reached."""
+    laws: list[fd.effects.Effect] = [fd.effects.CoulombFriction("lift", side="link", level=LEVEL)]
+    if timed:
+        laws.append(fd.effects.WarmUpFriction("lift", side="link", coefficient=4.0, time_constant=1.5))
+    levels, model = Levels(1e-6, 0.02), slider_model(tmp_path, laws)
+    x, _ = sliding(STOP_AND_GO, 1.0 / RATE, MASS, LEVEL)
+    windows = Windows.of(model, [slider_recording(x, STOP_AND_GO, RATE, levels, 0)], levels.noise(1))
+    shooter, some = Shooter(model, windows), np.array([1, 4, 7])
+    starts = first_states(shooter).x
+    whole, part = shooter.run(starts), shooter.run(starts, which=some)
+    np.testing.assert_array_equal(part.x[some], whole.x[some])
+    np.testing.assert_array_equal(part.q[some], whole.q[some])
+    assert (whole.written == windows.rows).all()
+    assert np.flatnonzero(part.written).tolist() == some.tolist()
+    response, few = spread(shooter, whole, np.arange(len(windows))), spread(shooter, whole, some)
+    emptied = dataclasses.replace(
+        response, **{name: np.zeros_like(getattr(response, name)) for name in ("flow", "push", "seen")}
+    )
+    filled = emptied.replaced(some, few)
+    for name in ("flow", "push", "seen"):
+        np.testing.assert_allclose(getattr(filled, name)[some], getattr(response, name)[some], rtol=1e-9, atol=1e-12)
+
+
+def test_a_response_that_explodes_moves_no_first_state_out_of_the_world(tmp_path: Path) -> None:
+    """A cable that winds it away, or to and fro: the gap is large and finite, first states stay near what was measured."""
+    levels = Levels(5e-5, 1e-3)
+    x, v = sliding(FORCE, 1.0 / RATE, MASS, 0.0)
+    cable = fd.effects.PositionTorque("lift", cos_1=0.0, sin_1=3e4, cos_2=0.0, sin_2=0.0)
+    model = slider_model(tmp_path, [cable])
+    shot = shoot(model, Windows.of(model, [slider_recording(x, FORCE, RATE, levels, 0)], levels.noise(1)))
+    assert np.isfinite(shot.gap)
+    assert shot.gap > 10.0
+    assert np.abs(shot.x0[:, 1]).max() < 2.0 * np.abs(v).max()
