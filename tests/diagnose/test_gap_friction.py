@@ -152,7 +152,7 @@ def test_some_windows_are_simulated_as_among_all(tmp_path: Path, timed: bool) ->
 
 
 def test_a_response_that_explodes_moves_no_first_state_out_of_the_world(tmp_path: Path) -> None:
-    """A cable that winds it away, or to and fro: the gap is large and finite, first states stay near what was measured."""
+    """A cable that winds to and fro: the gap is large and finite, first states stay near what was measured."""
     levels = Levels(5e-5, 1e-3)
     x, v = sliding(FORCE, 1.0 / RATE, MASS, 0.0)
     cable = fd.effects.PositionTorque("lift", cos_1=0.0, sin_1=3e4, cos_2=0.0, sin_2=0.0)
