@@ -26,6 +26,8 @@ BULK = 0.5
 """Share of what is left over noise that an effect must take where windows alone do not decide."""
 SOLID = 100.0
 """Drop of the squared white rows from which the equations alone may speak for an effect."""
+COLLAPSED = 0.2
+"""Share of the check's gap that is left where an effect takes it though few windows show it, such as an end stop's."""
 NEAR_NOISE = 0.05
 """Share of noise by which the equations of a right model may be off: filters, and noise that is estimated."""
 COUNT = math.sqrt(12.0)
@@ -119,7 +121,8 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     says too little: there it must not object to what is beyond doubt in the fit. Where a position was made up and
     windows are at noise, an effect must be beyond doubt in the fit as well. One that only puts back numbers of the file
     which had been bent to do its work must do no harm. Errors of position that no encoder counts, which filters and
-    rounding make, are wanted by windows alone.
+    rounding make, are wanted by windows alone. What is beyond doubt in the fit and takes nearly all of the check's gap
+    is wanted however few windows show it.
     """
     windows = better(now, trial)
     rows = surely_less(now.rows, trial.rows)
@@ -135,6 +138,8 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     if slight:
         return windows > SURE and trial.gap < now.gap
     if windows > (FAIR if solid else SURE) and trial.gap <= max(now.gap, 1.0):
+        return True
+    if doubtless and windows > 0.0 and trial.gap < COLLAPSED * now.gap:
         return True
     bulk = float(now.rows.sum() - trial.rows.sum()) > BULK * now.excess
     return solid and bulk and windows > (-1.0 if trial.at_noise else 0.0) and rows > SURE

@@ -129,6 +129,28 @@ def test_an_error_of_less_than_a_count_is_wanted_by_windows_alone(
     assert confirmed(now, fitted(None, 5000.0), trial, fitted(effect, 4000.0)) is named
 
 
+@pytest.mark.parametrize(
+    ("struck", "drop", "named"),
+    [(10.0, 1000.0, True), (10.0, 50.0, False), (100.0, 1000.0, False)],
+    ids=["taken", "doubtful in the fit", "half of it left"],
+)
+def test_what_one_window_shows_is_wanted_where_it_is_taken(struck: float, drop: float, named: bool) -> None:
+    """An end stop that is met in one window of 24, which without it is off by 200; the others say next to nothing."""
+    effect = fd.effects.EndStop("elbow", lower=-np.inf, upper=1.0, stiffness=1e3, damping=1.0)
+    draw = np.random.default_rng(0)
+    rows, one = 3.0 * draw.chisquare(100, size=24), np.eye(24)[5]
+    usual = draw.uniform(0.9, 1.1, size=24)
+
+    def trial(by_window: Any) -> Trial:
+        gap = float(np.sqrt((by_window**2).mean()))
+        shot: Any = SimpleNamespace(by_window=by_window, misfit=50.0 * by_window, gap=gap)
+        return Trial(shot, rows, np.full(24, 100.0))
+
+    now = trial(usual + 200.0 * one)
+    after = trial(usual * draw.uniform(0.98, 1.01, size=24) + struck * one)
+    assert confirmed(now, fitted(None, 5000.0), after, fitted(effect, 5000.0 - drop)) is named
+
+
 LAWS = (fd.effects.TorqueOffset("elbow", offset=0.1), fd.effects.CoulombFriction("elbow", side="motor", level=0.1))
 LEVEL = FileNumber("effects[0]", "level", 2.0, 0.03, "elbow")
 
