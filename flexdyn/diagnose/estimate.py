@@ -27,6 +27,8 @@ BLOCK = 0.5
 AHEAD = 2
 """Steps that may go on from where chi^2 rose: numbers that multiply one another lie along a bent valley, whose floor a
 straight step leaves and the next one finds again (the watchdog of Chamberlain et al., 1982)."""
+A_FEW = 4
+"""Steps after which a fit that does not come near what it is wanted for is given up."""
 SHORTER = 0.3
 """Share of a step that is tried where all of it was too much."""
 FAR = 0.05
@@ -142,21 +144,22 @@ class Workspace:
         return int((~self.whiten.mask).sum())
 
 
-def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
+def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = math.inf) -> Fit:
     """Gauss-Newton from a hypothesis: every number of the file within its prior, every unknown of its effects.
 
     Args:
         start: where to begin.
         space: data, weights and the derivatives that do not change.
         steps: at most so many.
+        hopeless: chi^2 beyond which it is given up after a few steps, if the next one does not promise less either.
 
     Raises:
         SimulationError: where it begins, the equations are not finite.
     """
     best = base = linearised(start, space)
     share, ahead = 1.0, 0
-    for _ in range(steps - 1):
-        if best.reached - best.chi2 < SETTLED * max(1.0, best.reduced):
+    for k in range(steps - 1):
+        if best.reached - best.chi2 < SETTLED * max(1.0, best.reduced) or (k >= A_FEW and best.chi2 > hopeless):
             break
         try:
             made = linearised(moved(base.hypothesis, share * base.step, base.scales), space)

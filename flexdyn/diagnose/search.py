@@ -209,7 +209,9 @@ class Candidate:
         return (self.chi2 - best.chi2) / scale + self.cost - best.cost
 
 
-def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) -> list[Candidate]:
+def candidates(
+    space: Workspace, screen: Screen, made: Fit, least: float = 0.0, hopeless: float = math.inf
+) -> list[Candidate]:
     """The most promising proposals, fitted in full, best first.
 
     Args:
@@ -217,6 +219,7 @@ def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) 
         screen: of the proposals.
         made: what they come on top of.
         least: drop of chi^2 that a linear step must promise.
+        hopeless: chi^2 that is of no use any more.
     """
     found = []
     scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
@@ -235,7 +238,7 @@ def candidates(space: Workspace, screen: Screen, made: Fit, least: float = 0.0) 
             found.append(_softened(made, after, choice, cost, scale))
             continue
         try:
-            made_of = _candidate(made, fit(after, space), cost, choice.number)
+            made_of = _candidate(made, fit(after, space, hopeless=hopeless), cost, choice.number)
         except (InputError, SimulationError):  # a user's law that fails elsewhere, a spring beyond all bounds
             continue
         if made_of.drop >= ENOUGH and not _is_a_limit(made_of):

@@ -20,6 +20,10 @@ PROMISING = 0.3
 """Share of what was unexplained below which effects are asked whether others would do better."""
 NEARLY = 0.7
 """Share of what it would have to explain that a linear step must promise for a candidate to be fitted."""
+MANY = 3
+"""Effects that can each be left out from which all of them are left out together, if that can be as well."""
+FAR_ABOVE = 3.0
+"""Times the chi^2 that it may have above which a candidate is given up after a few steps."""
 
 
 def again(search: Search, last: Stage, windows: Windows) -> tuple[Search, list[Stage]]:
@@ -59,23 +63,37 @@ def settled(search: Search, first: Stage, stage: Stage) -> Stage:
 
 
 def pruned(search: Search, stage: Stage) -> Stage:
-    """Effects that the check does not miss are taken out, the weakest first."""
+    """Effects that the check does not miss are taken out, the weakest first; many of them at once, if it can be."""
     while stage.named:
         search.say("asking what can be left out", 0.0)
-        less = [search.stage(*stage.without({k})) for k, each in enumerate(stage.named) if not each.stays]
-        idle = [each for each in less if not confirmed(each.trial, each.fitted, stage.trial, stage.fitted)]
+        places = [k for k, each in enumerate(stage.named) if not each.stays]
+        less = {k: search.stage(*stage.without({k})) for k in places}
+        idle = [k for k in places if not _missed(less[k], stage)]
         if not idle:
             break
-        stage = min(idle, key=lambda each: each.fitted.chi2)
+        if len(idle) >= MANY:
+            bare = search.stage(*stage.without(idle))
+            if not _missed(bare, stage):
+                stage = bare
+                continue
+        stage = min((less[k] for k in idle), key=lambda each: each.fitted.chi2)
     return stage
 
 
+def _missed(less: Stage, stage: Stage) -> bool:
+    """Whether the check wants what one stage has more than the other."""
+    return confirmed(less.trial, less.fitted, stage.trial, stage.fitted)
+
+
 def _exchanged(search: Search, stage: Stage) -> Stage:
-    """Each effect chosen anew beside the others: what hid the right one when it was chosen may be known by now."""
+    """Each effect chosen anew beside the others: what hid the right one when it was chosen may be known by now.
+
+    Others may have been there only to make up for the wrong one.
+    """
     for old in [each for each in stage.named if not each.stays]:
         search.say("choosing again beside the others", 0.0)
-        place = next(k for k, each in enumerate(stage.named) if each is old)
-        stage = _instead(search, stage, {place}) or stage
+        after = next((_instead(search, stage, {k}) for k, each in enumerate(stage.named) if each is old), None)
+        stage = stage if after is None else pruned(search, after)
     return stage
 
 
@@ -129,8 +147,9 @@ def _instead(search: Search, stage: Stage, gone: Collection[int]) -> Stage | Non
     """The stage with one effect for some of what was named, if it explains the fit as well and the check no worse."""
     start, kept = stage.without(gone)
     made, goal = fit(start, search.space), stage.fitted
-    ranked = candidates(search.space, search.screen, made, NEARLY * (made.chi2 - goal.chi2))
-    ranked = [each for each in ranked if each.chi2 <= goal.chi2 + slack(goal)]
+    most = goal.chi2 + slack(goal)
+    ranked = candidates(search.space, search.screen, made, NEARLY * (made.chi2 - goal.chi2), FAR_ABOVE * most)
+    ranked = [each for each in ranked if each.chi2 <= most]
     if not any(_what(each) not in {_what(stage.named[k].candidate) for k in gone} for each in ranked):
         return None
     after, sure = following(search, search.tried(made, kept), ranked)
