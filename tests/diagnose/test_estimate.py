@@ -113,3 +113,24 @@ def test_a_spring_beyond_all_bounds_is_an_error_and_a_step_to_it_is_shortened(mo
     monkeypatch.setattr(estimate, "moved", step)
     assert fit(tame, space).reached <= linearised(tame, space).reached
     assert len(asked) > 1
+
+
+def test_a_fit_that_comes_near_is_not_given_up_and_one_that_does_not_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bristles far too soft take more steps than a few; what is asked of them decides whether they get them."""
+    space, start = problem()
+    bristles = fd.effects.PreslidingFriction("shoulder", side="motor", level=1.0, stiffness=3.0, damping=0.0)
+    start, steps = dataclasses.replace(start, effects=(bristles,)), []
+
+    def counted(hypothesis: Hypothesis, at: Workspace) -> estimate.Fit:
+        steps.append(1)
+        return linearised(hypothesis, at)
+
+    monkeypatch.setattr(estimate, "linearised", counted)
+    whole = fit(start, space)
+    taken = len(steps)
+    steps.clear()
+    assert fit(start, space, hopeless=1.1 * whole.chi2).chi2 == whole.chi2
+    assert len(steps) == taken
+    steps.clear()
+    fit(start, space, hopeless=0.0)
+    assert len(steps) == estimate.A_FEW + 1 < taken
