@@ -30,9 +30,10 @@ SENSOR_COLUMNS = {
 def visible(case: Case, one: Hidden) -> bool:
     """Whether both recordings are less likely without it, by more than inseparable laws differ.
 
-    What is wrong with the model file alone is no part of the arm: there is nothing to leave out.
+    What is wrong with the model file alone is no part of the arm: there is nothing to leave out. Of an arm with rigid
+    joints, whose rotors have no state that the filter could correct, all is taken to show.
     """
-    if one.effect in ("parameter_error", "joint_elasticity"):
+    if one.effect in ("parameter_error", "joint_elasticity") or np.isinf(case.arm.stiffness).any():
         return True
     found, others = make_filter(case), [each for each in case.hidden if each is not one]
     for run in (case.fit, case.check):

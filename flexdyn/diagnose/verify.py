@@ -26,6 +26,11 @@ BULK = 0.5
 """Share of what is left over noise that an effect must take where windows alone do not decide."""
 SOLID = 100.0
 """Drop of the squared white rows from which the equations alone may speak for an effect."""
+NOISE = 1.1
+"""A gap up to here may be noise alone: windows are few."""
+HARDLY_MORE = 1.1
+"""Factor by which the check's gap may grow where windows and equations both surely say that it is less off: a few
+windows, of what is still missing, make most of it."""
 COLLAPSED = 0.2
 """Share of the check's gap that is left where an effect takes it though few windows show it, such as an end stop's."""
 NEAR_NOISE = 0.05
@@ -115,14 +120,14 @@ class Check:
 def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     """Whether data that took no part wants an effect.
 
-    Its windows must surely be less off, and no more off in all unless that is noise. Where they say little, because
-    noise decides in them what sticks, the equations may speak instead, for an effect that takes the bulk of what was
-    left; if it leaves them nothing but noise, windows need only not object. Data that is at noise with and without it
-    says too little: there it must not object to what is beyond doubt in the fit. Where a position was made up and
-    windows are at noise, an effect must be beyond doubt in the fit as well. One that only puts back numbers of the file
-    which had been bent to do its work must do no harm. Errors of position that no encoder counts, which filters and
-    rounding make, are wanted by windows alone. What is beyond doubt in the fit and takes nearly all of the check's gap
-    is wanted however few windows show it.
+    Its windows must surely be less off, and no more off in all unless that is noise or equations agree. Where they say
+    little, because noise decides in them what sticks, the equations may speak instead, for an effect that takes the
+    bulk of what was left; if it leaves them nothing but noise, windows need only not object. Data that is at noise with
+    and without it says too little: there it must not object to what is beyond doubt in the fit. Where a position was
+    made up and windows are at noise, an effect must be beyond doubt in the fit as well. One that only puts back numbers
+    of the file which had been bent to do its work must do no harm. Errors of position that no encoder counts, which
+    filters and rounding make, are wanted by windows alone. What is beyond doubt in the fit and takes nearly all of the
+    check's gap is wanted however few windows show it.
     """
     windows = better(now, trial)
     rows = surely_less(now.rows, trial.rows)
@@ -136,8 +141,10 @@ def confirmed(now: Trial, before: Fit, trial: Trial, after: Fit) -> bool:
     if solid and now.at_noise and trial.at_noise and min(windows, rows) > -1.0:
         return not slight
     if slight:
-        return windows > SURE and trial.gap < now.gap
-    if windows > (FAIR if solid else SURE) and trial.gap <= max(now.gap, 1.0):
+        return windows > SURE and trial.gap < max(now.gap, NOISE)
+    if windows > (FAIR if solid else SURE) and trial.gap <= max(now.gap, NOISE):
+        return True
+    if solid and min(windows, rows) > SURE and trial.gap <= HARDLY_MORE * now.gap:
         return True
     if doubtless and windows > 0.0 and trial.gap < COLLAPSED * now.gap:
         return True

@@ -63,3 +63,10 @@ def test_an_offset_surprises_by_its_size(case: Case) -> None:
     assert not visible(dataclasses.replace(case, hidden=(small,)), small)
     white = surprises(one.fit, z, one.arm, (offset,), found)
     assert float((white**2).sum()) < 1.0
+
+
+def test_arms_of_rigid_joints_can_be_made() -> None:
+    """The filter knows elastic arms alone."""
+    made = [cases.make_case("rigid", 77, number, *SHORT) for number in range(4)]
+    assert all(np.isinf(each.arm.stiffness).any() for each in made)
+    assert all(each.hidden for each in made)
