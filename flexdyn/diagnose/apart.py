@@ -118,8 +118,13 @@ def space_along(
 
 
 def refitted(known: Known, space: Workspace, load: Payload | None = None, steps: int = STEPS) -> Refit:
-    """A hypothesis bent to a motion as far as what is known about its numbers lets it; the best of a few steps."""
+    """A hypothesis bent to a motion as far as what is known about its numbers lets it; the best of a few steps.
+
+    Its encoders' offsets begin as the recordings made so far want them: a count more or less, as no law else may have.
+    """
     first = laden(known.fitted.hypothesis, load)
+    offsets = {effect.channel: effect.offset for effect in first.counts}
+    counted = space.nuisance @ np.array([offsets.get(name, 0.0) for name in space.channels])
     numbers, old = len(first.factors), np.array(known.fitted.scales)
     nuisances = space.nuisance.shape[1]
     current, found = first, []
@@ -129,7 +134,9 @@ def refitted(known: Known, space: Workspace, load: Payload | None = None, steps:
         ratio[numbers : numbers + len(old)] = np.array(made.scales) / old
         gone = np.concatenate([_distance(first, current, old), np.zeros(nuisances)])
         rows = made.regression
-        bent = Refit(np.vstack([rows.X, known.root * ratio]), np.concatenate([rows.y, known.root @ gone]), len(rows.y))
+        bent = Refit(
+            np.vstack([rows.X, known.root * ratio]), np.concatenate([rows.y + counted, known.root @ gone]), len(rows.y)
+        )
         found.append(bent)
         current = moved(current, bent.step(), made.scales)
     return min(found, key=Refit.chi2)

@@ -65,7 +65,7 @@ def _by_equations(made: Rehearsal, passes: int) -> tuple[Array, Array, Array, st
 def _by_windows(made: Rehearsal, bench: Bench) -> tuple[Array, Array, Array, str]:
     """Times, how far the rival's simulated windows are off in one channel, the noise of that, and what it is."""
     side, load = made.sides[0], bench.load(made.move)
-    rival = bent(bench.known[1 + made.nearest], side.by_windows[made.nearest][1], load).model()
+    rival = bent(bench.known[1 + made.nearest], side.by_windows[made.nearest][1], load).seen()
     shot = shoot(rival, bench.windows(side.recording))
     left, std, model = shot.residual, shot.std, bench.space.equations.true
     channel = int(np.argmax((left / std).std(axis=(0, 1))))

@@ -174,7 +174,7 @@ class Bench:
 
     def _windowed(self, side: Side, move: Move, worth: float) -> Side:
         load = self.load(move)
-        model = laden(self.known[side.truth].fitted.hypothesis, load).model()
+        model = laden(self.known[side.truth].fitted.hypothesis, load).seen()
         shot = shoot(model, self.windows(side.recording))
         own = as_made(shot)
         pairs = tuple((own, windowed(other, shot, load, own.chi2() + worth)) for other in self.others(side.truth))
@@ -194,7 +194,7 @@ class Bench:
 
     def _made(self, truth: int, move: Move, command: PD) -> tuple[Run, Recording]:
         """The run, and what would have been recorded of it."""
-        model = laden(self.known[truth].fitted.hypothesis, self.load(move)).model()
+        model = laden(self.known[truth].fitted.hypothesis, self.load(move)).seen()
         end = time.monotonic() + PATIENCE
 
         def watch(reached: float) -> None:

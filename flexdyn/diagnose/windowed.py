@@ -38,15 +38,15 @@ def windowed(known: Known, shot: Shot, load: Payload | None, worth: float) -> Re
     """
     first = laden(known.fitted.hypothesis, load)
     scales = known.fitted.scales
-    white = shot.whitened(first.model()).ravel()
+    white = shot.whitened(first.seen()).ravel()
     if white @ white < worth:
         return Refit(np.zeros((len(white), 1)), white, len(white))
-    shot = shoot(first.model(), shot.windows)
+    shot = shoot(first.seen(), shot.windows)
     white = shot.whitened().ravel()
     numbers, columns = len(first.factors), []
     for k in range(numbers + len(scales)):
         stepped, step = _stepped(first, k, numbers, scales)
-        columns.append((shot.whitened(stepped.model()).ravel() - white) / step)
+        columns.append((shot.whitened(stepped.seen()).ravel() - white) / step)
     J, root = np.stack(columns, axis=1), known.marginal(len(columns))
     return Refit(np.vstack([J, root]), np.concatenate([white, np.zeros(len(root))]), len(white))
 
