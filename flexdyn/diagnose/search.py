@@ -23,7 +23,7 @@ from flexdyn.diagnose.numbers import FileNumber, file_numbers, with_factors
 from flexdyn.diagnose.own_effects import own_effects
 from flexdyn.diagnose.proposal import Point, Proposal
 from flexdyn.diagnose.proposals import proposals
-from flexdyn.effects import Effect, JointElasticity, Payload, SensorOffset
+from flexdyn.effects import Effect, JointElasticity, Payload, SensorOffset, SpringHysteresis
 from flexdyn.errors import InputError, SimulationError
 from flexdyn.model import FlexibleJointModel
 
@@ -47,6 +47,8 @@ SCALES = {
 }
 """Laws that become a plainer one as a number grows or falls, and by how many standard deviations it must be away from
 none. Of what comes with reversals and passes, windows see more than equations do."""
+WIDEST = 3.0
+"""Times the range over which a spring was wound: a loop wider than that is a spring."""
 ENOUGH = 10.0
 """Least drop of BIC for which an effect is named."""
 
@@ -262,6 +264,8 @@ def _is_a_limit(candidate: Candidate) -> bool:
     if effect is None or effect.name not in SCALES:
         return False
     (name, away), made = SCALES[effect.name], candidate.fitted
+    if isinstance(effect, SpringHysteresis) and effect.width > WIDEST * made.equations.wound(effect.joint):
+        return True
     std = made.std()[effect, name] / math.sqrt(max(1.0, made.reduced))  # what other laws leave says nothing of this one
     return bool(away * std > getattr(effect, name))
 
