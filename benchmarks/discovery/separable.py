@@ -27,7 +27,7 @@ from model_text import TOLERANCE, known_effects
 from names import SENSORS, same, text
 from plants import Case
 from scipy.optimize import least_squares
-from score import outcome
+from score import INSEPARABLE, outcome
 from visible import make_filter, reported, surprises
 
 KNOWN = ("stiffness", "damping", "rotor_inertia", "viscous", "coulomb", "mass", "com", "inertia")
@@ -93,8 +93,13 @@ def starts(case: Case, true: Hidden, site: Site | None) -> list[Hidden | None]:
 
 
 def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
-    """BIC of the rival at a site, or of none, less that of the true law, on the fit's motion without noise."""
+    """BIC of the rival at a site, or of none, less that of the true law, on the fit's motion without noise.
+
+    Infinite where the filter, to which a lag is one of first order, does not follow the truth itself: it says nothing.
+    """
     found, z = make_filter(case), reported(case, case.fit)
+    if float((surprises(case.fit, z, case.arm, case.hidden, found) ** 2).sum()) > INSEPARABLE:
+        return np.inf
     others = [one for one in case.hidden if one is not true]
     prior = written(case)
     best = np.inf
@@ -127,8 +132,9 @@ def nearest(truth: dict[str, Any], report: dict[str, Any]) -> dict[str, Any] | N
         if one.effect == "joint_elasticity":
             continue
         for site in rival_sites(entry, report, case.given):
-            row = {"rival": site and list(site), "delta_bic": delta_bic(case, one, site)}
-            found = row if found is None or row["delta_bic"] < found["delta_bic"] else found
+            delta = delta_bic(case, one, site)
+            if np.isfinite(delta) and (found is None or delta < found["delta_bic"]):
+                found = {"rival": site and list(site), "delta_bic": delta}
     return found
 
 
