@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 ROUNDS = 6
 """Corrections of the first states at most, each with a new linear response."""
 SETTLED = 0.8
-"""Another correction of a window is worth its time if the last one left less than this of its squared residual."""
+"""Another correction is worth its time if the last one left less than this of the squared residual."""
 FARTHEST = 100.0
 """Standard deviations that a first state is moved at most: beyond, it is no correction but a response that explodes."""
 STRAY = 4.0
@@ -210,25 +210,24 @@ def _fitted(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Ar
     residual = _residual(shooter, motion, used)
     response = spread(shooter, motion, np.arange(len(moved)))
     fit = _Fit(moved, residual, motion, Filter.of(shooter.windows, response, starts.std, used))
-    factor, open_ = np.ones(len(moved)), np.ones(len(moved), dtype=bool)
+    factor = np.ones(len(moved))
     if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
         return fit
     for _ in range(ROUNDS):
         wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
         wanted = np.clip(np.nan_to_num(wanted), -FARTHEST * starts.std, FARTHEST * starts.std)
         wanted = shooter.bounded(starts.x + wanted) - starts.x
-        again = shooter.run(starts.x + wanted, which=np.flatnonzero(open_))
+        again = shooter.run(starts.x + wanted)
         left = _residual(shooter, again, used)
         before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
-        better = open_ & (after < before)
+        better = after < before
         factor = np.where(better, 1.0, SHORTER * factor)
         motion = _chosen(better, again, fit.motion)
         moved = np.where(better[:, None], wanted, fit.moved)
         fit = _Fit(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
-        open_ = (better & (after < SETTLED * before)) | fit.stray(used)
-        if not open_.any():
+        if np.minimum(before, after).sum() > SETTLED * before.sum() and not fit.stray(used).any():
             break
-        which = np.flatnonzero(better & open_)
+        which = np.flatnonzero(better)
         if len(which):
             response = response.replaced(which, spread(shooter, motion, which))
             fit = _Fit(fit.moved, fit.residual, motion, Filter.of(shooter.windows, response, starts.std, used))

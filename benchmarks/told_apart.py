@@ -1,6 +1,6 @@
 """Whether the experiments that reports propose tell apart what they should: made by the true arm, and diagnosed.
 
-    python benchmarks/discovery/told_apart.py CASES REPORTS [-o RESULT.json]
+    python benchmarks/told_apart.py CASES REPORTS [-o RESULT.json]
 
 For every report whose "A or B" holds the truth, the case is diagnosed again for its plan, the true arm of the
 benchmark's own simulator makes that motion as often as the plan says, under the case's own controller and with its
@@ -19,6 +19,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent / "discovery"))
 from arm_draw import JOINTS
 from cases import make_case
 from layout import Array
