@@ -231,6 +231,27 @@ def test_a_dead_encoder(model: fd.FlexibleJointModel) -> None:
         checked(model, scaled(0.0, "q.elbow"))
 
 
+@pytest.mark.parametrize(("share", "fine"), [(1.0, True), (30.0, False)])
+def test_a_joint_that_is_held_winds_while_its_rotor_rests(
+    model: fd.FlexibleJointModel, share: float, fine: bool
+) -> None:
+    """In a second motion, by what its torque winds the spring by, or by far more, which no held joint does."""
+
+    def held(channels: Channels) -> Channels:
+        tau, q = channels["tau.shoulder"], channels["q.shoulder"]
+        wound = share * np.abs(tau).max() / ARM.stiffness[0] * np.sin(np.arange(len(tau)) / 200.0)
+        return {**channels, "q.shoulder": q[0] + wound, "theta.shoulder": np.full(len(tau), q[0])}
+
+    rec = two_link_recording(LEVELS, seed=3)
+    again = fd.Recording(rec.t, held({name: np.array(x) for name, x in rec.channels.items()}), name="held.csv")
+    data = (measured(model, rec), measured(model, again))
+    if fine:
+        check_recordings(model, data)
+        return
+    with pytest.raises(fd.errors.InputError, match=r"^held\.csv: theta\.shoulder: it rests while q\.shoulder moves"):
+        check_recordings(model, data)
+
+
 def test_the_recording_that_is_wrong_is_named(model: fd.FlexibleJointModel) -> None:
     """Of two recordings, the one in another unit."""
     rec = two_link_recording(LEVELS, seed=4)
