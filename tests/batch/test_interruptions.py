@@ -228,7 +228,10 @@ def test_control_c_does_not_wait_for_the_chunk_in_work(tmp_path: Path) -> None:
         time.sleep(0.01)
     time.sleep(0.3)
     work.send_signal(signal.SIGINT)
-    work.communicate(timeout=60)  # it hangs here for days if it waits
+    try:
+        work.communicate(timeout=60)  # it hangs here for days if it waits
+    finally:
+        work.kill()
     assert work.returncode == 130
 
 

@@ -116,12 +116,15 @@ def test_it_serves_until_interrupted() -> None:
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
     ) as served:
-        assert served.stdout is not None
-        found = re.search(r"run\.npz at (http://127\.0\.0\.1:\d+/) \(Ctrl-C ends\)", served.stdout.readline())
-        assert found
-        with urllib.request.urlopen(found[1], timeout=10) as answer:  # noqa: S310
-            assert answer.read(15) == b"<!DOCTYPE html>"
-        served.send_signal(signal.SIGINT)
-        _, errors = served.communicate(timeout=20)
+        try:
+            assert served.stdout is not None
+            found = re.search(r"run\.npz at (http://127\.0\.0\.1:\d+/) \(Ctrl-C ends\)", served.stdout.readline())
+            assert found
+            with urllib.request.urlopen(found[1], timeout=10) as answer:  # noqa: S310
+                assert answer.read(15) == b"<!DOCTYPE html>"
+            served.send_signal(signal.SIGINT)
+            _, errors = served.communicate(timeout=20)
+        finally:
+            served.kill()
     assert served.returncode == 0
     assert errors.strip() in ("", "flexdyn: stopped")
