@@ -109,6 +109,7 @@ void evaluate_law(const std::string& name, const std::vector<double>& parameters
   const Law law = make_law(name, 0, "motor", parameters, -1);
   const std::size_t count = out.size();
   require(t.size() == count && x.size() == count && u.size() == count && tau.size() == count, "sizes differ");
+  nb::gil_scoped_release release;
   for (std::size_t i = 0; i < count; ++i) {
     LawInput in{t.data()[i], x.data()[i], u.data()[i]};
     in.tau_s = tau.data()[i];
@@ -162,6 +163,7 @@ void acceleration(const LinkDynamics& links, Array q, Array v, Array tau, OutArr
 void mass_matrix(const LinkDynamics& links, Array q, OutArray M) {
   const std::size_t rows = rows_of(links, q), n = links.size();
   require(M.size() == rows * n * n, "M is (rows, n, n)");
+  nb::gil_scoped_release release;
   auto work = links.workspace();
   for (std::size_t i = 0; i < rows; ++i) links.mass_matrix(*work, q.data() + i * n, M.data() + i * n * n);
 }
@@ -177,6 +179,7 @@ void least_inertia(const LinkDynamics& links, Array q, OutArray least) {
 void bias(const LinkDynamics& links, Array q, Array v, OutArray h) {
   const std::size_t rows = rows_of(links, q), n = links.size();
   require(v.size() == q.size() && h.size() == q.size(), "q, v, h differ in size");
+  nb::gil_scoped_release release;
   auto work = links.workspace();
   for (std::size_t i = 0; i < rows; ++i) {
     links.bias(*work, q.data() + i * n, v.data() + i * n, h.data() + i * n);
@@ -186,6 +189,7 @@ void bias(const LinkDynamics& links, Array q, Array v, OutArray h) {
 void inverse_dynamics(const LinkDynamics& links, Array q, Array v, Array a, OutArray tau) {
   const std::size_t rows = rows_of(links, q), n = links.size();
   require(v.size() == q.size() && a.size() == q.size() && tau.size() == q.size(), "q, v, a, tau differ in size");
+  nb::gil_scoped_release release;
   auto work = links.workspace();
   for (std::size_t i = 0; i < rows * n; i += n) {
     links.inverse_dynamics(*work, q.data() + i, v.data() + i, a.data() + i, tau.data() + i);

@@ -39,7 +39,7 @@ def of_number(equations: Equations, number: FileNumber) -> Array:
     if number.parameter == "stiffness":  # the scale of the link's equation moves with it
         there = equations.of(model)
         return (there.residual - equations.residual) / STEP
-    change = equations.of_joint(j, moved, moved.all_effects) - equations.of_joint(j, true, true.all_effects)
+    change = equations.of_joint(j, moved, moved.all_effects) - equations.own(j)
     if number.parameter == "rotor_inertia" and not true.elastic[j]:
         change = equations.of_links(LinkSide(moved))
     return change / STEP
@@ -64,7 +64,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
     if adds_up(effect):
         return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
     with_it = equations.of_joint(j, true, [*true.all_effects, effect])
-    return (with_it - equations.of_joint(j, true, true.all_effects)) / scale
+    return (with_it - equations.own(j)) / scale
 
 
 def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -> Array:
@@ -88,8 +88,8 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         # other rows and positions move with it
         effects = [moved if e == effect else e for e in equations.model.effects]
         return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
-    rest = [e for e in true.all_effects if e is not effect and e != effect]
-    return (equations.of_joint(j, true, [*rest, moved]) - equations.of_joint(j, true, [*rest, effect])) / step
+    effects = [moved if e is effect or e == effect else e for e in true.all_effects]
+    return (equations.of_joint(j, true, effects) - equations.own(j)) / step
 
 
 def _on_joint(effect: Effect) -> JointEffect:

@@ -113,6 +113,16 @@ class Equations:
             parts.append(self.combined(along, motor, link, tau_s, only=j).ravel())
         return np.concatenate(parts)
 
+    def own(self, j: int) -> Array:
+        """What one joint's terms put into the rows (rows,) with the model's own effects; remembered, as many ask."""
+        if j not in self._own:
+            self._own[j] = self.of_joint(j, self.true, self.true.all_effects)
+        return self._own[j]
+
+    @cached_property
+    def _own(self) -> dict[int, Array]:
+        return {}
+
     @cached_property
     def made_up(self) -> NDArray[np.bool_]:
         """Elastic joints one of whose two positions was not measured (n,)."""

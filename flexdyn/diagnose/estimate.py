@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose import columns
+from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.covariance import Noise, Whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.hypothesis import ROUNDING, Hypothesis, bounded, moved
@@ -33,6 +34,8 @@ SHORTER = 0.3
 """Share of a step that is tried where all of it was too much."""
 FAR = 0.05
 """Relative distance of a number from its given value beyond which its derivative is another one."""
+NEAR = 5.0
+"""Steps of an unknown's own scale, a hundredth of its value, over which slopes of the file's numbers are the same."""
 LOOSE = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
 ROUGH = 2.0
@@ -53,6 +56,7 @@ class Fit:
         scales: of the effects' unknowns.
         held: columns of those that stand at a bound and would leave it.
         free: the problem in which they are not held, which tells how well they are known; None: there are none.
+        taken: where the slopes of the file's numbers were taken; None: here.
     """
 
     hypothesis: Hypothesis
@@ -62,6 +66,7 @@ class Fit:
     scales: tuple[float, ...] = field(default=())
     held: tuple[int, ...] = ()
     free: Regression | None = None
+    taken: Hypothesis | None = None
 
     @property
     def chi2(self) -> float:
@@ -161,15 +166,21 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
     for k in range(steps - 1):
         if best.reached - best.chi2 < SETTLED * max(1.0, best.reduced) or (k >= A_FEW and best.chi2 > hopeless):
             break
+        trial = moved(base.hypothesis, share * base.step, base.scales)
+        at = space.equations.of(trial.model())
+        watched = share == 1.0 and ahead < AHEAD
+        if not watched and not _reached(trial, at, space) <= best.reached:  # slopes there would not be asked for
+            base, share = best, SHORTER * share
+            continue
         try:
-            made = linearised(moved(base.hypothesis, share * base.step, base.scales), space)
+            made = linearised(trial, space, base, at)
         except SimulationError:  # too far
             base, share = best, SHORTER * share
             continue
         if made.reached <= best.reached:
-            best, base, share, ahead = made, made, min(1.0, share / SHORTER), 0
-            continue
-        if share == 1.0 and ahead < AHEAD and made.chi2 < best.reached:
+            ahead = 0 if share == 1.0 else ahead  # where it did not help it is not tried again
+            best, base, share = made, made, min(1.0, share / SHORTER)
+        elif watched and made.chi2 < best.reached:
             base, ahead = made, ahead + 1
         else:
             base, share = best, SHORTER * share
@@ -183,17 +194,39 @@ def _counted(made: Fit, space: Workspace) -> Fit:
     return dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=counts))
 
 
-def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
+def _reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
+    """`Fit.reached` without any slopes; infinite where the equations are not finite."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        y = space.whiten(at.residual)
+        if not np.isfinite(y @ y):
+            return math.inf
+    centre, sigma = _priors(hypothesis, 0, space.temper)
+    nuisances = space.nuisance.shape[1]
+    alone = Regression(y, space.nuisance, np.zeros(nuisances), space.nuisance_sigma, space.rows, nuisances)
+    return alone.at_zero + float(((centre / sigma) ** 2).sum())
+
+
+def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = None, at: Equations | None = None) -> Fit:
     """The least-squares problem at a hypothesis; its step is not taken.
+
+    Args:
+        hypothesis: of the model.
+        space: data, weights and the derivatives that do not change.
+        before: the same effects with other numbers; where these are near, its slopes of the file's numbers do.
+        at: the equations there; None: they are made.
 
     Raises:
         SimulationError: the equations are not finite there.
     """
-    at = space.equations.of(hypothesis.model())
+    at = at or space.equations.of(hypothesis.model())
     unknowns = hypothesis.unknowns()
     scales = tuple(_scale(effect, name) for effect, name in unknowns)
+    taken = None if before is None else before.taken or before.hypothesis
+    if taken is not None and not _near(hypothesis, taken):
+        taken = None
+    known = before.regression.X[:, : len(hypothesis.factors)] if before is not None and taken is not None else None
     with np.errstate(over="ignore", invalid="ignore"):
-        y, X = _rows(hypothesis, at, space, scales)
+        y, X = _rows(hypothesis, at, space, scales, known)
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
         raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
@@ -208,22 +241,37 @@ def linearised(hypothesis: Hypothesis, space: Workspace) -> Fit:
     )
     held = _held(hypothesis, regression, scales)
     if not held:
-        return Fit(hypothesis, at, regression, space, scales)
+        return Fit(hypothesis, at, regression, space, scales, taken=taken)
     X, sigma = regression.X.copy(), regression.sigma.copy()
     X[:, held], sigma[list(held)] = 0.0, 1e-9  # the others must do without them
-    return Fit(hypothesis, at, dataclasses.replace(regression, X=X, sigma=sigma), space, scales, held, regression)
+    bound = dataclasses.replace(regression, X=X, sigma=sigma)
+    return Fit(hypothesis, at, bound, space, scales, held, regression, taken)
 
 
-def _rows(hypothesis: Hypothesis, at: Equations, space: Workspace, scales: tuple[float, ...]) -> tuple[Array, Array]:
-    """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k)."""
-    slopes = [_slopes_of_numbers(hypothesis, at, space)]
-    raw = [
-        s * columns.of_parameter(at, effect, name, 0.1 * s)
-        for (effect, name), s in zip(hypothesis.unknowns(), scales, strict=True)
-    ]
-    if raw:
-        slopes.append(space.whiten(np.stack(raw, axis=1)))
-    return space.whiten(at.residual), np.hstack([*slopes, space.nuisance])
+def _near(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether the numbers of the same effects, and of the file, are so near that the slopes are the same."""
+    pairs = zip(one.unknowns(), other.unknowns(), strict=True)
+    moved = (abs(getattr(a, name) - getattr(b, name)) / _scale(b, name) for (a, name), (b, _) in pairs)
+    factors = zip(one.factors.values(), other.factors.values(), strict=True)
+    return all(x <= NEAR for x in moved) and all(abs(a / b - 1.0) <= FAR for a, b in factors)
+
+
+def _rows(
+    hypothesis: Hypothesis, at: Equations, space: Workspace, scales: tuple[float, ...], known: Array | None
+) -> tuple[Array, Array]:
+    """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k).
+
+    Those by the numbers may be known.
+    """
+    y = space.whiten(at.residual)
+
+    def slope(unknown: tuple[tuple[Effect, str], float]) -> Array:
+        (effect, name), scale = unknown
+        return space.whiten(scale * columns.of_parameter(at, effect, name, 0.1 * scale))
+
+    own = abreast(slope, zip(hypothesis.unknowns(), scales, strict=True))
+    numbers = _slopes_of_numbers(hypothesis, at, space) if known is None else known
+    return y, np.column_stack([numbers, *own, space.nuisance])
 
 
 def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:
@@ -266,10 +314,13 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     far = {n for n, factor in numbers.items() if n in hypothesis.freed and abs(factor - 1.0) > FAR}
     links = any(number.joint is None for number in far) or any(isinstance(e, Payload) for e in effects)
     joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect | KinematicError)}
-    slopes = space.numbers.copy() if far or joints or links else space.numbers
-    for k, (number, factor) in enumerate(numbers.items()):
-        if number in far or number.joint in joints or (links and number.joint is None):
-            slopes[:, k] = space.whiten(columns.of_number(at, number)) / factor
+    anew = [n for n in numbers if n in far or n.joint in joints or (links and n.joint is None)]
+    slopes = space.numbers.copy() if anew else space.numbers
+    places = [k for k, number in enumerate(numbers) if number in anew]
+    for k, slope in zip(
+        places, abreast(lambda n: space.whiten(columns.of_number(at, n)) / numbers[n], anew), strict=True
+    ):
+        slopes[:, k] = slope
     return slopes
 
 

@@ -78,7 +78,7 @@ class Regression:
         """What is left of rows and priors (rows + columns,)."""
         return np.asarray(self._target + self._whole @ self.values)
 
-    @property
+    @cached_property
     def at_zero(self) -> float:
         """Sum of squares where no step is taken, but for the nuisance columns, whose prior is centred on none."""
         nuisance = slice(self.X.shape[1] - self.nuisances, self.X.shape[1])

@@ -6,11 +6,13 @@ import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose import columns
+from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.covariance import Noise, encoders_rule, whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.estimate import Fit, Workspace, fit
@@ -49,6 +51,8 @@ SCALES = {
 none. Of what comes with reversals and passes, windows see more than equations do."""
 WIDEST = 3.0
 """Times the range over which a spring was wound: a loop wider than that is a spring."""
+FAR_ABOVE = 3.0
+"""Times the chi^2 of the best so far above which a candidate is given up after a few steps."""
 ENOUGH = 10.0
 """Least drop of BIC for which an effect is named."""
 
@@ -144,7 +148,7 @@ class Screen:
         self.proposals = [*proposals(space.equations), *own]
         self.columns: list[list[Array]] = []
         for k, proposal in enumerate(self.proposals):
-            self.columns.append([self._white(proposal, point) for point in proposal.grid])
+            self.columns.append(abreast(partial(self._white, proposal), proposal.grid))
             if progress is not None:
                 progress((k + 1) / len(self.proposals))
 
@@ -240,7 +244,8 @@ def candidates(
             found.append(_softened(made, after, choice, cost, scale))
             continue
         try:
-            made_of = _candidate(made, fit(after, space, hopeless=hopeless), cost, choice.number)
+            best = min((each.chi2 for each in found), default=math.inf)
+            made_of = _candidate(made, fit(after, space, hopeless=min(hopeless, FAR_ABOVE * best)), cost, choice.number)
         except (InputError, SimulationError):  # a user's law that fails elsewhere, a spring beyond all bounds
             continue
         if made_of.drop >= ENOUGH and not _is_a_limit(made_of):

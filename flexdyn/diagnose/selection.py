@@ -60,9 +60,9 @@ class Search:
     windows: Windows | None = None
     _known: dict[object, Trial] = field(default_factory=dict, repr=False)
 
-    def stage(self, start: Hypothesis, named: tuple[Named, ...] = ()) -> Stage:
-        """A hypothesis fitted and tried."""
-        return self.tried(fit(start, self.space), named)
+    def stage(self, start: Hypothesis, named: tuple[Named, ...] = (), hopeless: float = math.inf) -> Stage:
+        """A hypothesis fitted, given up after a few steps where it leaves more than is `hopeless`, and tried."""
+        return self.tried(fit(start, self.space, hopeless=hopeless), named)
 
     def tried(self, made: Fit, named: tuple[Named, ...] = ()) -> Stage:
         """A fitted hypothesis tried on the check."""

@@ -8,7 +8,7 @@ from collections.abc import Collection
 
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.hypothesis import DISCRETE, Hypothesis
-from flexdyn.diagnose.search import Candidate, candidates
+from flexdyn.diagnose.search import FAR_ABOVE, Candidate, candidates
 from flexdyn.diagnose.selection import HARMLESS, Search, following, forward, is_rival, slack
 from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import EXPLAINED, confirmed, kind_and_place
@@ -22,8 +22,6 @@ NEARLY = 0.7
 """Share of what it would have to explain that a linear step must promise for a candidate to be fitted."""
 MANY = 3
 """Effects that can each be left out from which all of them are left out together, if that can be as well."""
-FAR_ABOVE = 3.0
-"""Times the chi^2 that it may have above which a candidate is given up after a few steps."""
 
 
 def again(search: Search, last: Stage, windows: Windows) -> tuple[Search, list[Stage]]:
@@ -67,7 +65,8 @@ def pruned(search: Search, stage: Stage) -> Stage:
     while stage.named:
         search.say("asking what can be left out", 0.0)
         places = [k for k, each in enumerate(stage.named) if not each.stays]
-        less = {k: search.stage(*stage.without({k})) for k in places}
+        hopeless = FAR_ABOVE * stage.fitted.chi2
+        less = {k: search.stage(*stage.without({k}), hopeless) for k in places}
         idle = [k for k in places if not _missed(less[k], stage)]
         if not idle:
             break
@@ -146,8 +145,9 @@ def _merged(search: Search, stage: Stage) -> Stage:
 def _instead(search: Search, stage: Stage, gone: Collection[int]) -> Stage | None:
     """The stage with one effect for some of what was named, if it explains the fit as well and the check no worse."""
     start, kept = stage.without(gone)
-    made, goal = fit(start, search.space), stage.fitted
+    goal = stage.fitted
     most = goal.chi2 + slack(goal)
+    made = fit(start, search.space, hopeless=FAR_ABOVE * most)
     ranked = candidates(search.space, search.screen, made, NEARLY * (made.chi2 - goal.chi2), FAR_ABOVE * most)
     ranked = [each for each in ranked if each.chi2 <= most]
     if not any(_what(each) not in {_what(stage.named[k].candidate) for k in gone} for each in ranked):

@@ -1,0 +1,28 @@
+"""Pieces of work that do not depend on one another, side by side on the machine's cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def abreast(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+    """What `work` makes of every item, in their order.
+
+    NumPy and the core let other threads run while they compute. Work must not come back here: it would wait for itself.
+    """
+    items = list(items)
+    if len(items) < 2:
+        return [work(each) for each in items]
+    return list(_pool().map(work, items))
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="flexdyn-columns")
