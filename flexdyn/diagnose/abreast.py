@@ -25,4 +25,4 @@ def abreast(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Resul
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="flexdyn-columns")
+    return ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-columns")

@@ -30,6 +30,8 @@ from flexdyn.diagnose.windows import Windows
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
+ROUNDS, FEWER = 3, 2
+"""Gauss-Newton steps on simulated windows, each a simulation of everything for every number: with time, and without."""
 
 
 def concluded(
@@ -54,11 +56,11 @@ def concluded(
     first, last = stages[0], stages[-1]
     refined: Refined | None = None
     if last.named and not hurry and (last.fitted.reduced > ROUGH or not explained(last, first)):
-        last, refined = _simulated(search, last, windows)
+        last, refined = _simulated(search, last, windows, ROUNDS if thorough else FEWER)
     if thorough and last.fitted.reduced > ROUGH and not explained(last, first):
         search, once_more = again(search, stages[-1], windows)
         first, last = once_more[0], once_more[-1]
-        last, refined = _simulated(search, last, windows) if last.named else (last, None)
+        last, refined = _simulated(search, last, windows, ROUNDS) if last.named else (last, None)
     sure = surely(model, search, last, refined or of_fit(last.fitted))
     refined = refined if sure is last else None
     known = refined or of_fit(sure.fitted)
@@ -115,11 +117,11 @@ def _unseen(number: FileNumber, stage: Stage) -> bool:
     return number.parameter == "damping" and number.joint is not None and bool(at.made_up[at.true.index(number.joint)])
 
 
-def _simulated(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refined | None]:
+def _simulated(search: Search, stage: Stage, windows: Windows, rounds: int) -> tuple[Stage, Refined | None]:
     """The stage with its numbers fitted to simulated windows, where the check is surely less off with them."""
     what = "fitting simulated windows"
     temper = search.space.temper
-    refined = refine(stage.fitted.hypothesis, windows, progress=lambda share: search.say(what, share), temper=temper)
+    refined = refine(stage.fitted.hypothesis, windows, rounds, lambda share: search.say(what, share), temper)
     trial = search.trial(refined.hypothesis)
     if better(stage.trial, trial) < SURE:
         return stage, None
@@ -138,7 +140,7 @@ def _final(
     numbers = simplified(refined or plain(last.fitted))
     poor = refined is None and not last.trial.exact and not hurry
     if poor and idle(model, last, numbers):
-        last, refined = _simulated(search, last, windows)
+        last, refined = _simulated(search, last, windows, FEWER)
         numbers = simplified(refined) if refined is not None else numbers
     return last, numbers
 

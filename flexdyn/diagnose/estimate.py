@@ -166,15 +166,9 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
     for k in range(steps - 1):
         if best.reached - best.chi2 < SETTLED * max(1.0, best.reduced) or (k >= A_FEW and best.chi2 > hopeless):
             break
-        trial = moved(base.hypothesis, share * base.step, base.scales)
-        at = space.equations.of(trial.model())
         watched = share == 1.0 and ahead < AHEAD
-        if not watched and not _reached(trial, at, space) <= best.reached:  # slopes there would not be asked for
-            base, share = best, SHORTER * share
-            continue
-        try:
-            made = linearised(trial, space, base, at)
-        except SimulationError:  # too far
+        made = _after(base, share, math.inf if watched else best.reached)
+        if made is None:
             base, share = best, SHORTER * share
             continue
         if made.reached <= best.reached:
@@ -185,6 +179,18 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
         else:
             base, share = best, SHORTER * share
     return _counted(best, space)
+
+
+def _after(base: Fit, share: float, most: float) -> Fit | None:
+    """The problem after a share of a step; None where more is left than may be, for which no slopes are taken."""
+    trial = moved(base.hypothesis, share * base.step, base.scales)
+    try:
+        at = base.space.equations.of(trial.model())
+        if most < math.inf and _reached(trial, at, base.space) > most:
+            return None
+        return linearised(trial, base.space, base, at)
+    except SimulationError:  # too far
+        return None
 
 
 def _counted(made: Fit, space: Workspace) -> Fit:

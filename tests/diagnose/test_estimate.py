@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -121,9 +122,9 @@ def test_a_fit_that_comes_near_is_not_given_up_and_one_that_does_not_is(monkeypa
     bristles = fd.effects.PreslidingFriction("shoulder", side="motor", level=1.0, stiffness=3.0, damping=0.0)
     start, steps = dataclasses.replace(start, effects=(bristles,)), []
 
-    def counted(hypothesis: Hypothesis, at: Workspace) -> estimate.Fit:
+    def counted(*arguments: Any) -> estimate.Fit:
         steps.append(1)
-        return linearised(hypothesis, at)
+        return linearised(*arguments)
 
     monkeypatch.setattr(estimate, "linearised", counted)
     whole = fit(start, space)
@@ -134,3 +135,29 @@ def test_a_fit_that_comes_near_is_not_given_up_and_one_that_does_not_is(monkeypa
     steps.clear()
     fit(start, space, hopeless=0.0)
     assert len(steps) == estimate.A_FEW + 1 < taken
+
+
+def test_what_is_left_at_a_place_is_known_without_its_slopes() -> None:
+    """The same sum of squares as the whole problem there has, priors and free encoder counts included."""
+    space, start = problem()
+    there = moved(start, 1e-2 * np.ones(len(start.factors)), ())
+    at = space.equations.of(there.model())
+    assert estimate._reached(there, at, space) == pytest.approx(linearised(there, space).reached, rel=1e-9)
+    assert estimate._reached(there, at, space) != pytest.approx(linearised(start, space).reached, rel=1e-3)
+
+
+def test_slopes_of_the_files_numbers_are_taken_anew_where_a_sensor_has_moved_far() -> None:
+    """An encoder whose error moved by a hundredth keeps them, one that moved by half does not."""
+    space, start = problem()
+
+    def with_gain(gain: float) -> Hypothesis:
+        return dataclasses.replace(start, effects=(fd.effects.SensorGain("q.shoulder", gain=gain),))
+
+    first, many = linearised(with_gain(0.02), space), len(start.factors)
+    near, far = (linearised(with_gain(gain), space, first) for gain in (0.0202, 0.03))
+    assert np.array_equal(near.regression.X[:, :many], first.regression.X[:, :many])
+    assert not np.array_equal(far.regression.X[:, :many], first.regression.X[:, :many])
+    assert np.array_equal(far.regression.X, linearised(with_gain(0.03), space).regression.X)
+    # What was taken once is measured from where it was taken, not from one small step to the next.
+    after = linearised(with_gain(0.0204), space, near)
+    assert after.taken is first.hypothesis

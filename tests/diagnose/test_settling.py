@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -46,7 +47,8 @@ def test_what_the_check_does_not_miss_leaves(
     """The check misses the drag, and ripples where fewer than so many of them are left."""
     asked = []
 
-    def fitted(start: Hypothesis, named: tuple[Named, ...]) -> Stage:
+    def fitted(start: Hypothesis, named: tuple[Named, ...], hopeless: float = math.inf) -> Stage:
+        assert hopeless > 250.0  # a fit that is worse only by what is asked about is not given up
         asked.append(start.effects)
         return stage(start.effects, named)
 
