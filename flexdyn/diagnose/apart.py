@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from flexdyn.diagnose import columns
 from flexdyn.diagnose.covariance import Noise, whitener
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.estimate import Fit, Workspace, linearised
+from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis, moved
+from flexdyn.diagnose.linear import linearised
 from flexdyn.diagnose.mask import sign_mask
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.numbers import FileNumber

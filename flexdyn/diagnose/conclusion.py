@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.contest import contested
-from flexdyn.diagnose.estimate import ROUGH, fit
+from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.experiment import with_experiment
 from flexdyn.diagnose.filter_bias import with_filter_bias
 from flexdyn.diagnose.findings import calibrations, finding, out_of_tolerance, suspected, tried
+from flexdyn.diagnose.fitted import ROUGH
 from flexdyn.diagnose.gap import shoot
 from flexdyn.diagnose.localise import localise, traces
 from flexdyn.diagnose.measured import Measured

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.apart import Known
-from flexdyn.diagnose.estimate import Fit, Workspace
+from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.moves import TELLING, Move, moves, short
 from flexdyn.diagnose.plan import planned
 from flexdyn.diagnose.reach import Reach, load_mass

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.estimate import Fit, fit
+from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.filters import FIRST, Filters
+from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.refine import Refined, of_fit
 from flexdyn.diagnose.search import weighed

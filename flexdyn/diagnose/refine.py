@@ -11,9 +11,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.estimate import LOOSE, Fit
+from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.gap import Shot, shoot
 from flexdyn.diagnose.hypothesis import Hypothesis, moved
+from flexdyn.diagnose.linear import LOOSE
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import Effect

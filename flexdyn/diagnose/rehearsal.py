@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.commands import PD, Samples
 from flexdyn.diagnose.apart import Known, Refit, laden, loaded, refitted, space_along
 from flexdyn.diagnose.covariance import Noise as Rows
-from flexdyn.diagnose.estimate import Workspace
+from flexdyn.diagnose.fitted import Workspace
 from flexdyn.diagnose.gap import shoot
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.moves import Move

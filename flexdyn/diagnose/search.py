@@ -15,8 +15,9 @@ from flexdyn.diagnose import columns
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.covariance import Noise, encoders_rule, whitener
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.estimate import Fit, Workspace, fit
+from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.filters import SECONDS, Filters
+from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.mask import sign_mask
 from flexdyn.diagnose.measured import Measured

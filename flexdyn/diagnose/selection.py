@@ -7,9 +7,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from flexdyn.diagnose.estimate import ROUGH, Fit, Workspace, fit, linearised, tempering
+from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.findings import out_of_tolerance
+from flexdyn.diagnose.fitted import ROUGH, Fit, Workspace, tempering
 from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.linear import linearised
 from flexdyn.diagnose.nesting import is_simpler
 from flexdyn.diagnose.refine import of_fit, refine
 from flexdyn.diagnose.search import ENOUGH, Candidate, Screen, candidates

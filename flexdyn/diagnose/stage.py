@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from flexdyn.diagnose.estimate import Fit
+from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.search import Candidate

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.estimate import BLOCK, Fit, Workspace
+from flexdyn.diagnose.fitted import BLOCK, Fit, Workspace
 from flexdyn.diagnose.gap import Shot, shoot
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.windows import Windows

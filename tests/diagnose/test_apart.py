@@ -8,7 +8,8 @@ import numpy as np
 
 import flexdyn as fd
 from flexdyn.diagnose.apart import Known, refitted, space_along
-from flexdyn.diagnose.estimate import Workspace, fit
+from flexdyn.diagnose.estimate import fit
+from flexdyn.diagnose.fitted import Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.measured import Measured, measured
 from flexdyn.effects import SensorOffset

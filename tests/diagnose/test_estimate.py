@@ -13,8 +13,10 @@ from scipy.optimize import least_squares
 
 import flexdyn as fd
 from flexdyn.diagnose import estimate
-from flexdyn.diagnose.estimate import LOOSE, Workspace, fit, linearised
+from flexdyn.diagnose.estimate import fit
+from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis, moved
+from flexdyn.diagnose.linear import LOOSE, linearised, reached
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.search import workspace
 from flexdyn.errors import SimulationError
@@ -122,7 +124,7 @@ def test_a_fit_that_comes_near_is_not_given_up_and_one_that_does_not_is(monkeypa
     bristles = fd.effects.PreslidingFriction("shoulder", side="motor", level=1.0, stiffness=3.0, damping=0.0)
     start, steps = dataclasses.replace(start, effects=(bristles,)), []
 
-    def counted(*arguments: Any) -> estimate.Fit:
+    def counted(*arguments: Any) -> Fit:
         steps.append(1)
         return linearised(*arguments)
 
@@ -142,8 +144,8 @@ def test_what_is_left_at_a_place_is_known_without_its_slopes() -> None:
     space, start = problem()
     there = moved(start, 1e-2 * np.ones(len(start.factors)), ())
     at = space.equations.of(there.model())
-    assert estimate._reached(there, at, space) == pytest.approx(linearised(there, space).reached, rel=1e-9)
-    assert estimate._reached(there, at, space) != pytest.approx(linearised(start, space).reached, rel=1e-3)
+    assert reached(there, at, space) == pytest.approx(linearised(there, space).reached, rel=1e-9)
+    assert reached(there, at, space) != pytest.approx(linearised(start, space).reached, rel=1e-3)
 
 
 def test_slopes_of_the_files_numbers_are_taken_anew_where_a_sensor_has_moved_far() -> None:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose import rehearsal
-from flexdyn.diagnose.estimate import Fit, fit
+from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.experiment import CLEAR, with_experiment
+from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.moves import moves
 from flexdyn.diagnose.reach import Reach

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.estimate import tempering
+from flexdyn.diagnose.fitted import tempering
 from flexdyn.diagnose.regression import Regression
 
 ROWS, JOINTS = 20_000, 2
