@@ -20,7 +20,7 @@ ASKED = 2
 SHARED = 0.003
 """Share of what windows are off by that means nothing: their noise's linear response is no better than that."""
 ROUNDS = 2
-"""Gauss-Newton steps: all start where the equations are at their best."""
+"""Gauss-Newton steps, all with the slopes of the first: all start where the equations are at their best."""
 
 
 def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
@@ -90,7 +90,7 @@ def _asked(search: Search, candidate: Candidate, windows: Windows) -> Refined:
     what = "asking simulated windows"
     hypothesis = candidate.fitted.hypothesis
     temper = search.space.temper
-    return refine(hypothesis, windows, ROUNDS, progress=lambda share: search.say(what, share), temper=temper)
+    return refine(hypothesis, windows, ROUNDS, lambda share: search.say(what, share), temper, anew=1)
 
 
 def _is_of(candidate: Candidate, stage: Stage) -> bool:

@@ -133,17 +133,30 @@ def refine(
     rounds: int = 3,
     progress: Callable[[float], None] | None = None,
     temper: float = 1.0,
+    anew: int | None = None,
 ) -> Refined:
     """Gauss-Newton on the whitened surprises of simulated windows, with the priors of the file's numbers.
 
     Standard deviations come from a sandwich over windows, so that they hold for residuals that are coloured within one.
+
+    Args:
+        start: where to begin.
+        windows: that are simulated.
+        rounds: at most so many steps.
+        progress: called with the share that is done.
+        temper: factor on the priors.
+        anew: rounds that take slopes, each a simulation for every number; later ones keep the last. None: all.
     """
     current = start
     shot = shoot(current.seen(), windows)
     best = _cost(current, shot, temper)
     std = np.zeros(len(current.factors) + len(current.unknowns()))
+    taken = rounds if anew is None else anew
     for k in range(rounds if math.isfinite(best) else 0):
-        slopes = _slopes(current, shot, temper, progress, (k / rounds, (k + 1) / rounds))
+        if k < taken:
+            slopes = _slopes(current, shot, temper, progress, (k / taken, (k + 1) / taken))
+        else:
+            slopes = dataclasses.replace(slopes, weight=_weights(shot.whitened()))
         std = slopes.std(shot)
         gained = 0.0
         for trial in _trials(current, shot, slopes, windows):

@@ -1,0 +1,66 @@
+"""Numbers fitted to simulated windows end where SciPy finds the least robust sum of squares."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from flexdyn.diagnose import refine as module
+from flexdyn.diagnose.gap import shoot
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.measured import measured
+from flexdyn.diagnose.numbers import file_numbers
+from flexdyn.diagnose.refine import ROBUST, refine
+from flexdyn.diagnose.run import window_noise
+from flexdyn.diagnose.search import workspace
+from flexdyn.diagnose.windows import Windows
+from tests.arms import two_link
+from tests.diagnose.test_estimate import HANGING, swinging
+
+Array = NDArray[np.float64]
+
+
+def problem() -> tuple[Hypothesis, Windows]:
+    """The hanging arm under a model whose shoulder is too soft and whose elbow's rotor is too light, by 0.2 %."""
+    model = two_link(HANGING)
+    noise = workspace(model, (measured(model, swinging()),))[2]
+    wanted = {("shoulder", "stiffness"): 0.998, ("elbow", "rotor_inertia"): 0.998}
+    numbers = {
+        n: wanted[str(n.joint), n.parameter] for n in file_numbers(model) if (str(n.joint), n.parameter) in wanted
+    }
+    assert len(numbers) == 2
+    return Hypothesis(model, numbers), Windows.of(model, [swinging()], window_noise(noise))
+
+
+def cost(start: Hypothesis, windows: Windows, factors: Array) -> float:
+    """Cauchy's sum of squares of the windows' surprises, and the priors."""
+    there = dataclasses.replace(start, factors=dict(zip(start.factors, factors.tolist(), strict=True)))
+    white = shoot(there.seen(), windows).whitened()
+    prior = sum(((f - 1.0) / n.tolerance) ** 2 for n, f in there.factors.items())
+    return float((ROBUST**2 * np.log1p((white / ROBUST) ** 2)).sum() + prior)
+
+
+@pytest.mark.parametrize("anew", [None, 1])
+def test_the_least_sum_of_squares_is_found(anew: int | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From where it is much larger; slopes that are taken once come to the same place."""
+    start, windows = problem()
+    asked, slopes = [], module._slopes
+
+    def counted(*arguments: Any) -> module.Slopes:
+        asked.append(1)
+        return slopes(*arguments)
+
+    monkeypatch.setattr(module, "_slopes", counted)
+    made = refine(start, windows, anew=anew)
+    found = minimize(lambda x: cost(start, windows, x), np.ones(2), method="Nelder-Mead", options={"fatol": 0.01})
+    assert cost(start, windows, np.full(2, 0.998)) > 1.5 * found.fun
+    assert made.cost == pytest.approx(found.fun, abs=2.0)  # names are told apart by ten
+    off = np.array(list(made.hypothesis.factors.values())) - found.x
+    assert (np.abs(off) < 1.5 * made.std).all()
+    assert anew is None or len(asked) == anew
+    assert (np.abs(np.array(list(made.hypothesis.factors.values())) - 1.0) < 4.0 * made.std).all()
