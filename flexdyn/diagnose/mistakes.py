@@ -28,6 +28,8 @@ AMBIGUOUS = 5.0
 """A gear ratio below this cannot be told from a wrong mass: it is not looked for."""
 APART, CLOSE = 3.0, 2.0
 """A torque fits a unit, and another assignment of channels, where its gain is 1 within these factors."""
+WOUND = 3.0
+"""An elastic joint with one encoder says nothing where it moves by less than so many times what its spring may wind."""
 GOOD = 0.8
 """Share of a torque's variance that a mistake, once undone, must explain [1]."""
 FAR, COURSE = 10.0, 0.3
@@ -100,7 +102,7 @@ def match(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Match:
     """Compare the torques of a recording with those the model needs for its motion.
 
     The springs cancel from the sum of a joint's two equations, ``tau = J alpha + M a + h + friction``, so that it does
-    not matter which encoders there are.
+    not matter which encoders there are, as long as the joint moves by more than its spring.
 
     Args:
         model: resolved.
@@ -108,9 +110,11 @@ def match(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Match:
         data: the recording, on a uniform clock.
     """
     along = motion(links, _thinned(smoothed(model, links, _both(corrected(data, model)), _kernel(data.dt))))
-    measures = np.array([_matched(*_needed_and_friction(model, along, j)) for j in range(model.n)])
-    gain, share, plain, says = measures.T
-    return Match(gain, share, plain, says > 0.5)
+    torques = [_needed_and_friction(model, along, j) for j in range(model.n)]
+    gain, share, plain, says = np.array([_matched(*each) for each in torques]).T
+    wound = np.array([np.ptp(needed) for _, needed, _ in torques]) / model.stiffness
+    held = ~data.both & (np.ptp(along.q, axis=0) < WOUND * wound)
+    return Match(gain, share, plain, (says > 0.5) & ~held)
 
 
 def _needed_and_friction(model: FlexibleJointModel, along: Motion, j: int) -> tuple[Array, Array, Array]:

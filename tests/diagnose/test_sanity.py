@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.sanity import check_recordings
 from tests.arms import SLIDER, slider
 from tests.diagnose.truths import ARM, Levels, two_link_motion, two_link_recording
+from tests.oracles.integrate import held
 
 Array = NDArray[np.float64]
 Channels = dict[str, Array]
@@ -237,19 +238,38 @@ def test_a_joint_that_is_held_winds_while_its_rotor_rests(
 ) -> None:
     """In a second motion, by what its torque winds the spring by, or by far more, which no held joint does."""
 
-    def held(channels: Channels) -> Channels:
+    def wound(channels: Channels) -> Channels:
         tau, q = channels["tau.shoulder"], channels["q.shoulder"]
-        wound = share * np.abs(tau).max() / ARM.stiffness[0] * np.sin(np.arange(len(tau)) / 200.0)
-        return {**channels, "q.shoulder": q[0] + wound, "theta.shoulder": np.full(len(tau), q[0])}
+        bent = share * np.abs(tau).max() / ARM.stiffness[0] * np.sin(np.arange(len(tau)) / 200.0)
+        return {**channels, "q.shoulder": q[0] + bent, "theta.shoulder": np.full(len(tau), q[0])}
 
     rec = two_link_recording(LEVELS, seed=3)
-    again = fd.Recording(rec.t, held({name: np.array(x) for name, x in rec.channels.items()}), name="held.csv")
+    again = fd.Recording(rec.t, wound({name: np.array(x) for name, x in rec.channels.items()}), name="held.csv")
     data = (measured(model, rec), measured(model, again))
     if fine:
         check_recordings(model, data)
         return
     with pytest.raises(fd.errors.InputError, match=r"^held\.csv: theta\.shoulder: it rests while q\.shoulder moves"):
         check_recordings(model, data)
+
+
+def test_a_held_joint_whose_link_alone_is_seen_is_not_taken_for_a_mistake(model: fd.FlexibleJointModel) -> None:
+    """Its link shakes on its spring while the rotor stands: what that needs of the motor is not what it is asked."""
+    t = np.arange(4000) / 1000.0
+
+    def control(now: float, x: Sequence[float]) -> Sequence[float]:
+        return [np.sin(20.0 * now) + 0.3 * np.sin(54.0 * now), -3000.0 * (x[3] - 0.9) - 40.0 * x[7]]
+
+    states, tau = held(ARM.derivative, [0.1, 0.9, 0.1, 0.9, 0, 0, 0, 0], t, control)
+    noise, step = np.random.default_rng(0), np.sqrt(12.0) * 2e-6
+    channels = {}
+    for j, joint in enumerate(("shoulder", "elbow")):
+        channels[f"q.{joint}"] = step * np.round(states[:, j] / step)
+        channels[f"tau.{joint}"] = tau[:, j] + LEVELS.torque * noise.standard_normal(len(t))
+    check_recordings(model, (measured(model, fd.Recording(t, channels)),))
+    channels["tau.shoulder"] *= 1e3  # the other joint still speaks
+    with pytest.raises(fd.errors.InputError, match=r"tau\.shoulder: .*mN m"):
+        check_recordings(model, (measured(model, fd.Recording(t, channels)),))
 
 
 def test_the_recording_that_is_wrong_is_named(model: fd.FlexibleJointModel) -> None:
