@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -15,14 +14,11 @@ Result = TypeVar("Result")
 def abreast(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     """What `work` makes of every item, in their order.
 
-    NumPy and the core let other threads run while they compute. Work must not come back here: it would wait for itself.
+    NumPy and the core let other threads run while they compute. The threads end with the call, so that nothing of them
+    is left in a process that is forked later.
     """
     items = list(items)
     if len(items) < 2:
         return [work(each) for each in items]
-    return list(_pool().map(work, items))
-
-
-@cache
-def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-columns")
+    with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-columns") as pool:
+        return list(pool.map(work, items))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +14,14 @@ from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import ROUNDING, Hypothesis, bounded
+from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.regression import Regression
 from flexdyn.effects import Effect, KinematicError, Payload, SensorEffect
 from flexdyn.errors import SimulationError
 
 Array = NDArray[np.float64]
+SILENT = partial(np.errstate, over="ignore", invalid="ignore")
+"""Overflow is found afterwards, in what came of it; every thread has to be told for itself."""
 FAR = 0.05
 """Relative distance of a number from its given value beyond which its derivative is another one."""
 NEAR = 5.0
@@ -42,10 +46,12 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     unknowns = hypothesis.unknowns()
     scales = tuple(_scale(effect, name) for effect, name in unknowns)
     taken = None if before is None else before.taken or before.hypothesis
-    if taken is not None and not _near(hypothesis, taken):
+    known = None
+    if before is not None and taken is not None and _near(hypothesis, taken):
+        known = before.regression.X[:, : len(hypothesis.factors)]
+    else:
         taken = None
-    known = before.regression.X[:, : len(hypothesis.factors)] if before is not None and taken is not None else None
-    with np.errstate(over="ignore", invalid="ignore"):
+    with SILENT():
         y, X = _rows(hypothesis, at, space, scales, known)
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
@@ -87,7 +93,8 @@ def _rows(
 
     def slope(unknown: tuple[tuple[Effect, str], float]) -> Array:
         (effect, name), scale = unknown
-        return space.whiten(scale * columns.of_parameter(at, effect, name, 0.1 * scale))
+        with SILENT():
+            return space.whiten(scale * columns.of_parameter(at, effect, name, 0.1 * scale))
 
     own = abreast(slope, zip(hypothesis.unknowns(), scales, strict=True))
     numbers = _slopes_of_numbers(hypothesis, at, space) if known is None else known
@@ -108,7 +115,7 @@ def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, .
 
 def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
     """`Fit.reached` without any slopes; infinite where the equations are not finite."""
-    with np.errstate(over="ignore", invalid="ignore"):
+    with SILENT():
         y = space.whiten(at.residual)
         if not np.isfinite(y @ y):
             return math.inf
@@ -132,9 +139,12 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     anew = [n for n in numbers if n in far or n.joint in joints or (links and n.joint is None)]
     slopes = space.numbers.copy() if anew else space.numbers
     places = [k for k, number in enumerate(numbers) if number in anew]
-    for k, slope in zip(
-        places, abreast(lambda n: space.whiten(columns.of_number(at, n)) / numbers[n], anew), strict=True
-    ):
+
+    def taken_anew(number: FileNumber) -> Array:
+        with SILENT():
+            return np.asarray(space.whiten(columns.of_number(at, number)) / numbers[number])
+
+    for k, slope in zip(places, abreast(taken_anew, anew), strict=True):
         slopes[:, k] = slope
     return slopes
 

@@ -12,6 +12,7 @@ from flexdyn.diagnose.mistakes import (
     AMBIGUOUS,
     DEGREE,
     GOOD,
+    WOUND,
     Match,
     Mistake,
     far,
@@ -38,8 +39,6 @@ ALIKE = 0.9
 """Share of the variance that two encoders of one joint have in common at least, if both are its own [1]."""
 DEAD = 1e-3
 """An encoder is dead where its range is below this share of that of the joint's other one [1]."""
-WOUND = 3.0
-"""A joint that moves by no more than so many times what its torque winds its spring by is held."""
 POOR = 0.7
 """Mistakes are looked for where a model explains less of a torque's variance [1]."""
 LOOKED_AT = 12.0
