@@ -32,7 +32,9 @@ from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 ROUNDS, FEWER = 3, 2
-"""Gauss-Newton steps on simulated windows, each a simulation of everything for every number: with time, and without."""
+"""Gauss-Newton steps on simulated windows: with time, and without."""
+BENT = 0.1
+"""Share of its size by which a number has to move for its slopes to be taken anew, without time."""
 
 
 def concluded(
@@ -57,11 +59,11 @@ def concluded(
     first, last = stages[0], stages[-1]
     refined: Refined | None = None
     if last.named and not hurry and (last.fitted.reduced > ROUGH or not explained(last, first)):
-        last, refined = _simulated(search, last, windows, ROUNDS if thorough else FEWER)
+        last, refined = _simulated(search, last, windows, thorough=thorough)
     if thorough and last.fitted.reduced > ROUGH and not explained(last, first):
         search, once_more = again(search, stages[-1], windows)
         first, last = once_more[0], once_more[-1]
-        last, refined = _simulated(search, last, windows, ROUNDS) if last.named else (last, None)
+        last, refined = _simulated(search, last, windows, thorough=True) if last.named else (last, None)
     sure = surely(model, search, last, refined or of_fit(last.fitted))
     refined = refined if sure is last else None
     known = refined or of_fit(sure.fitted)
@@ -118,11 +120,13 @@ def _unseen(number: FileNumber, stage: Stage) -> bool:
     return number.parameter == "damping" and number.joint is not None and bool(at.made_up[at.true.index(number.joint)])
 
 
-def _simulated(search: Search, stage: Stage, windows: Windows, rounds: int) -> tuple[Stage, Refined | None]:
+def _simulated(search: Search, stage: Stage, windows: Windows, *, thorough: bool) -> tuple[Stage, Refined | None]:
     """The stage with its numbers fitted to simulated windows, where the check is surely less off with them."""
     what = "fitting simulated windows"
-    temper = search.space.temper
-    refined = refine(stage.fitted.hypothesis, windows, rounds, lambda share: search.say(what, share), temper)
+    refined = refine(
+        stage.fitted.hypothesis, windows, ROUNDS if thorough else FEWER, lambda share: search.say(what, share),
+        search.space.temper, anew=0.0 if thorough else BENT,
+    )  # fmt: skip
     trial = search.trial(refined.hypothesis)
     if better(stage.trial, trial) < SURE:
         return stage, None
@@ -141,7 +145,7 @@ def _final(
     numbers = simplified(refined or plain(last.fitted))
     poor = refined is None and not last.trial.exact and not hurry
     if poor and idle(model, last, numbers):
-        last, refined = _simulated(search, last, windows, FEWER)
+        last, refined = _simulated(search, last, windows, thorough=False)
         numbers = simplified(refined) if refined is not None else numbers
     return last, numbers
 

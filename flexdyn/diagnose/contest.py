@@ -90,7 +90,7 @@ def _asked(search: Search, candidate: Candidate, windows: Windows) -> Refined:
     what = "asking simulated windows"
     hypothesis = candidate.fitted.hypothesis
     temper = search.space.temper
-    return refine(hypothesis, windows, ROUNDS, lambda share: search.say(what, share), temper, anew=1)
+    return refine(hypothesis, windows, ROUNDS, lambda share: search.say(what, share), temper, anew=math.inf)
 
 
 def _is_of(candidate: Candidate, stage: Stage) -> bool:

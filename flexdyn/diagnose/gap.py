@@ -14,7 +14,9 @@ from flexdyn.diagnose.spread import spread
 from flexdyn.diagnose.starts import Starts, first_states
 from flexdyn.diagnose.whiten import Filter
 from flexdyn.diagnose.windows import Windows
+from flexdyn.effects import MemoryEffect
 from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import acting_effects
 
 Array = NDArray[np.float64]
 ROUNDS = 6
@@ -159,7 +161,7 @@ class Shot:
         return float(np.sqrt(((residual / self.std)[used] ** 2).mean()))
 
 
-def shoot(model: FlexibleJointModel, windows: Windows) -> Shot:
+def shoot(model: FlexibleJointModel, windows: Windows, near: Shot | None = None, fragile: Array | None = None) -> Shot:
     """Simulate every window open loop and find the first state that suits it best.
 
     A window that cannot be simulated to its end counts with a bounded residual: three times what the channel moves in
@@ -168,22 +170,26 @@ def shoot(model: FlexibleJointModel, windows: Windows) -> Shot:
     Args:
         model: with any effects; those of sensors act on what is simulated before it is compared.
         windows: with noise levels.
+        near: a model much like it over the same windows, from whose first states the search for the best ones begins.
+        fragile: of windows, as they are with other numbers of the same laws (windows,); None: noise is drawn.
     """
     shooter = Shooter(model, windows)
     starts = first_states(shooter)
     used = _used(shooter)
-    fit = _fitted(shooter, starts, used, np.zeros_like(starts.x))
+    fit = _fitted(shooter, starts, used, _begun(shooter, starts, near))
     if starts.stuck is not None and fit.stray(used).any():
         fit = _better(shooter, starts, used, fit, _fitted(shooter, starts, used, starts.stuck - starts.x))
     x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
     std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
-    drawn = _drawn(shooter, x0, residual, used, seed=0)
-    expected = np.repeat(filter_.unfitted, windows.block, axis=1)
-    size = np.sqrt((drawn**2 / expected).sum(axis=(1, 2)) / np.maximum(used.sum(axis=(1, 2)), 1))
     failed = motion.written < windows.rows
     if filter_.wild.mean() > HOPELESS:  # a response that is none excuses nothing
         failed |= filter_.wild
-    fragile = np.where((size > FRAGILE) & ~failed, size, 1.0)
+    if fragile is None:
+        drawn = _drawn(shooter, x0, residual, used, seed=0)
+        expected = np.repeat(filter_.unfitted, windows.block, axis=1)
+        size = np.sqrt((drawn**2 / expected).sum(axis=(1, 2)) / np.maximum(used.sum(axis=(1, 2)), 1))
+        fragile = np.where(size > FRAGILE, size, 1.0)
+    fragile = np.where(failed, 1.0, fragile)
     std *= fragile[:, None, None]
     std[failed] = windows.sensor_noise
     return Shot(model, windows, x0, residual, std, used, motion.x, fragile, failed, filter_, moved)
@@ -232,6 +238,26 @@ def _fitted(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Ar
             response = response.replaced(which, spread(shooter, motion, which))
             fit = _Fit(fit.moved, fit.residual, motion, Filter.of(shooter.windows, response, starts.std, used))
     return fit
+
+
+def _begun(shooter: Shooter, starts: Starts, near: Shot | None) -> Array:
+    """How far first states are moved to begin with: to those of a model that is near, where these mean the same."""
+    moved = np.zeros_like(starts.x)
+    if near is None or near.x0.shape != moved.shape or (near.model.elastic != shooter.model.elastic).any():
+        return moved
+    loose = starts.std > 0.0
+    loose[near.failed] = False
+    if _memories(near.model) != _memories(shooter.model):
+        loose[:, moved.shape[1] - len(shooter.memory) :] = False
+    moved[loose] = (near.x0 - starts.x)[loose]
+    moved = np.clip(np.nan_to_num(moved), -FARTHEST * starts.std, FARTHEST * starts.std)
+    return np.asarray(shooter.bounded(starts.x + moved) - starts.x)
+
+
+def _memories(model: FlexibleJointModel) -> list[tuple[object, ...]]:
+    """Kind and place of what internal states belong to."""
+    effects = (effect for effect in acting_effects(model.resolved()) if isinstance(effect, MemoryEffect))
+    return [(effect.name, *(getattr(effect, key, None) for key in ("joint", "side"))) for effect in effects]
 
 
 def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: _Fit, other: _Fit) -> _Fit:

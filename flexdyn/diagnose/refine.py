@@ -133,7 +133,7 @@ def refine(
     rounds: int = 3,
     progress: Callable[[float], None] | None = None,
     temper: float = 1.0,
-    anew: int | None = None,
+    anew: float = 0.0,
 ) -> Refined:
     """Gauss-Newton on the whitened surprises of simulated windows, with the priors of the file's numbers.
 
@@ -145,16 +145,17 @@ def refine(
         rounds: at most so many steps.
         progress: called with the share that is done.
         temper: factor on the priors.
-        anew: rounds that take slopes, each a simulation for every number; later ones keep the last. None: all.
+        anew: slopes, each a simulation for every number, are kept while no number moves by more than this share of
+            its size; 0: never, infinity: always.
     """
     current = start
     shot = shoot(current.seen(), windows)
     best = _cost(current, shot, temper)
     std = np.zeros(len(current.factors) + len(current.unknowns()))
-    taken = rounds if anew is None else anew
+    taken: Hypothesis | None = None
     for k in range(rounds if math.isfinite(best) else 0):
-        if k < taken:
-            slopes = _slopes(current, shot, temper, progress, (k / taken, (k + 1) / taken))
+        if taken is None or _apart(taken, current) > anew:
+            slopes, taken = _slopes(current, shot, temper, progress, (k / rounds, (k + 1) / rounds)), current
         else:
             slopes = dataclasses.replace(slopes, weight=_weights(shot.whitened()))
         std = slopes.std(shot)
@@ -177,13 +178,13 @@ def _trials(current: Hypothesis, shot: Shot, slopes: Slopes, windows: Windows) -
     """
     step = slopes.step(shot, current)
     there = moved(current, step, slopes.scales)
-    seen = shoot(there.seen(), windows)
+    seen = shoot(there.seen(), windows, shot, shot.fragile)
     yield there, seen
     if np.isfinite(seen.whitened()).all():
         there = moved(there, slopes.step(seen, there), slopes.scales)
-        yield there, shoot(there.seen(), windows)
+        yield there, shoot(there.seen(), windows, seen, shot.fragile)
     there = moved(current, 0.3 * step, slopes.scales)
-    yield there, shoot(there.seen(), windows)
+    yield there, shoot(there.seen(), windows, shot, shot.fragile)
 
 
 def _slopes(
@@ -214,6 +215,14 @@ def _slopes(
         if progress is not None:
             progress(low + (high - low) * (k + 1) / len(models))
     return Slopes(np.stack(columns, axis=1), _weights(now), _priors(hypothesis, len(scales), temper), tuple(scales))
+
+
+def _apart(one: Hypothesis, other: Hypothesis) -> float:
+    """How far a number has moved at most, by its size."""
+    factors = (abs(other.factors[number] - factor) for number, factor in one.factors.items())
+    unknowns = zip(one.unknowns(), other.unknowns(), strict=True)
+    moves = (abs(getattr(b, name) - getattr(a, name)) / _size(a, name) for (a, name), (b, _) in unknowns)
+    return float(max([0.0, *factors, *moves]))
 
 
 def _size(effect: Effect, name: str) -> float:

@@ -74,12 +74,16 @@ class Search:
         return Stage(made, self.trial(made.hypothesis), named)
 
     def trial(self, hypothesis: Hypothesis) -> Trial:
-        """On the check; what was tried before is remembered, as the same question comes again."""
+        """On the check; what was tried before is remembered, as the same question comes again.
+
+        First states are looked for near those of the last one.
+        """
         key = (hypothesis.effects, hypothesis.freed, hypothesis.counts, tuple(hypothesis.factors.values()))
         if key not in self._known:
+            last = next(reversed(self._known.values()), None)
             if len(self._known) >= REMEMBERED:
                 self._known.pop(next(iter(self._known)))
-            self._known[key] = self.check.of(hypothesis)
+            self._known[key] = self.check.of(hypothesis, None if last is None else last.shot)
         return self._known[key]
 
     def tempered(self, stage: Stage) -> tuple[Search, Stage]:

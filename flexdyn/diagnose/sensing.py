@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,10 @@ from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
+Law = Callable[[Sequence[SensorEffect], Array, Array], Array]
 ROUNDS = 30
+SETTLED = 1e-14
+"""Share of the largest value below which a step of Newton's method is rounding."""
 
 
 def sensors(model: FlexibleJointModel, channel: str) -> tuple[SensorEffect, ...]:
@@ -54,6 +57,20 @@ def slope(effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
     return (measure(instant, x + step, t) - measure(instant, x - step, t)) / (2.0 * step)
 
 
+def of_windows(law: Law, effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
+    """A law of samples, such as `seen` or `slope`, over windows that know nothing of one another.
+
+    Args:
+        law: of effects, samples and times.
+        effects: on the channel.
+        x: of all windows (windows, samples).
+        t: their times, likewise [s].
+    """
+    if all(type(effect).measured is SensorEffect.measured for effect in effects):  # every sample by itself
+        return law(effects, x.ravel(), t.ravel()).reshape(x.shape)
+    return np.stack([law(effects, *each) for each in zip(x, t, strict=True)])
+
+
 def undone(effects: Sequence[SensorEffect], reported: Array, t: Array) -> Array:
     """The true channel, as far as that can be had: all but the lag, which is a shift in time (see `lag`)."""
     instant = [effect for effect in effects if not isinstance(effect, ChannelLag)]
@@ -62,5 +79,8 @@ def undone(effects: Sequence[SensorEffect], reported: Array, t: Array) -> Array:
     x = reported.copy()
     for _ in range(ROUNDS):  # Newton's method, sample by sample
         gain = slope(instant, x, t)
-        x = x + (reported - measure(instant, x, t)) / np.where(np.abs(gain) > 0.05, gain, 1.0)
+        step = (reported - measure(instant, x, t)) / np.where(np.abs(gain) > 0.05, gain, 1.0)
+        x = x + step
+        if not np.abs(step).max(initial=0.0) > SETTLED * np.abs(x).max(initial=0.0):
+            break
     return x

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.analysis.variants import command_delays, without
 from flexdyn.choice import STIFF, core_settings, fastest_rate
-from flexdyn.diagnose.sensing import early, lag, seen, sensors, undone
+from flexdyn.diagnose.sensing import early, lag, of_windows, seen, sensors, undone
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import CommandDelay, Effect, MemoryEffect, WarmUpFriction
 from flexdyn.inputs import SIGNALS
@@ -173,8 +173,8 @@ class Shooter:
             signal, _, joint = name.partition(".")
             table[:, :, k] = getattr(motion, signal)[:, :, self.model.index(joint)]
             effects = sensors(self.model, name)
-            for w in range(len(windows)) if effects else ():
-                table[w, :, k] = seen(effects, table[w, :, k], windows.t[w])
+            if effects:
+                table[:, :, k] = of_windows(seen, effects, table[:, :, k], windows.t)
         return table
 
     def _solver(self, x0: Array, tight: float) -> Solver:

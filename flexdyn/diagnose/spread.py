@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.analysis.jacobian import dry_velocities
-from flexdyn.diagnose.sensing import sensors, slope
+from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.sensing import of_windows, sensors, slope
 from flexdyn.diagnose.shooting import Motion, Shooter
 from flexdyn.diagnose.windows import Windows
 
@@ -63,7 +64,9 @@ def spread(shooter: Shooter, whole: Motion, which: Indices) -> Spread:
     free, A[still], B[still] = B.copy(), 0.0, 0.0
     # A block's mean stands (block - 1)/2 samples after its first one.
     to, fro = (0.5 * (windows.block + side) * windows.period for side in (-1, 1))
-    (into, pushed_in), (out, pushed_out) = (_over(h, A, B, windows, n + len(shooter.elastic)) for h in (to, fro))
+    (into, pushed_in), (out, pushed_out) = abreast(
+        lambda h: _over(h, A, B, windows, n + len(shooter.elastic)), (to, fro)
+    )
     unsure = _undecided(shooter, motion, free)
     positions = np.arange(unsure.shape[2])
     pushed_out[:, :, positions, positions] += unsure * (to + fro) ** 2
@@ -183,6 +186,6 @@ def _gains(shooter: Shooter, motion: Motion, which: Indices) -> Array:
         signal, _, joint = name.partition(".")
         x = getattr(motion, signal)[:, :: windows.block, shooter.model.index(joint)]
         effects = sensors(shooter.model, name)
-        for w in range(len(which)) if effects else ():
-            gain[w, :, k] = slope(effects, x[w], windows.t[which[w], :: windows.block])
+        if effects:
+            gain[:, :, k] = of_windows(slope, effects, x, windows.t[which, :: windows.block])
     return gain

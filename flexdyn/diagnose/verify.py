@@ -99,15 +99,15 @@ class Check:
     windows: Windows
     space: Workspace
 
-    def of(self, hypothesis: Hypothesis) -> Trial:
-        """Try a hypothesis on them."""
+    def of(self, hypothesis: Hypothesis, near: Shot | None = None) -> Trial:
+        """Try a hypothesis on them; near: a shot of another one, from whose first states the search begins."""
         white = self._white(hypothesis)
         equations, mask = self.space.equations, self.space.whiten.mask
         block = max(1, round(BLOCK / (equations.filters.every * equations.data[0].dt))) * len(equations.kinds)
         begins = np.arange(0, len(white), block)
         rows, count = (np.add.reduceat(each, begins) for each in (white**2, (~mask).astype(float)))
         exact = not equations.made_up.any()
-        return Trial(shoot(hypothesis.seen(), self.windows), rows[count > 0], count[count > 0], exact)
+        return Trial(shoot(hypothesis.seen(), self.windows, near), rows[count > 0], count[count > 0], exact)
 
     def _white(self, hypothesis: Hypothesis) -> Array:
         """White rows (rows,), the encoders' counts taken off."""
