@@ -70,7 +70,13 @@ class Equations:
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
         """The smoothed motions, sensor effects of the model taken off."""
-        return tuple(motion(self.links, each) for each in self.smoothed)
+        bases = self._bases or (None,) * len(self.smoothed)
+        return tuple(motion(self.links, *each) for each in zip(self.smoothed, bases, strict=True))
+
+    @cached_property
+    def _bases(self) -> tuple[Motion, ...]:
+        """Motions of the model from which this one was made, by `of`."""
+        return ()
 
     @cached_property
     def smoothed(self) -> tuple[Smoothed, ...]:
@@ -97,6 +103,8 @@ class Equations:
             if _same_links(self, other):
                 other.__dict__["links"] = self.links
                 other.__dict__["motions"] = self.motions
+                return other
+        other.__dict__["_bases"] = tuple(each.near or each for each in self.motions)
         return other
 
     def of_joint(self, j: int, model: FlexibleJointModel, effects: Sequence[Effect]) -> Array:

@@ -216,14 +216,14 @@ def _fitted(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Ar
     residual = _residual(shooter, motion, used)
     response = spread(shooter, motion, np.arange(len(moved)))
     fit = _Fit(moved, residual, motion, Filter.of(shooter.windows, response, starts.std, used))
-    factor = np.ones(len(moved))
+    factor, active = np.ones(len(moved)), np.ones(len(moved), bool)
     if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
         return fit
     for _ in range(ROUNDS):
         wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
         wanted = np.clip(np.nan_to_num(wanted), -FARTHEST * starts.std, FARTHEST * starts.std)
         wanted = shooter.bounded(starts.x + wanted) - starts.x
-        again = shooter.run(starts.x + wanted)
+        again = shooter.run(starts.x + wanted, which=np.flatnonzero(active), others=fit.motion)
         left = _residual(shooter, again, used)
         before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
         better = after < before
@@ -231,8 +231,10 @@ def _fitted(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Ar
         motion = _chosen(better, again, fit.motion)
         moved = np.where(better[:, None], wanted, fit.moved)
         fit = _Fit(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
-        if np.minimum(before, after).sum() > SETTLED * before.sum() and not fit.stray(used).any():
+        stray = fit.stray(used)
+        if np.minimum(before, after).sum() > SETTLED * before.sum() and not stray.any():
             break
+        active = active & (np.abs(before - after) > (1.0 - SETTLED) * before) | stray
         which = np.flatnonzero(better)
         if len(which):
             response = response.replaced(which, spread(shooter, motion, which))

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 Places = NDArray[np.intp] | slice
 STEP = 1e-5
 """Of differences of h [rad and rad/s, or m and m/s]."""
+ALIKE, AS_HEAVY = 0.01, 0.1
+"""Shares of their ranges by which motions, and the torques that they need, may differ for slopes of h to be shared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,15 +70,24 @@ class Motion(Smoothed):
     Attributes:
         links: whose dynamics.
         inverse_dynamics: M a + h (samples, n) [N m].
+        near: another one so much like it that slopes of M a + h at all samples are taken from there; None: its own.
     """
 
     links: LinkSide
     inverse_dynamics: Array
+    near: Motion | None = None
 
     @cached_property
     def M(self) -> Array:
         """Mass matrices (samples, n, n) [kg m^2]."""
         return self.links.mass_matrix(self.q)
+
+    @cached_property
+    def ranges(self) -> tuple[float, float, float]:
+        """How far positions, velocities and the torques needed reach from end to end, of the joint of most."""
+        tables = (self.q, self.v, self.inverse_dynamics)
+        q, v, total = (float((x.max(axis=0) - x.min(axis=0)).max()) for x in tables)
+        return q, v, total
 
     def dragged(self, j: int, moved: Sequence[Array], at: Places = slice(None)) -> Array:
         """Change of M a + h (samples, n) where a joint's position, speed and acceleration move.
@@ -88,6 +99,8 @@ class Motion(Smoothed):
             moved: its position, speed and acceleration (samples,).
             at: samples of the motion that are asked for.
         """
+        if self.near is not None and isinstance(at, slice):
+            return self.near.dragged(j, moved, at)
         slopes = (*self._slopes(j, at), self.M[at, :, j])
         return np.asarray(sum(s * d[:, None] for s, d in zip(slopes, moved, strict=True)))
 
@@ -109,11 +122,27 @@ class Motion(Smoothed):
         return {}
 
 
-def motion(links: LinkSide, signals: Smoothed) -> Motion:
-    """The links' dynamics along smoothed signals."""
+def motion(links: LinkSide, signals: Smoothed, base: Motion | None = None) -> Motion:
+    """The links' dynamics along smoothed signals.
+
+    Args:
+        links: whose.
+        signals: of one recording.
+        base: motion of another model in the same recording, whose slopes will do if it is near.
+    """
     total = links.inverse_dynamics(signals.q, signals.v, signals.a)
     own = {entry.name: getattr(signals, entry.name) for entry in dataclasses.fields(signals)}
-    return Motion(**own, links=links, inverse_dynamics=total)
+    made = Motion(**own, links=links, inverse_dynamics=total)
+    return dataclasses.replace(made, near=base) if base is not None and _alike(made, base) else made
+
+
+def _alike(one: Motion, base: Motion) -> bool:
+    """Whether slopes of M a + h are the same but for what their use, which is small itself, does not care about."""
+    if one.q.shape != base.q.shape:
+        return False
+    pairs = ((one.q, base.q), (one.v, base.v), (one.inverse_dynamics, base.inverse_dynamics))
+    shares = (ALIKE, ALIKE, AS_HEAVY)
+    return all(np.abs(a - b).max() <= s * r for (a, b), s, r in zip(pairs, shares, base.ranges, strict=True))
 
 
 def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel: Kernel) -> Smoothed:

@@ -55,6 +55,10 @@ class Motion:
     x: Array
     written: NDArray[np.int64]
 
+    def copy(self) -> Motion:
+        """The same, in arrays of its own."""
+        return Motion(self.q.copy(), self.theta.copy(), self.x.copy(), self.written.copy())
+
     def part(self, which: NDArray[np.int64]) -> Motion:
         """Some of the windows."""
         return Motion(self.q[which], self.theta[which], self.x[which], self.written[which])
@@ -92,30 +96,35 @@ class Shooter:
         """Of the state."""
         return self.plants[0].state_size
 
-    def run(self, x0: Array, tight: float = 1.0) -> Motion:
-        """Simulate every window.
+    def run(
+        self, x0: Array, tight: float = 1.0, *, which: NDArray[np.int64] | None = None, others: Motion | None = None
+    ) -> Motion:
+        """Simulate windows.
 
         Args:
-            x0: first states (windows, nx).
+            x0: first states of all (windows, nx).
             tight: factor on step or tolerance, below 1 for a check.
+            which: windows to simulate; None: all.
+            others: what the rest of them did.
         """
         windows, n = self.windows, self.model.n
         count, rows = len(windows), windows.rows
         solver = core_settings(self._solver(x0, tight))
-        motion = Motion(
+        motion = others.copy() if others is not None else Motion(
             np.zeros((count, rows, n)), np.zeros((count, rows, n)), np.zeros((count, windows.blocks, self.size)),
             np.zeros(count, np.int64),
         )  # fmt: skip
-        for begin in range(0, count, AT_ONCE):
-            self._some(range(begin, min(begin + AT_ONCE, count)), x0, solver, motion)
+        which = np.arange(count) if which is None else which
+        for begin in range(0, len(which), AT_ONCE):
+            self._some(which[begin : begin + AT_ONCE], x0, solver, motion)
         return motion
 
-    def _some(self, which: Sequence[int], x0: Array, solver: _core.SolverSettings, motion: Motion) -> None:
+    def _some(self, which: NDArray[np.int64], x0: Array, solver: _core.SolverSettings, motion: Motion) -> None:
         rows, n = self.windows.rows, self.model.n
         out = np.full((len(which), len(SIGNALS), rows, n), np.nan)
         z = np.full((len(which), rows, self.plants[0].internal_states), np.nan)
         jobs = []
-        for place, w in enumerate(which):
+        for place, w in enumerate(which.tolist()):
             times = self.windows.t[w] - self.windows.t[w, 0]
             command = _core.open_loop(self.signals[w])
             arrays = [*out[place], z[place]]
@@ -124,13 +133,12 @@ class Shooter:
             jobs.append(_core.job(self.plants[w], command, [], start, span, solver, times, arrays, None))
         python = any(effect.is_python for effect in self.model.all_effects)
         reached = _simulated(jobs, out[:, 0], python=python)
-        held = slice(which[0], which[-1] + 1)
         q, theta, v, omega = (out[:, k] for k in range(4))
         every = slice(None, None, self.windows.block)
         parts = (q, theta[..., self.elastic], v, omega[..., self.elastic], z)
-        motion.q[held], motion.theta[held] = q, theta
-        motion.x[held] = np.nan_to_num(np.concatenate([part[:, every] for part in parts], axis=2))
-        motion.written[held] = reached
+        motion.q[which], motion.theta[which] = q, theta
+        motion.x[which] = np.nan_to_num(np.concatenate([part[:, every] for part in parts], axis=2))
+        motion.written[which] = reached
 
     def bounded(self, x0: Array) -> Array:
         """First states whose internal states are not far beyond their reach, where no path takes them (windows, nx)."""
