@@ -72,7 +72,12 @@ def _wanted(search: Search, stage: Stage) -> bool:
 
 
 def _alike(one: Candidate, other: Candidate) -> bool:
-    """Whether one law is a name for the other: both leave the same rows, and windows need not be asked."""
+    """Whether one law is a name for the other: both leave the same rows, and windows need not be asked.
+
+    Not where positions are made up: rows that would tell may be left out.
+    """
+    if one.fitted.equations.made_up.any():
+        return False
     left, its = (each.fitted.regression.left[: len(each.fitted.regression.y)] for each in (one, other))
     near = len(left) == len(its) and abs(one.chi2 - other.chi2) < ENOUGH
     return near and float(((left - its) ** 2).sum()) < ENOUGH

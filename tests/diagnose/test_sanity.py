@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.sanity import check_recordings
+from flexdyn.diagnose.search import workspace
 from tests.arms import SLIDER, slider
 from tests.diagnose.truths import ARM, Levels, two_link_motion, two_link_recording
 from tests.oracles.integrate import held
@@ -270,6 +271,22 @@ def test_a_held_joint_whose_link_alone_is_seen_is_not_taken_for_a_mistake(model:
     channels["tau.shoulder"] *= 1e3  # the other joint still speaks
     with pytest.raises(fd.errors.InputError, match=r"tau\.shoulder: .*mN m"):
         check_recordings(model, (measured(model, fd.Recording(t, channels)),))
+
+
+@pytest.mark.parametrize(("signals", "tells"), [(("q",), False), (("q", "theta"), True)])
+def test_a_rest_of_which_one_encoder_says_nothing(
+    model: fd.FlexibleJointModel, signals: tuple[str, ...], tells: bool
+) -> None:
+    """Friction may hold at the elbow's rotor what nobody sees, and the elbow hangs on the shoulder."""
+    rec = two_link_recording(LEVELS, seed=3, signals=signals)
+    rests = [f"{signal}.elbow" for signal in signals]
+    channels = {name: np.full(len(x), 0.9) if name in rests else x for name, x in rec.channels.items()}
+    data = (measured(model, fd.Recording(rec.t, channels, name="log.csv")),)
+    if tells:
+        assert not workspace(model, data)[0].whiten.mask.all()
+        return
+    with pytest.raises(fd.errors.InputError, match=r"^log\.csv: t: joints rest.* let all joints move at once"):
+        workspace(model, data)
 
 
 def test_the_recording_that_is_wrong_is_named(model: fd.FlexibleJointModel) -> None:
