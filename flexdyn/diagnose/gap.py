@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.diagnose.shooting import Motion, Shooter
-from flexdyn.diagnose.spread import spread
+from flexdyn.diagnose.matched import HOPELESS, bounded_residual, matched, within
+from flexdyn.diagnose.shooting import Shooter
 from flexdyn.diagnose.starts import Starts, first_states
 from flexdyn.diagnose.whiten import Filter
 from flexdyn.diagnose.windows import Windows
@@ -19,22 +17,8 @@ from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import acting_effects
 
 Array = NDArray[np.float64]
-ROUNDS = 6
-"""Corrections of the first states at most, each with a new linear response."""
-SETTLED = 0.8
-"""Another correction is worth its time if the last one left less than this of the squared residual."""
-FARTHEST = 100.0
-"""Standard deviations that a first state is moved at most: beyond, it is no correction but a response that explodes."""
-STRAY = 4.0
-"""A window so many times as far off as the median one may still be on the wrong side of a stick: it is tried on."""
-SHORTER = 0.3
-"""A correction that made it worse is tried again, this much shorter."""
 FRAGILE = 3.0
 """A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
-HOPELESS = 0.3
-"""Share of windows that cannot be simulated, or in which noise would excuse anything, from which a law is no law."""
-FAILED = 3.0
-"""A sample that the simulation did not reach counts as off by so many times what its channel moves (plus 1 rad)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,29 +117,20 @@ class Shot:
         residual = self.residual if model is None else self.residual_of(model)
         return self._filter.whitened(residual, self._moved) / self.fragile[:, None]
 
-    def jacobian(self, models: Sequence[FlexibleJointModel], steps: ArrayLike) -> Array:
-        """Slopes of `whitened`, all windows in one column (windows * rows of each, parameters).
-
-        Args:
-            models: one a parameter, that parameter moved by its step.
-            steps: how far (parameters,).
-        """
-        now = self.whitened()
-        moved = [(self.whitened(model) - now).ravel() for model in models]
-        return np.asarray(np.stack(moved, axis=1) / np.asarray(steps, dtype=float))
-
     def residual_of(self, model: FlexibleJointModel) -> Array:
         """Simulated - measured of another model from this shot's first states (windows, rows, channels)."""
         shooter = Shooter(model, self.windows)
         x0 = _fitting(self.x0, self.model, shooter)
-        return _residual(shooter, shooter.run(x0), self.used)
+        return bounded_residual(shooter, shooter.run(x0), self.used)
 
     def floor(self, seed: int = 1) -> float:
         """The gap that a perfect model has: torques and sensors with drawn noise, simulated by the model itself."""
         shooter, used = Shooter(self.model, self.windows), self.used
         residual = _drawn(shooter, self.x0, self.residual, used, seed)
         wanted = -self._filter.first_error(residual, np.zeros_like(self._moved))
-        left = residual + _residual(shooter, shooter.run(shooter.bounded(self.x0 + wanted)), used) - self.residual
+        left = (
+            residual + bounded_residual(shooter, shooter.run(shooter.bounded(self.x0 + wanted)), used) - self.residual
+        )
         better = self._filter.scaled(left) < self._filter.scaled(residual)
         residual[better] = left[better]
         return float(np.sqrt(((residual / self.std)[used] ** 2).mean()))
@@ -176,9 +151,7 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Shot | None = None,
     shooter = Shooter(model, windows)
     starts = first_states(shooter)
     used = _used(shooter)
-    fit = _fitted(shooter, starts, used, _begun(shooter, starts, near))
-    if starts.stuck is not None and fit.stray(used).any():
-        fit = _better(shooter, starts, used, fit, _fitted(shooter, starts, used, starts.stuck - starts.x))
+    fit = matched(shooter, starts, used, _begun(shooter, starts, near))
     x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
     std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
     failed = motion.written < windows.rows
@@ -195,53 +168,6 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Shot | None = None,
     return Shot(model, windows, x0, residual, std, used, motion.x, fragile, failed, filter_, moved)
 
 
-@dataclass(frozen=True, eq=False)
-class _Fit:
-    """Windows from the first states that suit them best: how far these are moved, what is left, and its units."""
-
-    moved: Array
-    residual: Array
-    motion: Motion
-    filter: Filter
-
-    def stray(self, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Windows that are much further off than the others (windows,)."""
-        size = self.filter.scaled(self.residual)
-        return np.asarray(size > STRAY**2 * max(float(np.median(size)), float(used[0].sum())))
-
-
-def _fitted(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Array) -> _Fit:
-    """Correct the first states by linear responses until it does not pay any more; moved: where to begin."""
-    motion = shooter.run(starts.x + moved)
-    residual = _residual(shooter, motion, used)
-    response = spread(shooter, motion, np.arange(len(moved)))
-    fit = _Fit(moved, residual, motion, Filter.of(shooter.windows, response, starts.std, used))
-    factor, active = np.ones(len(moved)), np.ones(len(moved), bool)
-    if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
-        return fit
-    for _ in range(ROUNDS):
-        wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
-        wanted = np.clip(np.nan_to_num(wanted), -FARTHEST * starts.std, FARTHEST * starts.std)
-        wanted = shooter.bounded(starts.x + wanted) - starts.x
-        again = shooter.run(starts.x + wanted, which=np.flatnonzero(active), others=fit.motion)
-        left = _residual(shooter, again, used)
-        before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
-        better = after < before
-        factor = np.where(better, 1.0, SHORTER * factor)
-        motion = _chosen(better, again, fit.motion)
-        moved = np.where(better[:, None], wanted, fit.moved)
-        fit = _Fit(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
-        stray = fit.stray(used)
-        if np.minimum(before, after).sum() > SETTLED * before.sum() and not stray.any():
-            break
-        active = active & (np.abs(before - after) > (1.0 - SETTLED) * before) | stray
-        which = np.flatnonzero(better)
-        if len(which):
-            response = response.replaced(which, spread(shooter, motion, which))
-            fit = _Fit(fit.moved, fit.residual, motion, Filter.of(shooter.windows, response, starts.std, used))
-    return fit
-
-
 def _begun(shooter: Shooter, starts: Starts, near: Shot | None) -> Array:
     """How far first states are moved to begin with: to those of a model that is near, where these mean the same."""
     moved = np.zeros_like(starts.x)
@@ -252,23 +178,13 @@ def _begun(shooter: Shooter, starts: Starts, near: Shot | None) -> Array:
     if _memories(near.model) != _memories(shooter.model):
         loose[:, moved.shape[1] - len(shooter.memory) :] = False
     moved[loose] = (near.x0 - starts.x)[loose]
-    moved = np.clip(np.nan_to_num(moved), -FARTHEST * starts.std, FARTHEST * starts.std)
-    return np.asarray(shooter.bounded(starts.x + moved) - starts.x)
+    return np.asarray(shooter.bounded(starts.x + within(starts, moved)) - starts.x)
 
 
 def _memories(model: FlexibleJointModel) -> list[tuple[object, ...]]:
     """Kind and place of what internal states belong to."""
     effects = (effect for effect in acting_effects(model.resolved()) if isinstance(effect, MemoryEffect))
     return [(effect.name, *(getattr(effect, key, None) for key in ("joint", "side"))) for effect in effects]
-
-
-def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: _Fit, other: _Fit) -> _Fit:
-    """Window by window the fit that leaves less."""
-    wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
-    motion = _chosen(wins, other.motion, one.motion)
-    filter_ = Filter.of(shooter.windows, spread(shooter, motion, np.arange(len(wins))), starts.std, used)
-    moved = np.where(wins[:, None], other.moved, one.moved)
-    return _Fit(moved, np.where(wins[:, None, None], other.residual, one.residual), motion, filter_)
 
 
 def gap(model: FlexibleJointModel, windows: Windows) -> float:
@@ -297,29 +213,7 @@ def _drawn(shooter: Shooter, x0: Array, residual: Array, used: NDArray[np.bool_]
         shooter.given, windows, draw.standard_normal((*used.shape[:2], shooter.model.n)) * windows.noise.tau
     )
     sensor = draw.standard_normal(used.shape) * windows.sensor_noise
-    return np.where(used, residual - _residual(noisy, noisy.run(x0), used) - sensor, 0.0)
-
-
-def _residual(shooter: Shooter, motion: Motion, used: NDArray[np.bool_]) -> Array:
-    """Simulated - measured, bounded also where the simulation failed."""
-    windows = shooter.windows
-    measured = windows.measured
-    limit = 1.0 + FAILED * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
-    with np.errstate(invalid="ignore", over="ignore"):
-        difference = shooter.reported(motion) - shooter.measured
-    reached = np.arange(windows.rows) < motion.written[:, None]
-    difference = np.where(reached[:, :, None] & np.isfinite(difference), difference, limit)
-    return np.where(used & np.isfinite(shooter.measured), np.clip(difference, -limit, limit), 0.0)
-
-
-def _chosen(better: NDArray[np.bool_], one: Motion, other: Motion) -> Motion:
-    """Window by window the better of two."""
-
-    def pick(name: str) -> Any:
-        a, b = getattr(one, name), getattr(other, name)
-        return np.where(better.reshape(-1, *[1] * (a.ndim - 1)), a, b)
-
-    return Motion(pick("q"), pick("theta"), pick("x"), pick("written"))
+    return np.where(used, residual - bounded_residual(noisy, noisy.run(x0), used) - sensor, 0.0)
 
 
 def _fitting(x0: Array, model: FlexibleJointModel, shooter: Shooter) -> Array:

@@ -160,3 +160,17 @@ def test_a_loop_far_wider_than_a_spring_is_wound_is_a_spring(width: float, limit
     loop = fd.effects.SpringHysteresis(JOINTS[0], stiffness=50.0, width=width * at.wound(JOINTS[0]))
     fitted: Any = SimpleNamespace(equations=at, reduced=1.0, std=lambda: {(loop, "width"): 1e-6})
     assert search._is_a_limit(search.Candidate(fitted, 100.0, 0.0, loop, None, 0.0)) is limit
+
+
+@pytest.mark.parametrize(("offset", "shared"), [(1e-3, True), (0.5, False)])
+def test_slopes_of_the_links_are_those_of_a_motion_that_is_near(offset: float, shared: bool) -> None:
+    """They cost as much as the motion itself; beyond a hundredth of its range they are its own."""
+    base = equations(Levels(), 0)
+    seen = fd.effects.SensorOffset("q.elbow", offset=offset)
+    there = base.of(base.model.replace(effects=[*base.model.effects, seen]))
+    assert (there.motions[0].near is base.motions[0]) is shared
+    alone = Equations(there.model, base.data, base.filters)
+    assert alone.motions[0].near is None
+    lag = fd.effects.ChannelLag("q.elbow", delay=1e-4)
+    one, other = (columns.of_effect(each, lag, 1e-4) for each in (there, alone))
+    np.testing.assert_allclose(one, other, atol=0.005 * np.abs(other).max())

@@ -35,6 +35,30 @@ def test_a_true_model_has_a_gap_of_one(levels: Levels, signals: tuple[str, ...])
     assert sum(shot.misfit.sum() for shot in shots) / rows == pytest.approx(1.0, abs=0.15)
 
 
+@pytest.mark.parametrize("signals", [("q", "theta"), ("q",)], ids=["both encoders", "link"])
+def test_where_the_search_for_first_states_begins_is_no_matter(signals: tuple[str, ...]) -> None:
+    """From those of a wrong model the right one comes to the same gap, window by window."""
+    alone, wrong = shot_of(COARSE, 0, signals), shot_of(COARSE, 0, signals, stiffness=300.0)
+    again = shoot(alone.model, alone.windows, near=wrong)
+    assert np.abs(wrong.x0 - alone.x0).max() > 1e-4
+    np.testing.assert_allclose(again.by_window, alone.by_window, rtol=0.05)
+    np.testing.assert_allclose(again.misfit, alone.misfit, rtol=0.05)
+
+
+def test_windows_that_are_not_asked_for_keep_what_they_did() -> None:
+    """Some are simulated, from other first states."""
+    shot = shot_of(Levels(), 0)
+    shooter = shooting.Shooter(shot.model, shot.windows)
+    whole = shooter.run(shot.x0)
+    some = np.array([1, 4])
+    there = shooter.run(shot.x0 + 1e-3, which=some, others=whole)
+    kept = np.setdiff1d(np.arange(len(shot.windows)), some)
+    assert len(kept) > 2
+    assert np.array_equal(there.q[kept], whole.q[kept])
+    assert np.array_equal(there.x[some], shooter.run(shot.x0 + 1e-3).x[some])
+    assert (there.q[some] != whole.q[some]).any()
+
+
 def test_whitened_residuals_of_a_true_model_are_white() -> None:
     """One block knows nothing of the next, though torque noise makes the plain residual a smooth curve."""
     surprises = np.concatenate([shot_of(FINE, seed).surprises for seed in range(3)])
@@ -59,12 +83,12 @@ def test_a_wrong_number_opens_the_gap_in_proportion() -> None:
     assert wrong[1].share()["shoulder"] > 0.6
 
 
-def test_the_jacobian_leads_back_to_the_true_numbers() -> None:
+def test_slopes_lead_back_to_the_true_numbers() -> None:
     """One step of Gauss and Newton on whitened residuals undoes 3 % in rotor inertia and stiffness, within errors."""
     wrong: dict[str, Any] = {"rotor_inertia": 0.1 * 1.03, "stiffness": 400.0 * 0.97}
     shot = shot_of(Levels(), 1, **wrong)
     moved = [shot.model.replace(joints={"shoulder": {key: 1.01 * value}}) for key, value in wrong.items()]
-    J = shot.jacobian(moved, [0.01, 0.01])
+    J = np.stack([(shot.whitened(each) - shot.whitened()).ravel() / 0.01 for each in moved], axis=1)
     factors = 1.0 - np.linalg.lstsq(J, shot.whitened().ravel(), rcond=None)[0]
     std = np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
     assert (std < 0.01).all()

@@ -1,0 +1,134 @@
+"""First states that suit the windows best, found by linear responses to noise and to the states themselves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.shooting import Motion, Shooter
+from flexdyn.diagnose.spread import spread
+from flexdyn.diagnose.starts import Starts
+from flexdyn.diagnose.whiten import Filter
+
+Array = NDArray[np.float64]
+FARTHEST = 100.0
+"""Standard deviations that a first state is moved at most: beyond, it is no correction but a response that explodes."""
+HOPELESS = 0.3
+"""Share of windows that cannot be simulated, or in which noise would excuse anything, from which a law is no law."""
+ROUNDS = 6
+"""Corrections of the first states at most, each with a new linear response."""
+SETTLED = 0.8
+"""Another correction is worth its time if the last one left less than this of the squared residual."""
+STRAY = 4.0
+"""A window so many times as far off as the median one may still be on the wrong side of a stick: it is tried on."""
+SHORTER = 0.3
+"""A correction that made it worse is tried again, this much shorter."""
+FAILED = 3.0
+"""A sample that the simulation did not reach counts as off by so many times what its channel moves (plus 1 rad)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Matched:
+    """Windows from the first states that suit them best.
+
+    Attributes:
+        moved: how far these are from where the search began (windows, nx).
+        residual: what is left, simulated - measured (windows, rows, channels).
+        motion: that was simulated.
+        filter: by which it is measured.
+    """
+
+    moved: Array
+    residual: Array
+    motion: Motion
+    filter: Filter
+
+    def stray(self, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Windows that are much further off than the others (windows,)."""
+        size = self.filter.scaled(self.residual)
+        return np.asarray(size > STRAY**2 * max(float(np.median(size)), float(used[0].sum())))
+
+
+def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Array) -> Matched:
+    """Move first states until it does not pay any more, also from rest where friction may hold what nobody sees.
+
+    Args:
+        shooter: of the model and the windows.
+        starts: first states and how loosely they are known.
+        used: samples that count (windows, rows, channels).
+        moved: where to begin, from `starts` (windows, nx).
+    """
+    found = _from(shooter, starts, used, moved)
+    if starts.stuck is not None and found.stray(used).any():
+        found = _better(shooter, starts, used, found, _from(shooter, starts, used, starts.stuck - starts.x))
+    return found
+
+
+def within(starts: Starts, moved: Array) -> Array:
+    """Moves (windows, nx) that are corrections still."""
+    return np.clip(np.nan_to_num(moved), -FARTHEST * starts.std, FARTHEST * starts.std)
+
+
+def _from(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Array) -> Matched:
+    """Correct the first states by linear responses until it does not pay any more; moved: where to begin."""
+    motion = shooter.run(starts.x + moved)
+    residual = bounded_residual(shooter, motion, used)
+    response = spread(shooter, motion, np.arange(len(moved)))
+    fit = Matched(moved, residual, motion, Filter.of(shooter.windows, response, starts.std, used))
+    factor, active = np.ones(len(moved)), np.ones(len(moved), bool)
+    if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
+        return fit
+    for _ in range(ROUNDS):
+        wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
+        wanted = shooter.bounded(starts.x + within(starts, wanted)) - starts.x
+        again = shooter.run(starts.x + wanted, which=np.flatnonzero(active), others=fit.motion)
+        left = bounded_residual(shooter, again, used)
+        before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
+        better = after < before
+        factor = np.where(better, 1.0, SHORTER * factor)
+        motion = _chosen(better, again, fit.motion)
+        moved = np.where(better[:, None], wanted, fit.moved)
+        fit = Matched(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
+        stray = fit.stray(used)
+        if np.minimum(before, after).sum() > SETTLED * before.sum() and not stray.any():
+            break
+        active = active & (np.abs(before - after) > (1.0 - SETTLED) * before) | stray
+        which = np.flatnonzero(better)
+        if len(which):
+            response = response.replaced(which, spread(shooter, motion, which))
+            fit = Matched(fit.moved, fit.residual, motion, Filter.of(shooter.windows, response, starts.std, used))
+    return fit
+
+
+def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matched, other: Matched) -> Matched:
+    """Window by window the fit that leaves less."""
+    wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
+    motion = _chosen(wins, other.motion, one.motion)
+    filter_ = Filter.of(shooter.windows, spread(shooter, motion, np.arange(len(wins))), starts.std, used)
+    moved = np.where(wins[:, None], other.moved, one.moved)
+    return Matched(moved, np.where(wins[:, None, None], other.residual, one.residual), motion, filter_)
+
+
+def bounded_residual(shooter: Shooter, motion: Motion, used: NDArray[np.bool_]) -> Array:
+    """Simulated - measured, bounded also where the simulation failed."""
+    windows = shooter.windows
+    measured = windows.measured
+    limit = 1.0 + FAILED * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
+    with np.errstate(invalid="ignore", over="ignore"):
+        difference = shooter.reported(motion) - shooter.measured
+    reached = np.arange(windows.rows) < motion.written[:, None]
+    difference = np.where(reached[:, :, None] & np.isfinite(difference), difference, limit)
+    return np.where(used & np.isfinite(shooter.measured), np.clip(difference, -limit, limit), 0.0)
+
+
+def _chosen(better: NDArray[np.bool_], one: Motion, other: Motion) -> Motion:
+    """Window by window the better of two."""
+
+    def pick(name: str) -> Any:
+        a, b = getattr(one, name), getattr(other, name)
+        return np.where(better.reshape(-1, *[1] * (a.ndim - 1)), a, b)
+
+    return Motion(pick("q"), pick("theta"), pick("x"), pick("written"))
