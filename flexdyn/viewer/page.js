@@ -188,6 +188,7 @@
     if (animator.time >= end) seek(0);
     animator.mixer.timeScale = Number(by("speed").value);
     animator.play();
+    running = true; // a slow frame may reach the end before `follow` has seen it run
   }
 
   function seek(time) {

@@ -156,6 +156,7 @@ def test_keys(tmp_path: Path) -> None:
         page.tab.evaluate("document.activeElement.blur()")
         page.tab.evaluate("flexdyn.seek(1.8)")
         page.tab.keyboard.press("Space")
+        page.tab.evaluate("{ const end = performance.now() + 400; while (performance.now() < end); }")  # a slow frame
         page.wait_for("document.getElementById('time').value < 1 && flexdyn.viewer.animator.playing")
 
 
