@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn.diagnose.hypothesis import kind_and_place
 from flexdyn.diagnose.matched import HOPELESS, bounded_residual, matched, within
 from flexdyn.diagnose.shooting import Shooter
 from flexdyn.diagnose.starts import Starts, first_states
@@ -184,7 +185,7 @@ def _begun(shooter: Shooter, starts: Starts, near: Shot | None) -> Array:
 def _memories(model: FlexibleJointModel) -> list[tuple[object, ...]]:
     """Kind and place of what internal states belong to."""
     effects = (effect for effect in acting_effects(model.resolved()) if isinstance(effect, MemoryEffect))
-    return [(effect.name, *(getattr(effect, key, None) for key in ("joint", "side"))) for effect in effects]
+    return [kind_and_place(effect) for effect in effects]
 
 
 def gap(model: FlexibleJointModel, windows: Windows) -> float:

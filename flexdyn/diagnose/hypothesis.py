@@ -97,3 +97,8 @@ def bounded(effect: Effect, name: str, step: float) -> float:
 def _landed(value: float, bound: float, step: float) -> float:
     """At the bound where only rounding of the step keeps it away: a size of 1e-30 is none."""
     return bound if abs(value - bound) < ROUNDING * abs(step) else value
+
+
+def kind_and_place(effect: Effect | None) -> tuple[object, ...]:
+    """Of an effect, whatever its numbers are."""
+    return tuple(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame"))

@@ -35,7 +35,7 @@ class Matched:
     """Windows from the first states that suit them best.
 
     Attributes:
-        moved: how far these are from where the search began (windows, nx).
+        moved: how far these are from the loose starts (windows, nx).
         residual: what is left, simulated - measured (windows, rows, channels).
         motion: that was simulated.
         filter: by which it is measured.

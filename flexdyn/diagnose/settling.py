@@ -7,11 +7,11 @@ import itertools
 from collections.abc import Collection
 
 from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.hypothesis import DISCRETE, Hypothesis
+from flexdyn.diagnose.hypothesis import DISCRETE, Hypothesis, kind_and_place
 from flexdyn.diagnose.search import FAR_ABOVE, Candidate, candidates
 from flexdyn.diagnose.selection import HARMLESS, Search, following, forward, is_rival, slack
 from flexdyn.diagnose.stage import Stage
-from flexdyn.diagnose.verify import EXPLAINED, confirmed, kind_and_place
+from flexdyn.diagnose.verify import EXPLAINED, confirmed
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import JointElasticity
 from flexdyn.errors import SimulationError

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.fitted import BLOCK, Fit, Workspace
 from flexdyn.diagnose.gap import Shot, shoot
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis import Hypothesis, kind_and_place
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import Effect, EncoderEccentricity, KinematicError, SensorOffset
 
@@ -156,11 +156,6 @@ def _added(before: Fit, after: Fit) -> list[Effect]:
     """Effects of a fit that another one does not have."""
     known = {kind_and_place(effect) for effect in before.hypothesis.effects}
     return [effect for effect in after.hypothesis.effects if kind_and_place(effect) not in known]
-
-
-def kind_and_place(effect: Effect | None) -> tuple[object, ...]:
-    """Of an effect, whatever its numbers are."""
-    return tuple(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame"))
 
 
 def _below_a_count(effect: Effect, made: Fit) -> bool:
