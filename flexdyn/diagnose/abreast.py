@@ -11,14 +11,26 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
-def abreast(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+def abreast(
+    work: Callable[[Item], Result], items: Iterable[Item], progress: Callable[[float], None] | None = None
+) -> list[Result]:
     """What `work` makes of every item, in their order.
 
     NumPy and the core let other threads run while they compute. The threads end with the call, so that nothing of them
     is left in a process that is forked later.
+
+    Args:
+        work: that does not depend on what becomes of other items.
+        items: to work on.
+        progress: called with the share that is done.
     """
     items = list(items)
     if len(items) < 2:
         return [work(each) for each in items]
+    found = []
     with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-columns") as pool:
-        return list(pool.map(work, items))
+        for each in pool.map(work, items):
+            found.append(each)
+            if progress is not None:
+                progress(len(found) / len(items))
+    return found

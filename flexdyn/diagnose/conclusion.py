@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.contest import contested
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.experiment import with_experiment
@@ -74,11 +75,7 @@ def concluded(
     last, numbers = _final(model, search, last, windows, refined, hurry=hurry)
     corrected, calibrated = numbers.hypothesis.seen(), first.fitted
     within = unbent(search, first).fitted.hypothesis.seen()
-    gaps = []
-    for each in (windows, search.check.windows):
-        after = shoot(corrected, each)
-        given = shoot(within, each)
-        gaps.append(Gap(shoot(model, each).gap, given.gap, after.gap, after.floor()))
+    gaps = _gaps((model, within, corrected), (windows, search.check.windows))
     findings = _findings(model, search, first, last, numbers, hurry=hurry)
     space = calibrated.space
     mask = space.whiten.mask
@@ -95,6 +92,16 @@ def concluded(
         notes=_notes(model, search.space.equations.data),
         residuals=traces(space.equations, space.equations.of(corrected), mask),
     )
+
+
+def _gaps(models: tuple[FlexibleJointModel, ...], data: Sequence[Windows]) -> list[Gap]:
+    """The gap of every recording under the model as given, calibrated and corrected."""
+    shots = abreast(lambda pair: shoot(*pair), [(each, windows) for windows in data for each in models])
+    found = []
+    for k in range(0, len(shots), len(models)):
+        given, calibrated, after = shots[k : k + len(models)]
+        found.append(Gap(given.gap, calibrated.gap, after.gap, after.floor()))
+    return found
 
 
 def _freed(search: Search, stage: Stage) -> Stage:

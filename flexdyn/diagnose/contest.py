@@ -40,7 +40,8 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         if not rivals:
             continue
         entries = [named.candidate, *rivals[:ASKED]]
-        asked = [_asked(search, each, windows) for each in entries]
+        asked = [_asked(search, entries[0], windows)]
+        asked += [_asked(search, each, windows, asked[0]) for each in entries[1:]]
         least = min(asked, key=lambda each: each.cost)
         scale = max(1.0, least.cost / least.rows)
         costs = [refined.cost / scale + each.cost for refined, each in zip(asked, entries, strict=True)]
@@ -91,11 +92,11 @@ def _is_payload(candidate: Candidate) -> bool:
     return isinstance(candidate.effect, Payload)
 
 
-def _asked(search: Search, candidate: Candidate, windows: Windows) -> Refined:
+def _asked(search: Search, candidate: Candidate, windows: Windows, like: Refined | None = None) -> Refined:
     what = "asking simulated windows"
     hypothesis = candidate.fitted.hypothesis
     temper = search.space.temper
-    return refine(hypothesis, windows, ROUNDS, lambda share: search.say(what, share), temper, anew=math.inf)
+    return refine(hypothesis, windows, ROUNDS, lambda share: search.say(what, share), temper, math.inf, like)
 
 
 def _is_of(candidate: Candidate, stage: Stage) -> bool:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.filters import Filters
+from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.motion import Motion, Smoothed, motion, smoothed
 from flexdyn.diagnose.sensors import corrected
@@ -42,12 +42,12 @@ class Equations:
     filters: Filters
     stiffness: Array | None = None
 
-    @cached_property
+    @lazy
     def true(self) -> FlexibleJointModel:
         """The model with parameter errors and elasticities folded in."""
         return self.model.resolved()
 
-    @cached_property
+    @lazy
     def kinds(self) -> tuple[tuple[int, str], ...]:
         """Joint and kind of every equation."""
         first = self.data[0]
@@ -62,29 +62,29 @@ class Equations:
                 kinds.append((j, SENSOR))
         return tuple(kinds)
 
-    @cached_property
+    @lazy
     def links(self) -> LinkSide:
         """M and h of the model."""
         return LinkSide(self.true)
 
-    @cached_property
+    @lazy
     def motions(self) -> tuple[Motion, ...]:
         """The smoothed motions, sensor effects of the model taken off."""
         bases = self._bases or (None,) * len(self.smoothed)
         return tuple(motion(self.links, *each) for each in zip(self.smoothed, bases, strict=True))
 
-    @cached_property
+    @lazy
     def _bases(self) -> tuple[Motion, ...]:
         """Motions of the model from which this one was made, by `of`."""
         return ()
 
-    @cached_property
+    @lazy
     def smoothed(self) -> tuple[Smoothed, ...]:
         """The recordings behind the first filter, sensor effects of the model taken off."""
         kernel = self.filters.first
         return tuple(smoothed(self.true, self.links, corrected(each, self.model), kernel) for each in self.data)
 
-    @cached_property
+    @lazy
     def residual(self) -> Array:
         """What the model leaves (rows,) [N m or N]: zero but for noise where it is right."""
         return self._rows(self.true, self.motions, self.true.all_effects)
@@ -127,11 +127,11 @@ class Equations:
             self._own[j] = self.of_joint(j, self.true, self.true.all_effects)
         return self._own[j]
 
-    @cached_property
+    @lazy
     def _own(self) -> dict[int, Array]:
         return {}
 
-    @cached_property
+    @lazy
     def made_up(self) -> NDArray[np.bool_]:
         """Elastic joints one of whose two positions was not measured (n,)."""
         return np.asarray(self.true.elastic & ~self.data[0].both)
@@ -260,7 +260,7 @@ class Equations:
                 rows[:, place] = unit * self.filters.rows(wound[:, j])
         return rows
 
-    @cached_property
+    @lazy
     def softness(self) -> Array:
         """Stiffness over that by which the links' equations are measured (n,).
 
@@ -272,7 +272,7 @@ class Equations:
             ratio[both] = self.true.stiffness[both] / self.stiffness[both]
         return ratio
 
-    @cached_property
+    @lazy
     def gains(self) -> Array:
         """True torque over recorded torque (n,): the equations are in recorded torque, whose noise stays as it is.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.covariance import Noise, Whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.regression import Regression
 from flexdyn.effects import Effect
@@ -81,7 +81,7 @@ class Fit:
         """Standard deviations of the file's numbers' factors."""
         return {number: float(s) for number, s in zip(self.hypothesis.factors, self._spread, strict=False)}
 
-    @cached_property
+    @lazy
     def _spread(self) -> Array:
         """Of all columns: what white rows give, or the sandwich over blocks of half a second where that is more.
 

@@ -118,6 +118,10 @@ class Shot:
         residual = self.residual if model is None else self.residual_of(model)
         return self._filter.whitened(residual, self._moved) / self.fragile[:, None]
 
+    def whitened_change(self, change: Array) -> Array:
+        """What a change of the residual (windows, rows, channels) does to `whitened`."""
+        return self._filter.whitened(change, np.zeros_like(self._moved)) / self.fragile[:, None]
+
     def residual_of(self, model: FlexibleJointModel) -> Array:
         """Simulated - measured of another model from this shot's first states (windows, rows, channels)."""
         shooter = Shooter(model, self.windows)

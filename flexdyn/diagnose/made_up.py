@@ -53,7 +53,7 @@ def made_up(
         v, a = kernel.apply(q, 1), kernel.apply(q, 2)
         for j in np.flatnonzero(only_motor).tolist():  # a joint without link encoder moves nearly as its rotor does
             v[:, j], a[:, j] = omega[:, j], alpha[:, j]
-        total = np.einsum("tij,tj->ti", links.mass_matrix(smooth_q), a) + links.bias(smooth_q, v)
+        total = links.inverse_dynamics(smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():
             rubbing = _friction(model, j, "link", smooth_q[:, j], v[:, j], t)
             smooth_theta[:, j] = smooth_q[:, j] + _wound(model, j, total[:, j] + rubbing)

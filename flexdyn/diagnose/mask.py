@@ -43,7 +43,7 @@ def _uncertain(equations: Equations, along: Motion, noise: Noise, j: int, kind: 
         if kind in (MOTOR, LINK) and kind != side:
             continue
         sigma = level if there else max(noise.q[j], noise.theta[j]) * 3.0
-        uncertain |= np.abs(u) < SIGMAS * spread * sigma
+        uncertain |= np.abs(u) <= SIGMAS * spread * sigma  # 0 has none, however good the encoder
         uncertain[1:] |= u[1:] * u[:-1] < 0.0
     passes = 1 + (along.lost > filters.first.half)
     reach = round(0.6 * (passes * filters.first.half + filters.second.half))  # three standard deviations of each

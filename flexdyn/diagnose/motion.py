@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.kernel import Kernel
+from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.made_up import made_up
 from flexdyn.diagnose.measured import Measured
 from flexdyn.model import FlexibleJointModel
@@ -77,12 +77,12 @@ class Motion(Smoothed):
     inverse_dynamics: Array
     near: Motion | None = None
 
-    @cached_property
+    @lazy
     def M(self) -> Array:
         """Mass matrices (samples, n, n) [kg m^2]."""
         return self.links.mass_matrix(self.q)
 
-    @cached_property
+    @lazy
     def ranges(self) -> tuple[float, float, float]:
         """How far positions, velocities and the torques needed reach from end to end, of the joint of most."""
         tables = (self.q, self.v, self.inverse_dynamics)
@@ -117,7 +117,7 @@ class Motion(Smoothed):
             self._known[place] = (by_place / STEP, by_speed / STEP)
         return self._known[place]
 
-    @cached_property
+    @lazy
     def _known(self) -> dict[tuple[int, bool], tuple[Array, Array]]:
         return {}
 

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +14,12 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.gap import Shot, shoot
 from flexdyn.diagnose.hypothesis import Hypothesis, moved
-from flexdyn.diagnose.linear import LOOSE
 from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.diagnose.slopes import ROBUST, Known, Slopes, size, slopes_of, weights
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import Effect
 
 Array = NDArray[np.float64]
-ROBUST = 3.0
-"""Surprises of more standard deviations than this weigh less (Cauchy)."""
-STEP = 2e-3
-"""Relative step of the differences."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +33,8 @@ class Refined:
         rows: white surprises that it is of.
         by_window: that sum for every window, without the priors (windows,).
         became: names of effects that turned out to be simpler ones.
+        slopes: that were taken last; None where none were.
+        shot: the windows at their best; None where none were simulated.
     """
 
     hypothesis: Hypothesis
@@ -45,6 +43,8 @@ class Refined:
     rows: int = 0
     by_window: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     became: Mapping[str, str] = field(default_factory=dict)
+    slopes: Slopes | None = field(default=None, repr=False)
+    shot: Shot | None = field(default=None, repr=False)
 
     def factor_std(self) -> dict[FileNumber, float]:
         """Standard deviations of the file's numbers' factors."""
@@ -83,45 +83,6 @@ class Refined:
         return {key: float(s) for key, s in zip(self.hypothesis.unknowns(), own, strict=True)}
 
 
-@dataclass(frozen=True, eq=False)
-class Slopes:
-    """Of the surprises, with what weighs them.
-
-    Attributes:
-        J: slopes (surprises, numbers + unknowns).
-        weight: of the surprises, robust (surprises,).
-        prior: 1/sigma^2 of the numbers, 0 of the unknowns (numbers + unknowns,).
-        scales: of the unknowns.
-    """
-
-    J: Array
-    weight: Array
-    prior: Array
-    scales: tuple[float, ...]
-
-    @cached_property
-    def _inverse(self) -> Array:
-        H = (self.J * self.weight[:, None]).T @ self.J + np.diag(self.prior)
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
-        return np.asarray(scale[:, None] * np.linalg.pinv(scale[:, None] * H * scale, rcond=1e-10) * scale)
-
-    def step(self, shot: Shot, at: Hypothesis) -> Array:
-        """From a hypothesis and its surprises (numbers + unknowns,)."""
-        off = np.zeros(len(self.prior))
-        off[: len(at.factors)] = np.array(list(at.factors.values())) - 1.0
-        return np.asarray(-self._inverse @ (self.J.T @ (self.weight * shot.whitened().ravel()) + self.prior * off))
-
-    def std(self, shot: Shot) -> Array:
-        """Standard deviations from the sandwich of windows' gradients (numbers + unknowns,)."""
-        surprises = shot.whitened()
-        each = self.J * (self.weight * surprises.ravel())[:, None]
-        by_window = each.reshape(len(surprises), -1, self.J.shape[1]).sum(axis=1)
-        by_window -= by_window.mean(axis=0)
-        meat = by_window.T @ by_window + np.diag(self.prior)
-        spread = np.sqrt(np.maximum(np.diag(self._inverse @ meat @ self._inverse), 0.0))
-        return np.asarray(spread * np.concatenate([np.ones(len(spread) - len(self.scales)), np.array(self.scales)]))
-
-
 def of_fit(made: Fit) -> Refined:
     """The numbers of a fit to the equations."""
     return Refined(made.hypothesis, np.array([*made.factor_std().values(), *made.std().values()]))
@@ -134,6 +95,7 @@ def refine(
     progress: Callable[[float], None] | None = None,
     temper: float = 1.0,
     anew: float = 0.0,
+    like: Refined | None = None,
 ) -> Refined:
     """Gauss-Newton on the whitened surprises of simulated windows, with the priors of the file's numbers.
 
@@ -147,17 +109,22 @@ def refine(
         temper: factor on the priors.
         anew: slopes, each a simulation for every number, are kept while no number moves by more than this share of
             its size; 0: never, infinity: always.
+        like: another hypothesis that was fitted to the same windows and explains them nearly as well: its slopes of
+            the file's numbers will do.
     """
     current = start
-    shot = shoot(current.seen(), windows)
+    shot = shoot(current.seen(), windows, None if like is None else like.shot)
     best = _cost(current, shot, temper)
     std = np.zeros(len(current.factors) + len(current.unknowns()))
     taken: Hypothesis | None = None
+    slopes = None if like is None else like.slopes
+    known: Known = {} if slopes is None else slopes.of_numbers
     for k in range(rounds if math.isfinite(best) else 0):
-        if taken is None or _apart(taken, current) > anew:
-            slopes, taken = _slopes(current, shot, temper, progress, (k / rounds, (k + 1) / rounds)), current
+        if slopes is None or taken is None or _apart(taken, current) > anew:
+            said = progress and partial(_between, progress, k / rounds, (k + 1) / rounds)
+            slopes, taken, known = slopes_of(current, shot, temper, said, known), current, {}
         else:
-            slopes = dataclasses.replace(slopes, weight=_weights(shot.whitened()))
+            slopes = dataclasses.replace(slopes, weight=weights(shot.whitened()))
         std = slopes.std(shot)
         gained = 0.0
         for trial in _trials(current, shot, slopes, windows):
@@ -168,7 +135,12 @@ def refine(
                 break
         if gained < 1e-3 * best:
             break
-    return Refined(current, std, best, shot.whitened().size, _by_window(shot))
+    return Refined(current, std, best, shot.whitened().size, _by_window(shot), slopes=slopes, shot=shot)
+
+
+def _between(progress: Callable[[float], None], low: float, high: float, share: float) -> None:
+    """Progress of a part."""
+    progress(low + (high - low) * share)
 
 
 def _trials(current: Hypothesis, shot: Shot, slopes: Slopes, windows: Windows) -> Iterator[tuple[Hypothesis, Shot]]:
@@ -187,59 +159,12 @@ def _trials(current: Hypothesis, shot: Shot, slopes: Slopes, windows: Windows) -
     yield there, shoot(there.seen(), windows, shot, shot.fragile)
 
 
-def _slopes(
-    hypothesis: Hypothesis,
-    shot: Shot,
-    temper: float,
-    progress: Callable[[float], None] | None,
-    shares: tuple[float, float],
-) -> Slopes:
-    """Slopes of the surprises: one column a factor, then one an unknown, in units of its scale."""
-    models = []
-    for number, factor in hypothesis.factors.items():
-        factors = {**hypothesis.factors, number: factor + STEP}
-        models.append(dataclasses.replace(hypothesis, factors=factors).seen())
-    scales = []
-    for effect, name in hypothesis.unknowns():
-        size = _size(effect, name)
-        stepped = effect.replace(**{name: getattr(effect, name) + STEP * size})
-        effects = tuple(stepped if e is effect else e for e in hypothesis.effects)
-        models.append(dataclasses.replace(hypothesis, effects=effects).seen())
-        scales.append(size)
-    now = shot.whitened()
-    columns = []
-    low, high = shares
-    for k, model in enumerate(models):
-        slope = (shot.whitened(model) - now).ravel() / STEP
-        columns.append(np.where(np.isfinite(slope), slope, 0.0))  # windows that cannot be simulated do not tell
-        if progress is not None:
-            progress(low + (high - low) * (k + 1) / len(models))
-    return Slopes(np.stack(columns, axis=1), _weights(now), _priors(hypothesis, len(scales), temper), tuple(scales))
-
-
 def _apart(one: Hypothesis, other: Hypothesis) -> float:
     """How far a number has moved at most, by its size."""
     factors = (abs(other.factors[number] - factor) for number, factor in one.factors.items())
     unknowns = zip(one.unknowns(), other.unknowns(), strict=True)
-    moves = (abs(getattr(b, name) - getattr(a, name)) / _size(a, name) for (a, name), (b, _) in unknowns)
+    moves = (abs(getattr(b, name) - getattr(a, name)) / size(a, name) for (a, name), (b, _) in unknowns)
     return float(max([0.0, *factors, *moves]))
-
-
-def _size(effect: Effect, name: str) -> float:
-    """Of a parameter, by which its steps are measured."""
-    value = abs(getattr(effect, name))
-    if name in ("phase", "rest", "lower", "upper"):
-        return 1.0
-    return value if value > 0.0 else 1e-3
-
-
-def _weights(surprises: Array) -> Array:
-    return np.asarray(1.0 / (1.0 + (surprises.ravel() / ROBUST) ** 2))
-
-
-def _priors(hypothesis: Hypothesis, unknowns: int, temper: float) -> Array:
-    sigma = np.array([LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors])
-    return np.concatenate([temper / sigma**2, np.zeros(unknowns)])
 
 
 def _cost(hypothesis: Hypothesis, shot: Shot, temper: float) -> float:

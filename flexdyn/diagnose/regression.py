@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
+from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
 LEFT_OVER = 1e-5
@@ -49,36 +50,36 @@ class Regression:
     rows: int
     nuisances: int = 0
 
-    @cached_property
+    @lazy
     def _whole(self) -> Array:
         return np.vstack([self.X, np.diag(1.0 / self.sigma)])
 
-    @cached_property
+    @lazy
     def _scale(self) -> Array:
         length = np.sqrt((self._whole**2).sum(axis=0))
         return np.where(length > 0.0, length, 1.0)
 
-    @cached_property
+    @lazy
     def _qr(self) -> tuple[Array, Array]:
         Q, R = np.linalg.qr(self._whole / self._scale)
         return Q, R
 
-    @cached_property
+    @lazy
     def _target(self) -> Array:
         return np.concatenate([self.y, -self.centre / self.sigma])
 
-    @cached_property
+    @lazy
     def values(self) -> Array:
         """The coefficients b (columns,)."""
         Q, R = self._qr
         return np.asarray(-np.linalg.lstsq(R, Q.T @ self._target, rcond=1e-12)[0] / self._scale)
 
-    @cached_property
+    @lazy
     def left(self) -> Array:
         """What is left of rows and priors (rows + columns,)."""
         return np.asarray(self._target + self._whole @ self.values)
 
-    @cached_property
+    @lazy
     def at_zero(self) -> float:
         """Sum of squares where no step is taken, but for the nuisance columns, whose prior is centred on none."""
         nuisance = slice(self.X.shape[1] - self.nuisances, self.X.shape[1])
@@ -105,7 +106,7 @@ class Regression:
         """Sum of squares of the priors alone: how far the file's numbers had to be bent."""
         return self.chi2 - self.data_chi2
 
-    @cached_property
+    @lazy
     def covariance(self) -> Array:
         """Of the coefficients (columns, columns), for white rows of unit variance."""
         R = self._qr[1]

@@ -33,6 +33,8 @@ from flexdyn.model import FlexibleJointModel
 Array = NDArray[np.float64]
 KEPT, MANY_KEPT = 5, 10
 """Proposals that are fitted in full before one is chosen, and where many promise nearly as much as the best."""
+LEADING = 2
+"""The best proposals, which are fitted before it is known what is hopeless beside them."""
 NEARLY = 0.8
 """Share of the best proposal's score that is nearly as much."""
 WORTH = 0.05
@@ -109,7 +111,7 @@ def weighed(equations: Equations, noise: Noise, start: Hypothesis, mask: NDArray
     """
     mask = sign_mask(equations, noise) if mask is None else mask
     whiten = whitener(equations, noise, mask)
-    raw = np.stack([columns.of_number(equations, number) for number in start.factors], axis=1)
+    raw = np.stack(abreast(partial(columns.of_number, equations), start.factors), axis=1)
     channels, offsets, sigma = _offsets(equations, noise)
     return Workspace(equations, whiten, noise, whiten(raw), whiten(offsets), sigma, channels)
 
@@ -154,31 +156,31 @@ class Screen:
         self.space = space
         own, self.notes = own_effects(space.equations)
         self.proposals = [*proposals(space.equations), *own]
-        self.columns: list[list[Array]] = []
-        for k, proposal in enumerate(self.proposals):
-            self.columns.append(abreast(partial(self._white, proposal), proposal.grid))
-            if progress is not None:
-                progress((k + 1) / len(self.proposals))
+        white = iter(abreast(self._white, [(p, point) for p in self.proposals for point in p.grid], progress))
+        self.columns = [[next(white) for _ in proposal.grid] for proposal in self.proposals]
 
-    def _white(self, proposal: Proposal, point: Point) -> Array:
+    def _white(self, unknown: tuple[Proposal, Point]) -> Array:
+        proposal, point = unknown
         return np.asarray(self.space.whiten(proposal.columns(self.space.equations, point)), dtype=np.float32)
 
     def ranked(self, made: Fit, scale: float) -> list[Screened]:
         """All proposals by the drop of BIC that a linear step promises, best first."""
         n = math.log(self.space.rows)
-        found = []
-        for proposal, grid in zip(self.proposals, self.columns, strict=True):
-            if _holds(made, proposal):
-                continue
-            gains = [made.regression.gain(c.astype(float), proposal.positive, fixed=proposal.fixed) for c in grid]
-            best = int(np.argmax([gain.chi2 for gain in gains]))
-            score = gains[best].chi2 / scale - proposal.numbers * n
-            found.append(Screened(score, proposal, proposal.grid[best], gains[best].values))
+        open_ = [pair for pair in zip(self.proposals, self.columns, strict=True) if not _holds(made, pair[0])]
+        found = abreast(lambda pair: _screened(made, *pair, scale, n), open_)
         for k, number in enumerate(made.hypothesis.factors):
             if number not in made.hypothesis.freed:
                 score = made.regression.freed(k) / scale
                 found.append(Screened(score, None, (), np.zeros(0), number))
         return sorted(found, key=lambda each: -each.score)
+
+
+def _screened(made: Fit, proposal: Proposal, grid: list[Array], scale: float, price: float) -> Screened:
+    """A proposal at its best grid point; price: of one number in BIC."""
+    gains = [made.regression.gain(c.astype(float), proposal.positive, fixed=proposal.fixed) for c in grid]
+    best = int(np.argmax([gain.chi2 for gain in gains]))
+    score = gains[best].chi2 / scale - proposal.numbers * price
+    return Screened(score, proposal, proposal.grid[best], gains[best].values)
 
 
 def _holds(made: Fit, proposal: Proposal) -> bool:
@@ -235,34 +237,41 @@ def candidates(
         least: drop of chi^2 that a linear step must promise.
         hopeless: chi^2 that is of no use any more.
     """
-    found = []
     scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
     ranked = screen.ranked(made, scale)
     kept = MANY_KEPT if space.equations.made_up.any() else KEPT  # where a position is made up, columns guide less
-    for k, choice in enumerate(ranked[:MANY_KEPT]):
-        share = WORTH if k < kept else NEARLY
-        if choice.score < max(ENOUGH, least / scale, share * ranked[0].score):
-            break
-        after = extended(made, choice)
-        if after is None:
-            continue
-        numbers = choice.proposal.numbers if choice.proposal else 0
-        cost = numbers * math.log(space.rows)
-        if isinstance(after.effects[-1] if choice.proposal else None, JointElasticity):
-            found.append(_softened(made, after, choice, cost, scale))
-            continue
-        try:
-            best = min((each.chi2 for each in found), default=math.inf)
-            made_of = _candidate(made, fit(after, space, hopeless=min(hopeless, FAR_ABOVE * best)), cost, choice.number)
-        except (InputError, SimulationError):  # a user's law that fails elsewhere, a spring beyond all bounds
-            continue
-        if made_of.drop >= ENOUGH and not _is_a_limit(made_of):
-            found.append(made_of)
+    shares = [WORTH if k < kept else NEARLY for k in range(MANY_KEPT)]
+    worth = [
+        choice
+        for choice, share in zip(ranked, shares, strict=False)
+        if choice.score >= max(ENOUGH, least / scale, share * ranked[0].score)
+    ]
+    first = abreast(lambda choice: _fitted(made, space, choice, scale, hopeless), worth[:LEADING])
+    reached = min((each.chi2 for each in first if each is not None), default=math.inf)
+    most = min(hopeless, FAR_ABOVE * reached)
+    others = abreast(lambda choice: _fitted(made, space, choice, scale, most), worth[LEADING:])
+    found = [each for each in (*first, *others) if each is not None]
     laden = any(isinstance(each.effect, Payload) for each in found)
     if not laden and any(each.number is not None and each.number.joint is None for each in found):
         found += _payloads(space, made)
     scale = max(1.0, min((each.fitted.reduced for each in found), default=1.0))
     return sorted(found, key=lambda each: _order(each, scale))
+
+
+def _fitted(made: Fit, space: Workspace, choice: Screened, scale: float, hopeless: float) -> Candidate | None:
+    """A choice fitted in full; None where it makes no sense, or is another one in a limit."""
+    after = extended(made, choice)
+    if after is None:
+        return None
+    numbers = choice.proposal.numbers if choice.proposal else 0
+    cost = numbers * math.log(space.rows)
+    if choice.proposal is not None and isinstance(after.effects[-1], JointElasticity):
+        return _softened(made, after, choice, cost, scale)
+    try:
+        found = _candidate(made, fit(after, space, hopeless=hopeless), cost, choice.number)
+    except (InputError, SimulationError):  # a user's law that fails elsewhere, a spring beyond all bounds
+        return None
+    return found if found.drop >= ENOUGH and not _is_a_limit(found) else None
 
 
 def _candidate(before: Fit, after: Fit, cost: float, number: FileNumber | None) -> Candidate:

@@ -6,7 +6,9 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
+from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.findings import out_of_tolerance
 from flexdyn.diagnose.fitted import ROUGH, Fit, Workspace, tempering
@@ -64,27 +66,48 @@ class Search:
 
     def stage(self, start: Hypothesis, named: tuple[Named, ...] = (), hopeless: float = math.inf) -> Stage:
         """A hypothesis fitted, given up after a few steps where it leaves more than is `hopeless`, and tried."""
-        return self.tried(fit(start, self.space, hopeless=hopeless), named)
+        return self.stages([(start, named)], hopeless)[0]
+
+    def stages(self, starts: Sequence[tuple[Hypothesis, tuple[Named, ...]]], hopeless: float = math.inf) -> list[Stage]:
+        """The same for hypotheses that do not depend on one another, each with what is named."""
+        fits = abreast(lambda start: fit(start[0], self.space, hopeless=hopeless), starts)
+        return self.all_tried([(made, named) for made, (_, named) in zip(fits, starts, strict=True)])
 
     def tried(self, made: Fit, named: tuple[Named, ...] = ()) -> Stage:
         """A fitted hypothesis tried on the check."""
+        return self.all_tried([(made, named)])[0]
+
+    def all_tried(self, fits: Sequence[tuple[Fit, tuple[Named, ...]]]) -> list[Stage]:
+        """The same for several fits, each with what is named."""
+        made = [each for each, _ in fits]
         if self.windows is not None:
-            refined = refine(made.hypothesis, self.windows, REFINEMENTS, temper=self.space.temper)
-            made = linearised(refined.hypothesis, made.space)
-        return Stage(made, self.trial(made.hypothesis), named)
+            made = abreast(partial(self._refined, self.windows), made)
+        trials = self.trials([each.hypothesis for each in made])
+        return [Stage(each, trial, named) for each, trial, (_, named) in zip(made, trials, fits, strict=True)]
+
+    def _refined(self, windows: Windows, made: Fit) -> Fit:
+        refined = refine(made.hypothesis, windows, REFINEMENTS, temper=self.space.temper)
+        return linearised(refined.hypothesis, made.space)
 
     def trial(self, hypothesis: Hypothesis) -> Trial:
-        """On the check; what was tried before is remembered, as the same question comes again.
+        """On the check; what was tried before is remembered, as the same question comes again."""
+        return self.trials([hypothesis])[0]
 
-        First states are looked for near those of the last one.
+    def trials(self, hypotheses: Sequence[Hypothesis]) -> list[Trial]:
+        """The same for several hypotheses.
+
+        First states are looked for near those of the last one that is known.
         """
-        key = (hypothesis.effects, hypothesis.freed, hypothesis.counts, tuple(hypothesis.factors.values()))
-        if key not in self._known:
-            last = next(reversed(self._known.values()), None)
+        last = next(reversed(self._known.values()), None)
+        keys = [(each.effects, each.freed, each.counts, tuple(each.factors.values())) for each in hypotheses]
+        found = {key: self._known[key] for key in keys if key in self._known}
+        new = {key: each for key, each in zip(keys, hypotheses, strict=True) if key not in found}
+        made = abreast(lambda each: self.check.of(each, None if last is None else last.shot), new.values())
+        for key, trial in zip(new, made, strict=True):
             if len(self._known) >= REMEMBERED:
                 self._known.pop(next(iter(self._known)))
-            self._known[key] = self.check.of(hypothesis, None if last is None else last.shot)
-        return self._known[key]
+            self._known[key] = found[key] = trial
+        return [found[key] for key in keys]
 
     def tempered(self, stage: Stage) -> tuple[Search, Stage]:
         """The search with priors that weigh against what a stage leaves, and the stage with them."""
@@ -183,7 +206,8 @@ def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stag
     """
     best = stage.named[-1].candidate
     near = [best, *(other for other in ranked if other is not best and other.behind(best) <= slack(best.fitted))]
-    tried = {id(each): stage if each is best else search.tried(each.fitted) for each in near}
+    also = search.all_tried([(each.fitted, ()) for each in near[1:]])
+    tried = {id(each): made for each, made in zip(near, (stage, *also), strict=True)}
     of = {key: each.trial for key, each in tried.items()}
     plain = [each for each in near if all(search.prefers(of[id(each)], of[id(e)]) for e in near if contains(each, e))]
     trials = [of[id(each)] for each in plain]

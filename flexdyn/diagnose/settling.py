@@ -66,7 +66,7 @@ def pruned(search: Search, stage: Stage) -> Stage:
         search.say("asking what can be left out", 0.0)
         places = [k for k, each in enumerate(stage.named) if not each.stays]
         hopeless = FAR_ABOVE * stage.fitted.chi2
-        less = {k: search.stage(*stage.without({k}), hopeless) for k in places}
+        less = dict(zip(places, search.stages([stage.without({k}) for k in places], hopeless), strict=True))
         idle = [k for k in places if not _missed(less[k], stage)]
         if not idle:
             break

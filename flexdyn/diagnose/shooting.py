@@ -9,7 +9,6 @@ import os
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.analysis.variants import command_delays, without
 from flexdyn.choice import STIFF, core_settings, fastest_rate
+from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.sensing import early, lag, of_windows, seen, sensors, undone
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import CommandDelay, Effect, MemoryEffect, WarmUpFriction
@@ -153,7 +153,7 @@ class Shooter:
         times = self.windows.t[w, :: self.windows.block] - self.windows.t[w, 0]
         return np.ascontiguousarray(values[np.searchsorted(breaks, times + 1e-9, side="right") - 1])
 
-    @cached_property
+    @lazy
     def measured(self) -> Array:
         """What was measured, channels that lag by the model set right (windows, rows, channels); NaN: nothing."""
         windows, table = self.windows, self.windows.measured

@@ -115,6 +115,6 @@ def unbent(search: Search, first: Stage) -> Stage:
     """
     made = first.fitted
     given = dataclasses.replace(made.hypothesis, factors=dict.fromkeys(made.hypothesis.factors, 1.0))
-    tried = [(search.trial(each), each) for each in (made.hypothesis.tolerated(), given)]
-    trial, held = min(tried, key=lambda pair: pair[0].gap)
+    either = (made.hypothesis.tolerated(), given)
+    trial, held = min(zip(search.trials(either), either, strict=True), key=lambda pair: pair[0].gap)
     return Stage(dataclasses.replace(made, hypothesis=held), trial)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.fitted import BLOCK, Fit, Workspace
 from flexdyn.diagnose.gap import Shot, shoot
 from flexdyn.diagnose.hypothesis import Hypothesis, kind_and_place
+from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.windows import Windows
 from flexdyn.effects import Effect, EncoderEccentricity, KinematicError, SensorOffset
 
@@ -70,7 +70,7 @@ class Trial:
         """Gap of the median window [1]."""
         return float(np.median(self.shot.by_window))
 
-    @cached_property
+    @lazy
     def floor(self) -> float:
         """Gap of a perfect model, by a simulation of its own [1]."""
         return self.shot.floor()

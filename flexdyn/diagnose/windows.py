@@ -6,11 +6,11 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn.diagnose.lazy import lazy
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording
@@ -137,12 +137,12 @@ class Windows:
         """Between two samples [s]."""
         return float(np.median(np.diff(self.t, axis=1)))
 
-    @cached_property
+    @lazy
     def t(self) -> Array:
         """Times within the recording (windows, rows) [s]."""
         return np.stack([self.recordings[k].t[row : row + self.rows] for k, row in self.places])
 
-    @cached_property
+    @lazy
     def measured(self) -> Array:
         """What the sensors said (windows, rows, channels); NaN where a recording lacks the channel."""
         nothing = np.full(self.rows, np.nan)

@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult, minimize
 
 from flexdyn.diagnose import refine as module
+from flexdyn.diagnose import slopes
 from flexdyn.diagnose.gap import shoot
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.numbers import file_numbers
-from flexdyn.diagnose.refine import ROBUST, refine
+from flexdyn.diagnose.refine import refine
 from flexdyn.diagnose.run import window_noise
 from flexdyn.diagnose.search import workspace
+from flexdyn.diagnose.slopes import ROBUST, Slopes, slopes_of
 from flexdyn.diagnose.windows import Windows
 from tests.arms import two_link
 from tests.diagnose.test_estimate import HANGING, swinging
@@ -60,13 +62,13 @@ def least() -> OptimizeResult:
 def test_the_least_sum_of_squares_is_found(anew: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """From where it is much larger; slopes that are taken once come to the same place."""
     start, windows = problem()
-    asked, slopes = [], module._slopes
+    asked = []
 
-    def counted(*arguments: Any) -> module.Slopes:
+    def counted(*arguments: Any) -> Slopes:
         asked.append(1)
-        return slopes(*arguments)
+        return slopes_of(*arguments)
 
-    monkeypatch.setattr(module, "_slopes", counted)
+    monkeypatch.setattr(module, "slopes_of", counted)
     made = refine(start, windows, anew=anew)
     found = least()
     assert cost(start, windows, np.full(2, 0.998)) > 1.5 * found.fun
@@ -75,3 +77,25 @@ def test_the_least_sum_of_squares_is_found(anew: float, monkeypatch: pytest.Monk
     assert (np.abs(off) < 1.5 * made.std).all()
     assert (len(asked) == 1) == (anew > 0.0)
     assert (np.abs(np.array(list(made.hypothesis.factors.values())) - 1.0) < 4.0 * made.std).all()
+
+
+@pytest.mark.parametrize(("far", "simulated"), [(0.02, False), (0.04, True)])
+def test_slopes_of_another_fit_come_to_the_same_place(
+    far: float, simulated: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where it stands near; where a number is another one by more than 3 %, they are taken anew."""
+    start, windows = problem()
+    there = dataclasses.replace(start, factors=dict.fromkeys(start.factors, 1.0 + far))
+    like = refine(there, windows, rounds=1)
+    assert like.slopes is not None
+    asked, slope = [], slopes._slope
+
+    def counted(*arguments: Any) -> Array:
+        asked.append(1)
+        return slope(*arguments)
+
+    monkeypatch.setattr(slopes, "_slope", counted)
+    made = refine(start, windows, anew=math.inf, like=like)
+    assert bool(asked) == simulated
+    assert made.cost == pytest.approx(least().fun, abs=2.0)
+    assert like.cost > made.cost + 10.0

@@ -197,7 +197,7 @@ def test_what_the_file_says_of_its_numbers_decides_between_laws(
     rival = candidate(1.0, 0.01, LAWS[1:], None, np.zeros(50))
     costs = {id(named): windows.sum(), id(rival): windows.sum() + priors}
 
-    def asked(_search: Any, each: Candidate, _windows: Any) -> Refined:
+    def asked(_search: Any, each: Candidate, _windows: Any, _like: Any = None) -> Refined:
         return Refined(each.fitted.hypothesis, np.zeros(3), costs[id(each)], 18_000, windows)
 
     monkeypatch.setattr(contest, "_asked", asked)
@@ -216,7 +216,7 @@ def test_windows_are_asked_where_equations_leave_rows_out(
     named = candidate(1.0, 0.01, LAWS[:1], None, rows, made_up=made_up)
     rival = candidate(1.0, 0.01, LAWS[1:], None, rows, made_up=made_up)
 
-    def asked(_search: Any, each: Candidate, _windows: Any) -> Refined:
+    def asked(_search: Any, each: Candidate, _windows: Any, _like: Any = None) -> Refined:
         off = windows * (1.0 if each is named else 1.3)
         return Refined(each.fitted.hypothesis, np.zeros(3), float(off.sum()), 18_000, off)
 

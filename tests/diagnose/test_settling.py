@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -52,13 +53,16 @@ def test_what_the_check_does_not_miss_leaves(
         asked.append(start.effects)
         return stage(start.effects, named)
 
+    def all_fitted(starts: Sequence[tuple[Hypothesis, tuple[Named, ...]]], hopeless: float) -> list[Stage]:
+        return [fitted(*each, hopeless) for each in starts]
+
     def missed(less: Stage, more: Stage) -> bool:
         some, all_of = (each.fitted.hypothesis.effects for each in (less, more))
         ripples = sum(each in some for each in OTHERS)
         return (DRAG in all_of and DRAG not in some) or ripples < min(needed, sum(each in all_of for each in OTHERS))
 
     monkeypatch.setattr(settling, "_missed", missed)
-    search: Any = SimpleNamespace(stage=fitted, say=lambda *_: None)
+    search: Any = SimpleNamespace(stage=fitted, stages=all_fitted, say=lambda *_: None)
     after = settling.pruned(search, stage((DRAG, *OTHERS)))
     assert after.fitted.hypothesis.effects == left
     assert len(asked) == fits

@@ -1,0 +1,41 @@
+"""Values that are computed when first asked for, and once."""
+
+from __future__ import annotations
+
+import threading
+
+from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.lazy import lazy
+
+
+class Slow:
+    """A value that takes until another object's is in work as well."""
+
+    def __init__(self, barrier: threading.Barrier) -> None:
+        self.barrier = barrier
+        self.asked = 0
+
+    @lazy
+    def value(self) -> int:
+        """Of this object."""
+        self.asked += 1
+        self.barrier.wait(timeout=20.0)
+        return 7
+
+
+def test_two_objects_are_computed_at_once() -> None:
+    """Each waits for the other one; `functools.cached_property` of Python 3.11 lets only one begin."""
+    barrier = threading.Barrier(2)
+    both = [Slow(barrier), Slow(barrier)]
+    assert abreast(lambda each: each.value, both) == [7, 7]
+
+
+def test_a_value_is_computed_once_and_described() -> None:
+    """And may be put there by hand."""
+    one = Slow(threading.Barrier(1))
+    assert one.asked == 0
+    assert (one.value, one.value, one.asked) == (7, 7, 1)
+    other = Slow(threading.Barrier(1))
+    other.__dict__["value"] = 8
+    assert (other.value, other.asked) == (8, 0)
+    assert Slow.value.__doc__ == "Of this object."
