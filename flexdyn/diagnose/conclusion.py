@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.candidates import Candidate, candidates
 from flexdyn.diagnose.contest import contested
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.experiment import with_experiment
@@ -22,7 +23,6 @@ from flexdyn.diagnose.nesting import simplified
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.refine import Refined, of_fit, refine
 from flexdyn.diagnose.result import Diagnosis, Finding, Gap
-from flexdyn.diagnose.search import Candidate, candidates
 from flexdyn.diagnose.selection import Search, is_rival, slack
 from flexdyn.diagnose.settling import again
 from flexdyn.diagnose.stage import Named, Stage

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
+from flexdyn.diagnose.candidates import ENOUGH, Candidate
 from flexdyn.diagnose.refine import Refined, refine
-from flexdyn.diagnose.search import ENOUGH, Candidate
 from flexdyn.diagnose.selection import DOUBT, Search
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.verify import SURE, confirmed, surely_less

@@ -14,7 +14,7 @@ from flexdyn.diagnose.filters import FIRST, Filters
 from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.refine import Refined, of_fit
-from flexdyn.diagnose.search import weighed
+from flexdyn.diagnose.workspace import weighed
 
 Array = NDArray[np.float64]
 WIDER = math.sqrt(2.0)

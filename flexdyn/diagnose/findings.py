@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 
+from flexdyn.diagnose.candidates import Candidate
 from flexdyn.diagnose.nesting import is_nested
 from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber
 from flexdyn.diagnose.refine import Refined
 from flexdyn.diagnose.result import Calibration, Finding, Number, Suspect, Tried
-from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.stage import Alternative
 from flexdyn.effects import Effect, JointElasticity, unit_for
 from flexdyn.effects.model_error import effect_place

@@ -16,12 +16,13 @@ from flexdyn.diagnose.measured import Measured, measured
 from flexdyn.diagnose.noise import torque_noise
 from flexdyn.diagnose.result import Diagnosis, Interrupted
 from flexdyn.diagnose.sanity import check_recordings
-from flexdyn.diagnose.search import Screen, workspace
+from flexdyn.diagnose.screen import Screen
 from flexdyn.diagnose.selection import Search, forward
 from flexdyn.diagnose.settling import settled
 from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import Check
 from flexdyn.diagnose.windows import Windows
+from flexdyn.diagnose.workspace import workspace
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording
 

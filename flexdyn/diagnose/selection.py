@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.candidates import ENOUGH, Candidate, candidates
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.findings import out_of_tolerance
 from flexdyn.diagnose.fitted import ROUGH, Fit, Workspace, tempering
@@ -16,7 +17,7 @@ from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.linear import linearised
 from flexdyn.diagnose.nesting import is_simpler
 from flexdyn.diagnose.refine import of_fit, refine
-from flexdyn.diagnose.search import ENOUGH, Candidate, Screen, candidates
+from flexdyn.diagnose.screen import Screen
 from flexdyn.diagnose.stage import Alternative, Named, Stage
 from flexdyn.diagnose.verify import EXPLAINED, SURE, Check, Trial, better, confirmed, surely_less
 from flexdyn.diagnose.windows import Windows

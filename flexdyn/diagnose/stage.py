@@ -6,10 +6,10 @@ import dataclasses
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from flexdyn.diagnose.candidates import Candidate
 from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.numbers import FileNumber
-from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.verify import Trial
 from flexdyn.effects import Effect, JointElasticity
 

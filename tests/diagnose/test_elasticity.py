@@ -10,11 +10,13 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose import columns
+from flexdyn.diagnose.candidates import softened
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.filters import Filters
 from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.search import Screen, extended, softened, workspace
+from flexdyn.diagnose.screen import Screen, extended
+from flexdyn.diagnose.workspace import workspace
 from flexdyn.effects import JointElasticity
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, Levels, two_link_recording

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose import columns, search
+from flexdyn.diagnose import candidates, columns
 from flexdyn.diagnose.covariance import Noise, whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.filters import Filters
@@ -159,7 +159,7 @@ def test_a_loop_far_wider_than_a_spring_is_wound_is_a_spring(width: float, limit
     at = equations(Levels(1e-7, 1e-3), 0)
     loop = fd.effects.SpringHysteresis(JOINTS[0], stiffness=50.0, width=width * at.wound(JOINTS[0]))
     fitted: Any = SimpleNamespace(equations=at, reduced=1.0, std=lambda: {(loop, "width"): 1e-6})
-    assert search._is_a_limit(search.Candidate(fitted, 100.0, 0.0, loop, None, 0.0)) is limit
+    assert candidates._is_a_limit(candidates.Candidate(fitted, 100.0, 0.0, loop, None, 0.0)) is limit
 
 
 @pytest.mark.parametrize(("offset", "shared"), [(1e-3, True), (0.5, False)])

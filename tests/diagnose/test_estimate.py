@@ -18,7 +18,7 @@ from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.linear import LOOSE, linearised, reached
 from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.search import workspace
+from flexdyn.diagnose.workspace import workspace
 from flexdyn.errors import SimulationError
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, Levels

@@ -19,7 +19,7 @@ from flexdyn.diagnose.moves import moves
 from flexdyn.diagnose.reach import Reach
 from flexdyn.diagnose.result import Experiment, Finding, Suspect
 from flexdyn.diagnose.run import window_noise
-from flexdyn.diagnose.search import workspace
+from flexdyn.diagnose.workspace import workspace
 from flexdyn.errors import SimulationError
 from tests.arms import repickled
 from tests.browser import open_page

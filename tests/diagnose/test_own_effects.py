@@ -10,14 +10,16 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.candidates import candidates
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.filters import Filters
 from flexdyn.diagnose.gap import shoot
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.own_effects import own_effects
-from flexdyn.diagnose.search import Screen, candidates, workspace
+from flexdyn.diagnose.screen import Screen
 from flexdyn.diagnose.windows import Windows
+from flexdyn.diagnose.workspace import workspace
 from flexdyn.effects import Effect, JointEffect, base, parameter
 from tests.arms import two_link, unlisted
 from tests.diagnose.truths import ARM, JOINTS, RATE, Levels

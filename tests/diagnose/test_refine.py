@@ -20,9 +20,9 @@ from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.numbers import file_numbers
 from flexdyn.diagnose.refine import refine
 from flexdyn.diagnose.run import window_noise
-from flexdyn.diagnose.search import workspace
 from flexdyn.diagnose.slopes import ROBUST, Slopes, slopes_of
 from flexdyn.diagnose.windows import Windows
+from flexdyn.diagnose.workspace import workspace
 from tests.arms import two_link
 from tests.diagnose.test_estimate import HANGING, swinging
 

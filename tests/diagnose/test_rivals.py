@@ -10,10 +10,10 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose import contest, settling
+from flexdyn.diagnose.candidates import Candidate
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.refine import Refined
-from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.selection import is_rival
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.verify import SURE, Trial, confirmed, surely_less

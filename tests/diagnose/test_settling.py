@@ -11,8 +11,8 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose import settling
+from flexdyn.diagnose.candidates import Candidate
 from flexdyn.diagnose.hypothesis import Hypothesis
-from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.stage import Named, Stage
 from tests.arms import two_link
 from tests.oracles.two_link import TwoLink

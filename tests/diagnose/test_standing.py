@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.candidates import Candidate
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.numbers import file_numbers
 from flexdyn.diagnose.refine import Refined
 from flexdyn.diagnose.result import Gap
-from flexdyn.diagnose.search import Candidate
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.standing import standing, surely, verdict
 from tests.arms import two_link

@@ -1,0 +1,101 @@
+"""Equations, weights and priors of a model over data: what every fit of a search shares."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose import columns
+from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.covariance import Noise, encoders_rule, whitener
+from flexdyn.diagnose.equations import Equations
+from flexdyn.diagnose.estimate import fit
+from flexdyn.diagnose.filters import SECONDS, Filters
+from flexdyn.diagnose.fitted import Workspace
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.mask import sign_mask
+from flexdyn.diagnose.measured import Measured
+from flexdyn.diagnose.noise import encoder_noise, recorded_torque_noise, torque_noise
+from flexdyn.diagnose.numbers import file_numbers, with_factors
+from flexdyn.effects import SensorOffset
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+MANY = 200.0
+"""Recordings must be so many times as long as a wider filter."""
+
+
+def workspace(
+    model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
+) -> tuple[Workspace, Hypothesis, Noise]:
+    """Equations, weights and priors of a model over data; the torque's noise comes from what a first fit leaves.
+
+    Args:
+        model: as it was given.
+        data: to be explained.
+        start: with the effects that were found, where one of them changes which equations there are; None: the model.
+
+    Raises:
+        InputError: no equation says anything at any time.
+    """
+    start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
+    torque = np.maximum(recorded_torque_noise(data), 1e-12)
+    noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
+    space = weighed(_filtered(with_factors(model, {}, start.effects), data, noise), noise, start)
+    if space.whiten.mask.all():
+        problem = "joints rest, or may rest, so often that no equation says anything"
+        remedy = "let all joints move at once for seconds: while one sticks, nobody knows what friction holds"
+        raise InputError(problem, file=data[0].name, key="t", remedy=remedy)
+    for _ in range(2):
+        made = fit(start, space, steps=3)
+        left, mask = made.equations.residual, space.whiten.mask
+        noise = dataclasses.replace(noise, tau=torque_noise(made.equations, left, mask, noise))
+        space = weighed(space.equations, noise, start, mask)
+    return space, start, noise
+
+
+def weighed(equations: Equations, noise: Noise, start: Hypothesis, mask: NDArray[np.bool_] | None = None) -> Workspace:
+    """Equations with the weights that a noise gives them.
+
+    Args:
+        equations: to be fitted.
+        noise: of the channels.
+        start: whose numbers of the file are fitted.
+        mask: rows that say nothing; None: found by the noise.
+    """
+    mask = sign_mask(equations, noise) if mask is None else mask
+    whiten = whitener(equations, noise, mask)
+    raw = np.stack(abreast(partial(columns.of_number, equations), start.factors), axis=1)
+    channels, offsets, sigma = _offsets(equations, noise)
+    return Workspace(equations, whiten, noise, whiten(raw), whiten(offsets), sigma, channels)
+
+
+def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: Noise) -> Equations:
+    """The equations behind the narrowest filter that leaves the encoders' noise below the torque's.
+
+    Rows that hold little but noise, times a number of the file, would be smaller for a smaller number.
+    """
+    found = Equations(model, data, Filters.of_rate(data[0].dt))
+    for second in SECONDS[1:]:
+        short = min(len(each.t) for each in data) * data[0].dt < MANY * second
+        if short or not encoders_rule(found, noise):
+            break
+        found = Equations(model, data, Filters.of_rate(data[0].dt, second=second))
+    return found
+
+
+def _offsets(equations: Equations, noise: Noise) -> tuple[tuple[str, ...], Array, Array]:
+    """A count more or less of each encoder: nobody knows whether it rounds or cuts."""
+    names, raw, sigma = [], [], []
+    for j, joint in enumerate(equations.true.joint_names):
+        data = equations.data[0]
+        for signal, there in (("q", data.has_q[j]), ("theta", data.has_theta[j])):
+            if there:
+                names.append(f"{signal}.{joint}")
+                raw.append(columns.of_effect(equations, SensorOffset(names[-1], offset=1e-6), 1e-6))
+                sigma.append(2.0 * float(getattr(noise, signal)[j]) + 1e-12)
+    return tuple(names), np.stack(raw, axis=1), np.array(sigma)
