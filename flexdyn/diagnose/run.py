@@ -17,7 +17,8 @@ from flexdyn.diagnose.noise import torque_noise
 from flexdyn.diagnose.result import Diagnosis, Interrupted
 from flexdyn.diagnose.sanity import check_recordings
 from flexdyn.diagnose.screen import Screen
-from flexdyn.diagnose.selection import Search, forward
+from flexdyn.diagnose.search import Search
+from flexdyn.diagnose.selection import forward
 from flexdyn.diagnose.settling import settled
 from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import Check

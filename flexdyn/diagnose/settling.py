@@ -9,7 +9,8 @@ from collections.abc import Collection
 from flexdyn.diagnose.candidates import FAR_ABOVE, Candidate, candidates
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.hypothesis import DISCRETE, Hypothesis, kind_and_place
-from flexdyn.diagnose.selection import HARMLESS, Search, following, forward, is_rival, slack
+from flexdyn.diagnose.search import HARMLESS, Search
+from flexdyn.diagnose.selection import following, forward, is_rival, slack
 from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import EXPLAINED, confirmed
 from flexdyn.diagnose.windows import Windows

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.findings import finding, out_of_tolerance
 from flexdyn.diagnose.refine import Refined
 from flexdyn.diagnose.result import Gap
-from flexdyn.diagnose.selection import Search
+from flexdyn.diagnose.search import Search
 from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import EXPLAINED, Trial
 from flexdyn.model import FlexibleJointModel
