@@ -180,7 +180,7 @@ def interval_text(number: Number) -> str:
     if not (math.isfinite(number.value) and math.isfinite(number.std)):
         return "not known"
     if number.std <= 0.0:
-        return "assumed, not estimated"
+        return "chosen among a few, not measured"
     ends = (number.value + sign * CONFIDENCE * number.std for sign in (-1.0, 1.0))
     return f"{' to '.join(value_text(end, number.std) for end in ends)} {unit_text(number.unit)}".strip()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -14,12 +15,20 @@ from flexdyn.plots.page import BLUE, GREY, PALE, RED, SHADES, WIDE, cross, legen
 Array = NDArray[np.float64]
 VELOCITY = "velocity $u$ of the link or rotor [rad/s]"
 FRICTION = "friction torque [N m]"
+WAVES = 8.0
+"""Of a harmonic that are drawn at most: more of them in a turn are one block of colour."""
 
 
 def span(effect: Effect, factor: float) -> float:
     """How far a velocity axis goes: some times the speed that the law itself names, or 1 rad/s."""
     speeds = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "rad/s"]
     return factor * max(speeds) if speeds else 1.0
+
+
+def turn(effect: Effect) -> float:
+    """How far an angle axis goes: once around, or as many waves of the law's harmonic as can be told apart [rad]."""
+    harmonic = float(getattr(effect, "harmonic", 1.0))
+    return 2.0 * math.pi * min(1.0, WAVES / max(abs(harmonic), 1e-9))
 
 
 def varies(law: Callable[[Array], Any], reach: float) -> bool:
@@ -48,8 +57,8 @@ def smooth(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 def dry(axes: Any, effect: JointEffect) -> tuple[str, str]:
     """Set-valued: every torque between two ends at rest, one end in motion; over what the level depends on."""
-    if varies(lambda x: effect.torque(x, 1.0), np.pi):
-        x = np.linspace(0.0, 2.0 * np.pi, 801)
+    if varies(lambda x: effect.torque(x, 1.0), 0.5 * turn(effect)):
+        x = np.linspace(0.0, turn(effect), 801)
         _band(axes, x, effect.torque(x, 1.0), effect.torque(x, -1.0))
         return "position $x$ of the link or rotor [rad]", FRICTION
     if varies(lambda tau: effect.torque(0.0, 1.0, tau=tau), 1.0):

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.effects import ChannelLag, CommandDelay, SensorEffect
+from flexdyn.plots.friction_curves import turn
 from flexdyn.plots.page import BLUE, DASHED, GREY, WIDE, cross, legend_above
 
 VISIBLE = 0.02
@@ -32,7 +33,7 @@ def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
         return _late(axes, effect)
     lengths = [abs(getattr(effect, field.name)) for field in effect.parameters() if field.metadata["unit"] != "1"]
     turns = any(field.name == "harmonic" for field in effect.parameters())
-    reach = math.pi if turns or not any(lengths) else 5.0 * max(lengths)
+    reach = 0.5 * turn(effect) if turns or not any(lengths) else 5.0 * max(lengths)
     true = np.linspace(-reach, reach, 801)
     reported = effect.measured(true, np.arange(801.0))
     cross(axes)

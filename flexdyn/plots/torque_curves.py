@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.effects import DeflectionEffect, JointEffect
-from flexdyn.plots.friction_curves import span, varies
+from flexdyn.plots.friction_curves import span, turn, varies
 from flexdyn.plots.page import BLUE, DASHED, GREY, RED, SHADES, WIDE, cross, legend
 
 Array = NDArray[np.float64]
@@ -35,8 +35,8 @@ def spring(axes: Any, effect: JointEffect) -> tuple[str, str]:
 def deflection(axes: Any, effect: DeflectionEffect) -> tuple[str, str]:
     """The deflection that springs see: over the true one, or what the rotor's angle adds to it."""
     cross(axes)
-    if varies(lambda theta: effect.deflection(0.0, theta), math.pi):
-        theta = np.linspace(0.0, 2.0 * math.pi, 1201)
+    if varies(lambda theta: effect.deflection(0.0, theta), 0.5 * turn(effect)):
+        theta = np.linspace(0.0, turn(effect), 1201)
         axes.plot(theta, effect.deflection(0.0, theta), color=BLUE, linewidth=WIDE)
         return r"rotor position $\theta$ [rad]", r"added to the deflection $\delta$ [rad]"
     lengths = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "rad"]
@@ -66,14 +66,14 @@ def link(axes: Any, effect: JointEffect) -> tuple[str, str]:
 def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
     """tau_applied over the rotor's speed or angle for several torques asked for, else over the torque asked for."""
     over_speed = any(varies(partial(effect.torque, 0.0, tau=tau), span(effect, 1.3)) for tau in ASKED)
-    over_angle = any(varies(partial(effect.torque, u=0.0, tau=tau), math.pi) for tau in ASKED)
+    over_angle = any(varies(partial(effect.torque, u=0.0, tau=tau), 0.5 * turn(effect)) for tau in ASKED)
     up = r"$\tau_\mathrm{applied}$ [N m]"
     if over_speed:
         omega = np.linspace(-1.0, 1.0, 801) * span(effect, 1.3)
         _family(axes, effect, omega, (0.0, omega))
         return r"rotor velocity $\omega$ [rad/s]", up
     if over_angle:
-        theta = np.linspace(0.0, 2.0 * math.pi, 801)
+        theta = np.linspace(0.0, turn(effect), 801)
         _family(axes, effect, theta, (theta, 0.0))
         return r"rotor position $\theta$ [rad]", up
     cross(axes)

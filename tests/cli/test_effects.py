@@ -13,6 +13,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.plots import SUFFIXES, draw_law, example_entry
+from flexdyn.plots.laws import law_figure
 from tests.cli.conftest import Runner
 
 NAMES = tuple(fd.effects.catalogue())
@@ -112,6 +113,16 @@ def test_backlash_is_drawn_with_its_dead_zone(tmp_path: Path) -> None:
     flat = curve[np.abs(curve[:, 1] - np.median(curve[:, 1])) < 1e-3, 0]
     assert np.ptp(flat) / np.ptp(curve[:, 0]) == pytest.approx(1 / 3, abs=0.01)
     assert (np.diff(curve[:, 1]) <= 1e-6).all()
+
+
+@pytest.mark.parametrize(("harmonic", "waves"), [(2.0, 2), (40.0, 8), (222.0, 8)])
+def test_as_many_waves_are_drawn_as_can_be_told_apart(harmonic: float, waves: int) -> None:
+    """All of a turn, or a part of it; also of harmonics that a coarse grid takes for none."""
+    effect = fd.effects.KinematicError("elbow", amplitude=1e-4, harmonic=harmonic, phase=0.3)
+    (line,) = [each for each in law_figure(effect).axes[0].lines if each.get_color() == BLUE]
+    y = line.get_ydata()
+    assert np.abs(y).max() == pytest.approx(1e-4, rel=1e-2)
+    assert (np.diff(np.sign(y)) > 0.0).sum() == waves
 
 
 @pytest.mark.parametrize("name", ["load_dependent_friction", "position_dependent_friction"])

@@ -109,6 +109,8 @@ def test_the_page_opens_without_a_network(name: str, tmp_path: Path) -> None:
         for width in (1280, 600):
             page.tab.set_viewport_size({"width": width, "height": 900})
             page.wait_for(f"document.documentElement.scrollWidth == {width}")
+        tall = "[...document.querySelectorAll('.modebar')].filter(bar => bar.offsetHeight > 40).length"
+        assert page.tab.evaluate(tall) == 0, "buttons cover the pictures, which nobody can point at then"
 
 
 def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ def test_digits_follow_from_the_uncertainty() -> None:
     assert estimate_text(Number(2e6, 3e3, "N m/rad")) == "2.0000e+06 ± 3.0e+03 N m/rad"
     assert interval_text(Number(0.0, 1.0, "N m")) == "\N{MINUS SIGN}2.0 to 2.0 N m"
     assert interval_text(Number(1.0, math.nan, "N m")) == "not known"
-    assert interval_text(Number(1.0, 0.0, "1")) == "assumed, not estimated"
+    assert interval_text(Number(1.0, 0.0, "1")) == "chosen among a few, not measured"
 
 
 def test_changes_read_as_percent() -> None:
