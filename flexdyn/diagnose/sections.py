@@ -145,7 +145,8 @@ def _drift(entry: Calibration) -> float:
 
 def _calibrated(diagnosis: Diagnosis, entry: Calibration) -> str:
     name = number_phrase(diagnosis.model, entry.of, entry.parameter)
-    factor = estimate_text(Number(entry.factor, entry.std, "1"))
+    held = entry.tolerance <= 0.0 or entry.std < LIMIT * entry.tolerance
+    factor = estimate_text(Number(entry.factor, entry.std, "1")) if held else "not held by these data"
     tolerance = f'<span class="soft">\N{PLUS-MINUS SIGN}{100.0 * entry.tolerance:.3g} %</span>'
     return (
         f'<tr><td>{escape(name)} {tolerance}</td><td class="n">{factor}</td>'

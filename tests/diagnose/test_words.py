@@ -56,6 +56,15 @@ def test_a_number_beyond_its_tolerance_is_not_said_to_be_within() -> None:
     assert "They moved no farther than" not in told
 
 
+def test_a_number_that_could_be_anything_is_said_to_be_unknown() -> None:
+    """Where its interval is wider than all that its tolerance lets it be, digits would say more than is known."""
+    diagnosis = answers.no_discrepancy()
+    loose = (Calibration("elbow", "stiffness", 1.09, 44.0, 0.03), Calibration("elbow", "damping", 1.01, 0.08, 0.03))
+    told = calibration(dataclasses.replace(diagnosis, calibration=loose))
+    assert told.count("not held by these data") == 1
+    assert "1.010 \N{PLUS-MINUS SIGN} 0.080" in told
+
+
 def test_a_wider_law_is_called_needless_only_where_it_is() -> None:
     """One that explained more when the simpler one was chosen is not said to be of no use."""
     model = fd.load_model("scara_two_link")
