@@ -14,7 +14,7 @@ from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.motion import Motion, Smoothed, motion, smoothed
 from flexdyn.diagnose.sensors import corrected
 from flexdyn.diagnose.terms import joint_terms
-from flexdyn.effects import Effect, Payload, SensorEffect, TorqueConstantError
+from flexdyn.effects import Effect, ParameterError, Payload, SensorEffect, TorqueConstantError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 
@@ -316,4 +316,10 @@ def _same_links(one: Equations, other: Equations) -> bool:
     rigid = ~one.true.elastic
     mine, its = ([e for e in each.true.effects if isinstance(e, Payload)] for each in (one, other))
     same = np.array_equal(one.true.rotor_inertia[rigid], other.true.rotor_inertia[rigid])
-    return same and mine == its and one.true.robot is other.true.robot
+    return same and mine == its and one.model.robot is other.model.robot and _wrong(one) == _wrong(other)
+
+
+def _wrong(equations: Equations) -> list[ParameterError]:
+    """Errors of the links' numbers."""
+    errors = (effect for effect in equations.model.effects if isinstance(effect, ParameterError))
+    return [effect for effect in errors if effect.parameter.startswith("link_")]

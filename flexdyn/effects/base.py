@@ -140,7 +140,7 @@ class Effect:
             problem = "the effect has no torque over position and velocity"
             raise InputError(problem, key="effect", value=self.name, remedy=self.no_torque)
         columns = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (t, x, u, tau)))
-        return self._evaluate(*(np.array(column, order="C") for column in columns))
+        return self._evaluate(*(np.asarray(column, order="C") for column in columns))
 
     def to_dict(self) -> dict[str, Any]:
         """As a model file writes it: ``{effect: name, joint: ..., parameters}``; None is left out."""
