@@ -13,6 +13,8 @@ from flexdyn.errors import SimulationError
 
 SETTLED = 0.05
 """Drop of chi^2, in units of what is left of a row, below which another step is not worth its time."""
+FINE = 1e-4
+"""The same as a share of what is left over noise: laws are told apart by much more than that while one is missing."""
 AHEAD = 2
 """Steps that may go on from where chi^2 rose: numbers that multiply one another lie along a bent valley, whose floor a
 straight step leaves and the next one finds again (the watchdog of Chamberlain et al., 1982)."""
@@ -37,7 +39,8 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
     best = base = linearised(start, space)
     share, ahead = 1.0, 0
     for k in range(steps - 1):
-        if best.reached - best.chi2 < SETTLED * max(1.0, best.reduced) or (k >= A_FEW and best.chi2 > hopeless):
+        worth = max(SETTLED * max(1.0, best.reduced), FINE * (best.regression.data_chi2 - space.rows))
+        if best.reached - best.chi2 < worth or (k >= A_FEW and best.chi2 > hopeless):
             break
         watched = share == 1.0 and ahead < AHEAD
         made = _after(base, share, math.inf if watched else best.reached)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from flexdyn.diagnose import windows as cutting
+from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.conclusion import concluded
 from flexdyn.diagnose.covariance import Noise
 from flexdyn.diagnose.hypothesis import Hypothesis
@@ -103,8 +104,8 @@ def prepared(
         say: progress.
         found: what is known by now; the noise is what it leaves.
     """
-    space, start, noise = workspace(model, data[0], found)
-    other, _, its_noise = workspace(model, data[1], found)
+    both = abreast(lambda group: workspace(model, group, found), data)
+    (space, start, noise), (other, _, its_noise) = both
     check = Check(Windows.of(model, records[1], window_noise(its_noise)), other)
     screen = Screen(space, lambda share: say("proposing", share))
     return Search(space, screen, check, say), Windows.of(model, records[0], window_noise(noise)), start

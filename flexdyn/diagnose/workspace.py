@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -29,6 +30,33 @@ MANY = 200.0
 """Recordings must be so many times as long as a wider filter."""
 
 
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Of equations, before they have weights.
+
+    Attributes:
+        equations: whose.
+        numbers: by the file's numbers (rows, numbers).
+        offsets: by a count more or less of each encoder, as nobody knows whether it rounds or cuts (rows, channels).
+        channels: of these encoders.
+    """
+
+    equations: Equations
+    numbers: Array
+    offsets: Array
+    channels: tuple[str, ...]
+
+    @classmethod
+    def of(cls, equations: Equations, start: Hypothesis) -> Slopes:
+        """By the numbers of a hypothesis."""
+        data, joints = equations.data[0], equations.true.joint_names
+        there = {"q": data.has_q, "theta": data.has_theta}
+        channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
+        numbers = abreast(partial(columns.of_number, equations), start.factors)
+        offsets = [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
+        return cls(equations, np.stack(numbers, axis=1), np.stack(offsets, axis=1), channels)
+
+
 def workspace(
     model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
 ) -> tuple[Workspace, Hypothesis, Noise]:
@@ -45,7 +73,8 @@ def workspace(
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     torque = np.maximum(recorded_torque_noise(data), 1e-12)
     noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
-    space = weighed(_filtered(with_factors(model, {}, start.effects), data, noise), noise, start)
+    slopes = Slopes.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
+    space = weighed(slopes, noise)
     if space.whiten.mask.all():
         problem = "joints rest, or may rest, so often that no equation says anything"
         remedy = "let all joints move at once for seconds: while one sticks, nobody knows what friction holds"
@@ -54,24 +83,25 @@ def workspace(
         made = fit(start, space, steps=3)
         left, mask = made.equations.residual, space.whiten.mask
         noise = dataclasses.replace(noise, tau=torque_noise(made.equations, left, mask, noise))
-        space = weighed(space.equations, noise, start, mask)
+        space = weighed(slopes, noise, mask)
     return space, start, noise
 
 
-def weighed(equations: Equations, noise: Noise, start: Hypothesis, mask: NDArray[np.bool_] | None = None) -> Workspace:
+def weighed(slopes: Slopes, noise: Noise, mask: NDArray[np.bool_] | None = None) -> Workspace:
     """Equations with the weights that a noise gives them.
 
     Args:
-        equations: to be fitted.
+        slopes: of the equations to be fitted.
         noise: of the channels.
-        start: whose numbers of the file are fitted.
         mask: rows that say nothing; None: found by the noise.
     """
+    equations = slopes.equations
     mask = sign_mask(equations, noise) if mask is None else mask
     whiten = whitener(equations, noise, mask)
-    raw = np.stack(abreast(partial(columns.of_number, equations), start.factors), axis=1)
-    channels, offsets, sigma = _offsets(equations, noise)
-    return Workspace(equations, whiten, noise, whiten(raw), whiten(offsets), sigma, channels)
+    sides = (name.partition(".") for name in slopes.channels)
+    levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
+    sigma = 2.0 * np.array(levels) + 1e-12
+    return Workspace(equations, whiten, noise, whiten(slopes.numbers), whiten(slopes.offsets), sigma, slopes.channels)
 
 
 def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: Noise) -> Equations:
@@ -86,16 +116,3 @@ def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: Nois
             break
         found = Equations(model, data, Filters.of_rate(data[0].dt, second=second))
     return found
-
-
-def _offsets(equations: Equations, noise: Noise) -> tuple[tuple[str, ...], Array, Array]:
-    """A count more or less of each encoder: nobody knows whether it rounds or cuts."""
-    names, raw, sigma = [], [], []
-    for j, joint in enumerate(equations.true.joint_names):
-        data = equations.data[0]
-        for signal, there in (("q", data.has_q[j]), ("theta", data.has_theta[j])):
-            if there:
-                names.append(f"{signal}.{joint}")
-                raw.append(columns.of_effect(equations, SensorOffset(names[-1], offset=1e-6), 1e-6))
-                sigma.append(2.0 * float(getattr(noise, signal)[j]) + 1e-12)
-    return tuple(names), np.stack(raw, axis=1), np.array(sigma)
