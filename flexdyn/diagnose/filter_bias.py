@@ -14,7 +14,7 @@ from flexdyn.diagnose.filters import FIRST, Filters
 from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.refine import Refined, of_fit
-from flexdyn.diagnose.workspace import Slopes, weighed
+from flexdyn.diagnose.workspace import Unweighted, weighed
 
 Array = NDArray[np.float64]
 WIDER = math.sqrt(2.0)
@@ -38,7 +38,7 @@ def with_filter_bias(made: Fit) -> Refined:
     first = Filters.of_rate(dt, first=WIDER * max(FIRST, 1.25 * dt)).first
     filters = dataclasses.replace(space.equations.filters, first=first)
     wider = Equations(space.equations.model, space.equations.data, filters, space.equations.stiffness)
-    behind = dataclasses.replace(weighed(Slopes.of(wider, made.hypothesis), space.noise), temper=space.temper)
+    behind = dataclasses.replace(weighed(Unweighted.of(wider, made.hypothesis), space.noise), temper=space.temper)
     again = fit(made.hypothesis, behind, STEPS)
     change = _values(again.hypothesis) - _values(made.hypothesis)
     return dataclasses.replace(numbers, std=np.hypot(numbers.std, np.where(np.isfinite(change), change, 0.0)))

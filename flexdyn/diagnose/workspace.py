@@ -31,8 +31,8 @@ MANY = 200.0
 
 
 @dataclass(frozen=True, eq=False)
-class Slopes:
-    """Of equations, before they have weights.
+class Unweighted:
+    """Slopes of equations, before they have weights.
 
     Attributes:
         equations: whose.
@@ -47,7 +47,7 @@ class Slopes:
     channels: tuple[str, ...]
 
     @classmethod
-    def of(cls, equations: Equations, start: Hypothesis) -> Slopes:
+    def of(cls, equations: Equations, start: Hypothesis) -> Unweighted:
         """By the numbers of a hypothesis."""
         data, joints = equations.data[0], equations.true.joint_names
         there = {"q": data.has_q, "theta": data.has_theta}
@@ -73,8 +73,8 @@ def workspace(
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     torque = np.maximum(recorded_torque_noise(data), 1e-12)
     noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
-    slopes = Slopes.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
-    space = weighed(slopes, noise)
+    bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
+    space = weighed(bare, noise)
     if space.whiten.mask.all():
         problem = "joints rest, or may rest, so often that no equation says anything"
         remedy = "let all joints move at once for seconds: while one sticks, nobody knows what friction holds"
@@ -83,25 +83,25 @@ def workspace(
         made = fit(start, space, steps=3)
         left, mask = made.equations.residual, space.whiten.mask
         noise = dataclasses.replace(noise, tau=torque_noise(made.equations, left, mask, noise))
-        space = weighed(slopes, noise, mask)
+        space = weighed(bare, noise, mask)
     return space, start, noise
 
 
-def weighed(slopes: Slopes, noise: Noise, mask: NDArray[np.bool_] | None = None) -> Workspace:
+def weighed(bare: Unweighted, noise: Noise, mask: NDArray[np.bool_] | None = None) -> Workspace:
     """Equations with the weights that a noise gives them.
 
     Args:
-        slopes: of the equations to be fitted.
+        bare: slopes of the equations to be fitted.
         noise: of the channels.
         mask: rows that say nothing; None: found by the noise.
     """
-    equations = slopes.equations
+    equations = bare.equations
     mask = sign_mask(equations, noise) if mask is None else mask
     whiten = whitener(equations, noise, mask)
-    sides = (name.partition(".") for name in slopes.channels)
+    sides = (name.partition(".") for name in bare.channels)
     levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
     sigma = 2.0 * np.array(levels) + 1e-12
-    return Workspace(equations, whiten, noise, whiten(slopes.numbers), whiten(slopes.offsets), sigma, slopes.channels)
+    return Workspace(equations, whiten, noise, whiten(bare.numbers), whiten(bare.offsets), sigma, bare.channels)
 
 
 def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: Noise) -> Equations:

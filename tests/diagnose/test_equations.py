@@ -174,3 +174,18 @@ def test_slopes_of_the_links_are_those_of_a_motion_that_is_near(offset: float, s
     lag = fd.effects.ChannelLag("q.elbow", delay=1e-4)
     one, other = (columns.of_effect(each, lag, 1e-4) for each in (there, alone))
     np.testing.assert_allclose(one, other, atol=0.005 * np.abs(other).max())
+
+
+@pytest.mark.parametrize(("parameter", "shared"), [("stiffness", True), ("link_mass", False)])
+def test_motions_are_shared_where_the_links_stay_what_they_are(parameter: str, shared: bool) -> None:
+    """Also between models whose links were both corrected before; and a shared motion is the one it would be."""
+    given = equations(Levels(1e-6, 0.01), 0)
+    links = sorted({number.of for number in file_numbers(given.model) if number.joint is None})
+    heavier = fd.effects.ParameterError(links[0], parameter="link_mass", factor=1.02)
+    at = given.of(given.model.replace(effects=[heavier]))
+    assert at.motions is not given.motions
+    error = fd.effects.ParameterError(JOINTS[0] if shared else links[-1], parameter=parameter, factor=1.01)
+    other = at.model.replace(effects=[heavier, error])
+    assert (at.of(other).motions is at.motions) == shared
+    alone = Equations(other, given.data, given.filters, at.of(other).stiffness)
+    assert np.abs(at.of(other).residual - alone.residual).max() < 1e-9 * np.abs(alone.residual).max()
