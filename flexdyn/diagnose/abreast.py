@@ -25,11 +25,9 @@ def abreast(
         progress: called with the share that is done.
     """
     items = list(items)
-    if len(items) < 2:
-        return [work(each) for each in items]
-    found = []
-    with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-columns") as pool:
-        for each in pool.map(work, items):
+    found: list[Result] = []
+    with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-abreast") as pool:
+        for each in pool.map(work, items) if len(items) > 1 else map(work, items):
             found.append(each)
             if progress is not None:
                 progress(len(found) / len(items))

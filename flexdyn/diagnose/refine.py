@@ -117,8 +117,8 @@ def refine(
     best = _cost(current, shot, temper)
     std = np.zeros(len(current.factors) + len(current.unknowns()))
     taken: Hypothesis | None = None
-    slopes = None if like is None else like.slopes
-    known: Known = {} if slopes is None else slopes.of_numbers
+    known: Known = {} if like is None or like.slopes is None else like.slopes.of_numbers
+    slopes: Slopes | None = None
     for k in range(rounds if math.isfinite(best) else 0):
         if slopes is None or taken is None or _apart(taken, current) > anew:
             said = progress and partial(_between, progress, k / rounds, (k + 1) / rounds)
