@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose import faint
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.candidates import Candidate, candidates
 from flexdyn.diagnose.contest import contested
@@ -71,6 +72,8 @@ def concluded(
     known = refined or of_fit(sure.fitted)
     last = _freed(search, sure) if explained(sure, first) else standing(search, first, sure, known)
     refined = refined if last is sure else None
+    if not last.named and not hurry and not last.trial.exact and explained(last, first):
+        last, refined = faint.asked(search, last, windows)
     if refined is None and not hurry:
         last = contested(search, last, windows)
     last, numbers = _final(model, search, last, windows, refined, hurry=hurry)

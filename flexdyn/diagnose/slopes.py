@@ -59,13 +59,18 @@ class Slopes:
         return np.asarray(-self._inverse @ (self.J.T @ (self.weight * shot.whitened().ravel()) + self.prior * off))
 
     def std(self, shot: Shot) -> Array:
-        """Standard deviations from the sandwich of windows' gradients (numbers + unknowns,)."""
+        """Standard deviations from the sandwich of windows' gradients (numbers + unknowns,).
+
+        At least those of white surprises: where a few windows hold all that is known, their spread says little.
+        """
         surprises = shot.whitened()
         each = self.J * (self.weight * surprises.ravel())[:, None]
         by_window = each.reshape(len(surprises), -1, self.J.shape[1]).sum(axis=1)
         by_window -= by_window.mean(axis=0)
         meat = by_window.T @ by_window + np.diag(self.prior)
-        spread = np.sqrt(np.maximum(np.diag(self._inverse @ meat @ self._inverse), 0.0))
+        spread = np.sqrt(
+            np.maximum(np.diag(self._inverse @ meat @ self._inverse), np.diag(self._inverse).clip(min=0.0))
+        )
         return np.asarray(spread * np.concatenate([np.ones(len(spread) - len(self.scales)), np.array(self.scales)]))
 
 
