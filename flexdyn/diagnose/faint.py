@@ -37,6 +37,8 @@ SOME, FEWEST = 1 / 3, 20
 """Share of the windows, those furthest off, on which effects are screened, and how many these are at least."""
 KEPT, WORTH = 3, 0.3
 """Effects that are fitted to windows, and the share of the best one's promise from which they are."""
+OF_NOISE = 0.8732, 1.105
+"""Mean and standard deviation of the robust square of one surprise that is noise: 9 log(1 + x^2/9), x normal."""
 
 
 def asked(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refined | None]:
@@ -85,8 +87,9 @@ def _wanted(now: Trial, trial: Trial) -> bool:
 
 
 def at_noise(refined: Refined) -> bool:
-    """Whether the surprises of windows are no more than noise makes."""
-    return refined.cost <= refined.rows + 2.0 * math.sqrt(2.0 * refined.rows)
+    """Whether the surprises of windows are surely no more than noise makes."""
+    mean, std = OF_NOISE
+    return refined.cost <= mean * refined.rows + SURE * std * math.sqrt(refined.rows)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -99,3 +100,12 @@ def test_slopes_of_another_fit_come_to_the_same_place(
     assert bool(asked) == simulated
     assert made.cost == pytest.approx(least().fun, abs=2.0)
     assert like.cost > made.cost + 10.0
+
+
+def test_a_few_windows_that_tell_all_are_not_trusted_beyond_their_noise() -> None:
+    """One of twenty windows holds the number, and is met by chance: the number is no better known than its rows say."""
+    J = np.zeros((20 * 50, 1))
+    J[:50] = 2.0
+    shot: Any = SimpleNamespace(whitened=lambda: np.zeros((20, 50)))
+    one = Slopes(J, np.ones(len(J)), np.zeros(1), (3.0,), {})
+    assert one.std(shot) == pytest.approx([3.0 / np.linalg.norm(J)])
