@@ -11,12 +11,14 @@ from make import build, write_case
 
 import flexdyn as fd
 
-FIT, CHECK = 20.0, 8.0  # s
+SHORT, LONGER = (16.0, 6.0), (20.0, 8.0)
+"""Lengths of the fit and of the check [s]: with both encoders, and with one, which needs more."""
 
 
 def diagnosed(family: str, seed: int, number: int, folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """What the diagnosis says of a case; then the truth, which is read after it."""
-    case = write_case(build(family, seed, number, FIT, CHECK, sensors_of(family)), folder / family)
+    lengths = LONGER if family in ("motor_only", "link_only") else SHORT
+    case = write_case(build(family, seed, number, *lengths, sensors_of(family)), folder / family)
     fit, check = (fd.read_recording(case / f"{part}.npz") for part in ("fit", "check"))
     found = fd.diagnose(fd.load_model(case / "model.yaml"), [fit], [check]).to_dict()
     return found, json.loads((folder / f"{family}.truth" / f"{case.name}.json").read_text())

@@ -29,7 +29,8 @@ CASES = [
     ("none", 4, 0, "nothing"),
     ("none", 4, 1, "nothing"),
     ("outside", 4, 0, "a torque that drifts"),
-    ("outside", 4, 3, "a cable across two joints"),
+    ("outside", 4, 1, "a fan"),
+    ("outside", 4, 5, "a link that bends"),
 ]
 
 
