@@ -18,6 +18,9 @@ FINE = 1e-4
 AHEAD = 2
 """Steps that may go on from where chi^2 rose: numbers that multiply one another lie along a bent valley, whose floor a
 straight step leaves and the next one finds again (the watchdog of Chamberlain et al., 1982)."""
+LITTLE = 2
+"""Whole steps one after the other that may change less than a step is worth though they promised more: what bends at
+reversals has slopes that no step keeps."""
 A_FEW = 4
 """Steps after which a fit that does not come near what it is wanted for is given up."""
 SHORTER = 0.3
@@ -37,16 +40,18 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
         SimulationError: where it begins, the equations are not finite.
     """
     best = base = linearised(start, space)
-    share, ahead = 1.0, 0
+    share, ahead, little = 1.0, 0, 0
     for k in range(steps - 1):
         worth = max(SETTLED * max(1.0, best.reduced), FINE * (best.regression.data_chi2 - space.rows))
-        if best.reached - best.chi2 < worth or (k >= A_FEW and best.chi2 > hopeless):
+        done = best.reached - best.chi2 < worth or little == LITTLE
+        if done or (k >= A_FEW and best.chi2 > hopeless):
             break
         watched = share == 1.0 and ahead < AHEAD
         made = _after(base, share, math.inf if watched else best.reached)
         if made is None:
             base, share = best, SHORTER * share
             continue
+        little = little + 1 if share == 1.0 and abs(best.reached - made.reached) < worth else 0
         if made.reached <= best.reached:
             ahead = 0 if share == 1.0 else ahead  # where it did not help it is not tried again
             best, base, share = made, made, min(1.0, share / SHORTER)
