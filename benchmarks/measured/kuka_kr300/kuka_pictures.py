@@ -56,6 +56,7 @@ def _encoders(made: Study, figure: object) -> None:
         sums = (X - X.mean(axis=0)) @ np.array([told.estimates[term]["A"] for term in told.terms]) + of.left.mean()
         axes[0, j].plot(of.t, 1e3 * sums, color="tab:blue", lw=1.2, label=" + ".join(told.terms) + ", of A")
         axes[0, j].set(title=f"axis {j + 1}, record B", xlabel="t [s]", ylabel="[mrad]")
+        axes[0, j].margins(y=0.3)  # room for the legend
         axes[0, j].legend(fontsize=7)
         steps = ["all", *told.terms]
         for name, color in (("A", "tab:gray"), ("B", "tab:orange"), ("C", "tab:green")):
