@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.candidates import ENOUGH, Candidate
+from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.gap import Shot
 from flexdyn.diagnose.linear import linearised
 from flexdyn.diagnose.refine import Refined, refine
@@ -53,7 +54,7 @@ def asked(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refine
         windows: of the data of the fit.
     """
     temper, hypothesis = search.space.temper, stage.fitted.hypothesis
-    seen = refine(hypothesis, windows, 0)
+    seen = refine(hypothesis, windows, 0, temper=temper)
     if at_noise(seen):
         return stage, None
     search.say(WHAT, 0.0)
@@ -65,9 +66,10 @@ def asked(search: Search, stage: Stage, windows: Windows) -> tuple[Stage, Refine
         return (dataclasses.replace(stage, trial=trial), bare) if _wanted(stage.trial, trial) else (stage, None)
     if bare.slopes is None or bare.shot is None:
         return stage, None
-    worth = _promising(search, bare, Seen.of(bare, bare.slopes, bare.shot))
+    fitted = linearised(bare.hypothesis, search.space)
+    worth = _promising(search, fitted, Seen.of(bare, bare.slopes, bare.shot))
     bare = refine(bare.hypothesis, windows, 0, temper=temper, like=seen)
-    made = [each for each in abreast(lambda one: _fitted(search, one, bare, windows), worth) if each is not None]
+    made = [each for each in abreast(lambda one: _fitted(fitted, one, bare, windows), worth) if each is not None]
     made.sort(key=lambda pair: pair[0].chi2 + pair[0].cost)
     if not made or not at_noise(made[0][1]) or made[0][0].drop < ENOUGH:
         return stage, None
@@ -131,22 +133,22 @@ class Seen:
         return np.asarray(np.sqrt(self.slopes.weight) * self.shot.whitened_change(change).ravel())
 
 
-def _promising(search: Search, bare: Refined, seen: Seen) -> list[Screened]:
+def _promising(search: Search, fitted: Fit, seen: Seen) -> list[Screened]:
     """Effects by what a linear step on windows promises, best first, each at the grid point that equations prefer."""
-    ranked = search.screen.ranked(linearised(bare.hypothesis, search.space), 1.0)
+    ranked = search.screen.ranked(fitted, 1.0)
     open_ = [each for each in ranked if each.proposal and each.proposal.place["effect"] != JointElasticity.name]
     found = sorted(abreast(seen.promise, open_, lambda share: search.say(WHAT, share)), key=lambda each: -each.score)
     return [each for each in found[:KEPT] if each.score >= max(ENOUGH, WORTH * found[0].score)]
 
 
-def _fitted(search: Search, choice: Screened, bare: Refined, windows: Windows) -> tuple[Candidate, Refined] | None:
+def _fitted(before: Fit, choice: Screened, bare: Refined, windows: Windows) -> tuple[Candidate, Refined] | None:
     """A choice fitted to windows; None where it makes no sense."""
-    start = extended(linearised(bare.hypothesis, search.space), choice)
+    start = extended(before, choice)
     if start is None or choice.proposal is None:
         return None
     try:
-        refined = refine(start, windows, ROUNDS, temper=search.space.temper, anew=BENT, like=bare)
-        made = linearised(refined.hypothesis, search.space)
+        refined = refine(start, windows, ROUNDS, temper=before.space.temper, anew=BENT, like=bare)
+        made = linearised(refined.hypothesis, before.space)
     except (InputError, SimulationError):
         return None
     cost = choice.proposal.numbers * math.log(bare.rows)
