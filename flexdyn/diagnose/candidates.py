@@ -145,6 +145,7 @@ def _softened(before: Fit, start: Hypothesis, choice: Screened, cost: float, sca
 
 def softened(start: Hypothesis, space: Workspace) -> Fit:
     """The fit of a hypothesis with a new `joint_elasticity` to equations of its own, whose noise its stiffness sets."""
+    start = start.tolerated()  # what bent the numbers were other equations
     for _ in range(SOFTENINGS):
         space, start, _ = workspace(start.given, space.equations.data, start)
         made = fit(start, space)

@@ -31,7 +31,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
     """Gauss-Newton from a hypothesis: every number of the file within its prior, every unknown of its effects.
 
     Args:
-        start: where to begin.
+        start: where to begin, or there with its numbers back within their tolerance, where that leaves less.
         space: data, weights and the derivatives that do not change.
         steps: at most so many.
         hopeless: chi^2 beyond which it is given up after a few steps, if the next one does not promise less either.
@@ -39,7 +39,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
     Raises:
         SimulationError: where it begins, the equations are not finite.
     """
-    best = base = linearised(start, space)
+    best = base = _begun(start, space)
     share, ahead, little = 1.0, 0, 0
     for k in range(steps - 1):
         worth = max(SETTLED * max(1.0, best.reduced), FINE * (best.regression.data_chi2 - space.rows))
@@ -60,6 +60,17 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
         else:
             base, share = best, SHORTER * share
     return _counted(best, space)
+
+
+def _begun(start: Hypothesis, space: Workspace) -> Fit:
+    """The problem where a fit begins: what bent the numbers may be gone by now, or still be there."""
+    held = start.tolerated()
+    if held.factors == start.factors:
+        return linearised(start, space)
+    at, back = (space.equations.of(each.model()) for each in (start, held))
+    if reached(start, at, space) < reached(held, back, space):
+        return linearised(start, space, None, at)
+    return linearised(held, space, None, back)
 
 
 def _after(base: Fit, share: float, most: float) -> Fit | None:

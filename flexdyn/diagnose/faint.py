@@ -147,7 +147,7 @@ def _fitted(before: Fit, choice: Screened, bare: Refined, windows: Windows) -> t
     if start is None or choice.proposal is None:
         return None
     try:
-        refined = refine(start, windows, ROUNDS, temper=before.space.temper, anew=BENT, like=bare)
+        refined = refine(start.tolerated(), windows, ROUNDS, temper=before.space.temper, anew=BENT, like=bare)
         made = linearised(refined.hypothesis, before.space)
     except (InputError, SimulationError):
         return None

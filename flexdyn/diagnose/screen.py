@@ -78,8 +78,8 @@ def _holds(made: Fit, proposal: Proposal) -> bool:
 
 
 def extended(made: Fit, choice: Screened) -> Hypothesis | None:
-    """The hypothesis with a proposal added, its numbers back within their tolerance."""
-    start = made.hypothesis.tolerated()
+    """The hypothesis with a proposal added."""
+    start = made.hypothesis
     if choice.number is not None:
         return start.freed_of(choice.number, made.hypothesis.factors[choice.number])
     effect = choice.proposal.make(choice.point, choice.values) if choice.proposal else None

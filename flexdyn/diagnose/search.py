@@ -101,7 +101,7 @@ class Search:
             if abs(math.log(weight / search.space.temper)) < TEMPERED:
                 break
             search = dataclasses.replace(search, space=dataclasses.replace(search.space, temper=weight))
-            made = fit(made.hypothesis.tolerated(), search.space)
+            made = fit(made.hypothesis, search.space)
         return search, stage if made is stage.fitted else search.tried(made, stage.named)
 
     def prefers(self, one: Trial, other: Trial) -> bool:

@@ -13,6 +13,7 @@ from flexdyn.diagnose.nesting import is_simpler
 from flexdyn.diagnose.refine import of_fit
 from flexdyn.diagnose.search import Search
 from flexdyn.diagnose.stage import Alternative, Named, Stage
+from flexdyn.diagnose.standing import explained
 from flexdyn.diagnose.verify import EXPLAINED, SURE, confirmed, surely_less
 from flexdyn.effects import Effect, JointElasticity
 from flexdyn.effects.model_error import effect_place
@@ -29,6 +30,9 @@ AHEAD = 0.3
 """Share of what is left that an effect must take to be kept in hope, while others hide what it does to the windows."""
 HOPES = 2
 """Effects that are kept in hope one after the other."""
+SLIGHT = 0.05
+"""Share of what equations leave that a linear step must promise where windows are at noise and filters, not noise,
+limit equations: any law takes some of what filters bend, and windows notice."""
 
 
 def forward(search: Search, stages: list[Stage]) -> Search:
@@ -42,8 +46,10 @@ def forward(search: Search, stages: list[Stage]) -> Search:
     """
     hopes = 0
     while len(stages[-1].named) < MOST:
-        search.say(f"looking for effect {len(stages[-1].named) + 1}", 0.0)
-        after, sure = following(search, stages[-1])
+        now = stages[-1]
+        search.say(f"looking for effect {len(now.named) + 1}", 0.0)
+        ranked = candidates(search.space, search.screen, now.fitted, _least(stages[0], now))
+        after, sure = following(search, now, ranked)
         hopes = 0 if sure else hopes + 1
         if after is None or hopes > HOPES:
             break
@@ -56,15 +62,22 @@ def forward(search: Search, stages: list[Stage]) -> Search:
     return search
 
 
-def following(search: Search, now: Stage, ranked: Sequence[Candidate] | None = None) -> tuple[Stage | None, bool]:
+def _least(first: Stage, now: Stage) -> float:
+    """Drop of chi^2 that the next effect must promise to be asked about."""
+    made = now.fitted
+    if made.reduced < ROUGH or not now.named or not explained(now, first):
+        return 0.0
+    return SLIGHT * (made.regression.data_chi2 - made.regression.rows)
+
+
+def following(search: Search, now: Stage, ranked: Sequence[Candidate]) -> tuple[Stage | None, bool]:
     """The best candidate that the check confirms, or one to keep in hope; and whether it was confirmed.
 
     Args:
         search: that made the stage.
         now: what is named so far.
-        ranked: candidates, best first; None: all that are promising.
+        ranked: candidates, best first.
     """
-    ranked = candidates(search.space, search.screen, now.fitted) if ranked is None else ranked
     if search.windows is not None:  # what is rigid and what is not has been decided by then
         ranked = [each for each in ranked if not isinstance(each.effect, JointElasticity)]
     hope: Stage | None = None

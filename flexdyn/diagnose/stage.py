@@ -78,4 +78,4 @@ class Stage:
         effects = zip(places, self.fitted.hypothesis.effects, strict=True)
         left = tuple(effect for k, effect in effects if k not in gone)
         freed = frozenset(each.candidate.number for each in kept if each.candidate.number is not None)
-        return dataclasses.replace(self.fitted.hypothesis, effects=left, freed=freed).tolerated(), kept
+        return dataclasses.replace(self.fitted.hypothesis, effects=left, freed=freed), kept

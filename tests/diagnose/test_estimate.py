@@ -139,6 +139,28 @@ def test_a_fit_that_comes_near_is_not_given_up_and_one_that_does_not_is(monkeypa
     assert len(steps) == estimate.A_FEW + 1 < taken
 
 
+@pytest.mark.parametrize("right", [True, False])
+def test_a_fit_begins_with_numbers_bent_only_where_data_speaks_for_them(
+    right: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A stiffness a third off that the arm does have, or that a missing effect had bent; both fits end at the truth."""
+    space, start = problem(
+        *(fd.effects.ParameterError("elbow", parameter="stiffness", factor=1.4) for _ in range(right))
+    )
+    (number,) = (n for n in start.factors if (n.of, n.parameter) == ("elbow", "stiffness"))
+    bent = dataclasses.replace(start, factors={**start.factors, number: 1.0 / 1.4})
+    begun = []
+
+    def noted(*arguments: Any) -> Fit:
+        begun.append(arguments[0])
+        return linearised(*arguments)
+
+    monkeypatch.setattr(estimate, "linearised", noted)
+    made = fit(bent, space)
+    assert begun[0].factors == (bent if right else bent.tolerated()).factors
+    assert made.hypothesis.factors[number] == pytest.approx(1.0 / 1.4 if right else 1.0, rel=1e-3)
+
+
 def test_what_is_left_at_a_place_is_known_without_its_slopes() -> None:
     """The same sum of squares as the whole problem there has, priors and free encoder counts included."""
     space, start = problem()

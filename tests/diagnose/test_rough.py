@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from flexdyn.diagnose import selection
 from flexdyn.diagnose.fitted import tempering
 from flexdyn.diagnose.regression import Regression
 
@@ -46,3 +47,36 @@ def test_rows_alike_count_as_one(white: NDArray[np.float64]) -> None:
     """Every row ten times over says no more than one: the correlation time of a block of ten is ten rows."""
     blocks = np.repeat(white[: ROWS // 10], 10, axis=0)
     assert tempering(left_over(10.0 * blocks)) == pytest.approx(1000.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("reduced", "median", "named", "least"),
+    [
+        (2.5, 0.7, 1, selection.SLIGHT * 1500.0),
+        (1.5, 0.7, 1, 0.0),  # noise limits the equations
+        (2.5, 5.0, 1, 0.0),  # windows say that more is missing
+        (2.5, 0.7, 0, 0.0),  # the file's numbers may be bent
+    ],
+)
+def test_beside_what_explains_windows_rough_equations_ask_for_more_than_a_little(
+    reduced: float, median: float, named: int, least: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 1000 rows; what any law takes of what filters bend is not asked about."""
+    asked = []
+
+    def candidates(_space: Any, _screen: Any, _made: Any, least: float) -> list[Any]:
+        asked.append(least)
+        return []
+
+    def stage(excess: float, names: int) -> Any:
+        regression = SimpleNamespace(data_chi2=1000.0 * reduced, rows=1000)
+        trial = SimpleNamespace(median=median, floor=1.0, excess=excess, count=np.array([1000.0]))
+        fitted = SimpleNamespace(reduced=reduced, regression=regression)
+        return SimpleNamespace(fitted=fitted, trial=trial, named=(None,) * names)
+
+    search: Any = SimpleNamespace(say=lambda *_: None, space=None, screen=None, windows=None)
+    monkeypatch.setattr(selection, "candidates", candidates)
+    stages = [stage(1e6, 0), stage(1500.0, named)]
+    selection.forward(search, stages)
+    assert asked == [pytest.approx(least)]
+    assert len(stages) == 2
