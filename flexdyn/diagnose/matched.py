@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,7 +54,7 @@ class Matched:
 
 
 def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Array) -> Matched:
-    """Move first states until it does not pay any more, also from rest where friction may hold what nobody sees.
+    """Move first states until it does not pay any more, strays also from rest where friction may hold what nobody sees.
 
     Args:
         shooter: of the model and the windows.
@@ -62,8 +63,10 @@ def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Ar
         moved: where to begin, from `starts` (windows, nx).
     """
     found = _from(shooter, starts, used, moved)
-    if starts.stuck is not None and found.stray(used).any():
-        found = _better(shooter, starts, used, found, _from(shooter, starts, used, starts.stuck - starts.x))
+    stray = found.stray(used)
+    if starts.stuck is not None and stray.any():
+        resting = np.where(stray[:, None], starts.stuck - starts.x, found.moved)
+        found = _better(shooter, starts, used, found, _from(shooter, starts, used, resting, found, stray))
     return found
 
 
@@ -72,13 +75,29 @@ def within(starts: Starts, moved: Array) -> Array:
     return np.clip(np.nan_to_num(moved), -FARTHEST * starts.std, FARTHEST * starts.std)
 
 
-def _from(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Array) -> Matched:
-    """Correct the first states by linear responses until it does not pay any more; moved: where to begin."""
-    motion = shooter.run(starts.x + moved)
+def _from(
+    shooter: Shooter,
+    starts: Starts,
+    used: NDArray[np.bool_],
+    moved: Array,
+    rest: Matched | None = None,
+    some: NDArray[np.bool_] | None = None,
+) -> Matched:
+    """Correct the first states by linear responses until it does not pay any more.
+
+    Args:
+        shooter: of the model and the windows.
+        starts: first states and how loosely they are known.
+        used: samples that count (windows, rows, channels).
+        moved: where to begin (windows, nx).
+        rest: windows as they were, of which only some are corrected; None: all of them.
+        some: windows to correct (windows,).
+    """
+    some = np.ones(len(moved), bool) if some is None else some
+    motion = shooter.run(starts.x + moved, which=np.flatnonzero(some), others=None if rest is None else rest.motion)
     residual = bounded_residual(shooter, motion, used)
-    response = spread(shooter, motion, np.arange(len(moved)))
-    fit = Matched(moved, residual, motion, Filter.of(shooter.windows, response, starts.std, used))
-    factor, active = np.ones(len(moved)), np.ones(len(moved), bool)
+    fit = Matched(moved, residual, motion, _filter(shooter, starts, used, motion, some, rest))
+    factor, active = np.ones(len(moved)), some
     if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
         return fit
     for _ in range(ROUNDS):
@@ -87,29 +106,38 @@ def _from(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Arra
         again = shooter.run(starts.x + wanted, which=np.flatnonzero(active), others=fit.motion)
         left = bounded_residual(shooter, again, used)
         before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
-        better = after < before
+        better = active & (after < before)
         factor = np.where(better, 1.0, SHORTER * factor)
         motion = _chosen(better, again, fit.motion)
         moved = np.where(better[:, None], wanted, fit.moved)
         fit = Matched(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
-        stray = fit.stray(used)
-        if np.minimum(before, after).sum() > SETTLED * before.sum() and not stray.any():
+        stray = some & fit.stray(used)
+        if np.minimum(before, after)[some].sum() > SETTLED * before[some].sum() and not stray.any():
             break
         active = active & (np.abs(before - after) > (1.0 - SETTLED) * before) | stray
-        which = np.flatnonzero(better)
-        if len(which):
-            response = response.replaced(which, spread(shooter, motion, which))
-            fit = Matched(fit.moved, fit.residual, motion, Filter.of(shooter.windows, response, starts.std, used))
+        fit = dataclasses.replace(fit, filter=_filter(shooter, starts, used, motion, better, fit))
     return fit
+
+
+def _filter(
+    shooter: Shooter, starts: Starts, used: NDArray[np.bool_], motion: Motion, some: NDArray[np.bool_],
+    rest: Matched | None,
+) -> Filter:  # fmt: skip
+    """By which a motion is measured: made anew for some windows, for the rest as it was."""
+    which = np.flatnonzero(some)
+    if rest is not None and not len(which):
+        return rest.filter
+    made = Filter.of(shooter.windows, spread(shooter, motion, which), starts.std, used, which)
+    return made if rest is None else rest.filter.replaced(which, made)
 
 
 def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matched, other: Matched) -> Matched:
     """Window by window the fit that leaves less."""
     wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
     motion = _chosen(wins, other.motion, one.motion)
-    filter_ = Filter.of(shooter.windows, spread(shooter, motion, np.arange(len(wins))), starts.std, used)
     moved = np.where(wins[:, None], other.moved, one.moved)
-    return Matched(moved, np.where(wins[:, None, None], other.residual, one.residual), motion, filter_)
+    residual = np.where(wins[:, None, None], other.residual, one.residual)
+    return Matched(moved, residual, motion, _filter(shooter, starts, used, motion, wins, one))
 
 
 def bounded_residual(shooter: Shooter, motion: Motion, used: NDArray[np.bool_]) -> Array:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.spread import HUGE, Spread
+from flexdyn.diagnose.spread import HUGE, Indices, Spread
 from flexdyn.diagnose.windows import Windows
 
 Array = NDArray[np.float64]
@@ -45,21 +46,22 @@ class Filter:
     wild: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, windows: Windows, response: Spread, std: Array, used: NDArray[np.bool_]) -> Filter:
-        """Run the covariances through.
+    def of(cls, windows: Windows, response: Spread, std: Array, used: NDArray[np.bool_], which: Indices) -> Filter:
+        """Run the covariances through, for some windows.
 
         Args:
-            windows: with the noise levels.
-            response: linear, of the motion.
+            windows: all, with the noise levels.
+            response: linear, of the motion of those that are wanted.
             std: of the prior of the first states (windows, nx).
             used: samples that count (windows, rows, channels).
+            which: windows are wanted.
         """
-        flow, push = response.flow, response.push
+        flow, push, std = response.flow, response.push, std[which]
         count, blocks, nx, _ = flow.shape
-        counted = used[:, :: windows.block].astype(float)
+        counted = used[which, :: windows.block].astype(float)
         seen = response.seen * counted[..., None]
         sensor = windows.sensor_noise**2
-        R = np.eye(len(sensor)) * np.where(counted > 0, sensor / _averaged(windows), 1.0)[:, :, None, :]
+        R = np.eye(len(sensor)) * np.where(counted > 0, sensor / _averaged(windows, which), 1.0)[:, :, None, :]
         P = np.eye(nx) * (std**2)[:, None, :]
         cross, first, moved = P.copy(), P.copy(), np.broadcast_to(np.eye(nx), P.shape)
         V = np.zeros_like(P)
@@ -88,6 +90,14 @@ class Filter:
         unfitted = sensor + np.minimum(carried, most)
         wild = ((carried > most) | (left > most)).any(axis=(1, 2))
         return cls(response, gain, first_gain, whitener, variance, unfitted, counted, windows.block, wild)
+
+    def replaced(self, which: Indices, other: Filter) -> Filter:
+        """The same for all windows but some, for which it is as in another one, which holds these alone."""
+        names = [field.name for field in dataclasses.fields(self) if field.name not in ("response", "block")]
+        parts = {name: getattr(self, name).copy() for name in names}
+        for name, part in parts.items():
+            part[which] = getattr(other, name)
+        return dataclasses.replace(self, response=self.response.replaced(which, other.response), **parts)
 
     def _run(self, residual: Array, error: Array) -> tuple[Array, Array]:
         """Whitened surprises (windows, blocks, channels) and the estimated error of the first states (windows, nx)."""
@@ -135,8 +145,8 @@ def _root(carried: Array, sensor: Array) -> Array:
         return np.asarray(np.eye(whole.shape[1]) / size[:, :, None])
 
 
-def _averaged(windows: Windows) -> Array:
+def _averaged(windows: Windows, which: Indices) -> Array:
     """Independent samples in every block (windows, blocks, channels): an encoder that rests repeats its error."""
-    samples = windows.measured.reshape(len(windows), windows.blocks, windows.block, -1)
+    samples = windows.measured[which].reshape(len(which), windows.blocks, windows.block, -1)
     moves = (samples != samples[:, :, :1]).any(axis=2)
     return np.where(moves, float(windows.block), 1.0)

@@ -109,7 +109,7 @@ def test_noise_that_would_excuse_any_motion_is_told(tmp_path: Path) -> None:
     response = spread(shooter, shooter.run(starts.x), np.arange(len(starts.x)))
     grown = dataclasses.replace(response, flow=10.0 * response.flow)
     used = np.ones(windows.measured.shape, bool)
-    told = [Filter.of(windows, each, starts.std, used).wild for each in (response, grown)]
+    told = [Filter.of(windows, each, starts.std, used, np.arange(len(windows))).wild for each in (response, grown)]
     assert not told[0].any()
     assert told[1].all()
 
