@@ -33,7 +33,7 @@ NEVER = {
     "diagnose": ("viewer", "cli"),
     "errors": ("model", "robot", "effects", "records", "simulate", "_core"),
 }
-PROPOSING = {"proposal", "proposals", "screen", "candidates", "search", "selection", "own_effects"}
+PROPOSING = {"proposal", "proposals", "screen", "candidates", "search", "selection", "rivals", "own_effects"}
 """Of `flexdyn.diagnose`: what thinks of names. What verifies them does not know where they came from."""
 
 

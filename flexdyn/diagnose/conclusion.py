@@ -24,8 +24,8 @@ from flexdyn.diagnose.nesting import simplified
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.refine import Refined, of_fit, refine
 from flexdyn.diagnose.result import Diagnosis, Finding, Gap
+from flexdyn.diagnose.rivals import is_rival, slack
 from flexdyn.diagnose.search import Search
-from flexdyn.diagnose.selection import is_rival, slack
 from flexdyn.diagnose.settling import again
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.standing import explained, idle, standing, surely, unbent, verdict

@@ -9,8 +9,8 @@ import numpy as np
 
 from flexdyn.diagnose.candidates import ENOUGH, Candidate
 from flexdyn.diagnose.refine import Refined, refine
+from flexdyn.diagnose.rivals import DOUBT
 from flexdyn.diagnose.search import Search
-from flexdyn.diagnose.selection import DOUBT
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.verify import SURE, confirmed, surely_less
 from flexdyn.diagnose.windows import Windows

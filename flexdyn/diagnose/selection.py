@@ -6,11 +6,10 @@ import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 
-from flexdyn.diagnose.candidates import ENOUGH, Candidate, candidates
-from flexdyn.diagnose.findings import out_of_tolerance
+from flexdyn.diagnose.candidates import Candidate, candidates
 from flexdyn.diagnose.fitted import ROUGH, Fit
 from flexdyn.diagnose.nesting import is_simpler
-from flexdyn.diagnose.refine import of_fit
+from flexdyn.diagnose.rivals import is_rival, outdone, slack
 from flexdyn.diagnose.search import Search
 from flexdyn.diagnose.stage import Alternative, Named, Stage
 from flexdyn.diagnose.standing import explained
@@ -24,8 +23,6 @@ TRIED = 4
 """Candidates of one round that may fail the check before the search ends."""
 LEAST = 0.3
 """Share of what the best candidate takes from which another is tried where the check does not confirm the best."""
-DOUBT = 1.0
-"""Share of what the best candidate leaves over noise by which another may do worse: its own errors are as large."""
 AHEAD = 0.3
 """Share of what is left that an effect must take to be kept in hope, while others hide what it does to the windows."""
 HOPES = 2
@@ -58,7 +55,7 @@ def forward(search: Search, stages: list[Stage]) -> Search:
             break
         if search.windows is not None:
             search, after = search.tempered(after)
-        stages.append(after)
+        stages.append(outdone(search, after))
     return search
 
 
@@ -136,23 +133,11 @@ def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stag
     return dataclasses.replace(tried[id(named)], named=(*now.named, last))
 
 
-def is_rival(other: Candidate, named: Candidate) -> bool:
-    """Whether another does without what is named: a number that is surely out of tolerance with both is wrong."""
-    return named.number is None or named.number not in out_of_tolerance(of_fit(other.fitted))
-
-
 def _among(ranked: Sequence[Candidate], best: Candidate, gaps: Mapping[int, float]) -> tuple[Alternative, ...]:
     """The candidates of a round as they compare with the one that was chosen."""
     return tuple(
         Alternative(each.effect, each.number, each.behind(best), gaps.get(id(each), math.nan)) for each in ranked
     )
-
-
-def slack(best: Fit) -> float:
-    """Difference of BIC that says nothing: what is left over noise comes from errors that any law shares."""
-    rows = best.regression.rows
-    over = best.regression.data_chi2 - rows - 2.0 * math.sqrt(2.0 * rows)
-    return ENOUGH + DOUBT * max(over, 0.0) / max(1.0, best.reduced)
 
 
 def contains(one: Candidate, other: Candidate) -> bool:

@@ -8,14 +8,13 @@ from collections.abc import Collection
 
 from flexdyn.diagnose.candidates import FAR_ABOVE, Candidate, candidates
 from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.hypothesis import DISCRETE, Hypothesis, kind_and_place
+from flexdyn.diagnose.hypothesis import DISCRETE, kind_and_place
+from flexdyn.diagnose.rivals import asked_again, slack
 from flexdyn.diagnose.search import HARMLESS, Search
-from flexdyn.diagnose.selection import following, forward, is_rival, slack
+from flexdyn.diagnose.selection import following, forward
 from flexdyn.diagnose.stage import Stage
 from flexdyn.diagnose.verify import EXPLAINED, confirmed
 from flexdyn.diagnose.windows import Windows
-from flexdyn.effects import JointElasticity
-from flexdyn.errors import SimulationError
 
 PROMISING = 0.3
 """Share of what was unexplained below which effects are asked whether others would do better."""
@@ -57,7 +56,7 @@ def settled(search: Search, first: Stage, stage: Stage) -> Stage:
     good = stage.trial.excess < PROMISING * first.trial.excess or stage.trial.median < EXPLAINED
     older = any(not each.stays and each.candidate.fitted.space is not search.space for each in stage.named)
     if good and (len(stage.named) > 1 or older):  # other noise by now, or other effects
-        stage = _asked_again(search, _merged(search, _exchanged(search, stage)))
+        stage = asked_again(search, _merged(search, _exchanged(search, stage)))
     return stage
 
 
@@ -95,40 +94,6 @@ def _exchanged(search: Search, stage: Stage) -> Stage:
         after = next((_instead(search, stage, {k}) for k, each in enumerate(stage.named) if each is old), None)
         stage = stage if after is None else pruned(search, after)
     return stage
-
-
-def _asked_again(search: Search, stage: Stage) -> Stage:
-    """Rivals that did as well before the other effects were known stay only where they do so beside them."""
-    goal = stage.fitted
-    effects = iter(goal.hypothesis.effects)
-    named = []
-    for k, each in enumerate(stage.named):
-        effect = next(effects) if each.candidate.number is None else None
-        if not each.rivals or each.stays:
-            named.append(each)
-            continue
-        search.say("asking rivals again", 0.0)
-        now = dataclasses.replace(each.candidate, fitted=goal, effect=effect, chi2=goal.reached)
-        start = stage.without({k})[0]
-        soft = [rival for rival in each.rivals if isinstance(rival.effect, JointElasticity)]  # in equations of its own
-        asked = [_beside(search, start, rival) for rival in each.rivals if rival not in soft]
-        near = [one for one in asked if one is not None and one.behind(now) <= slack(goal) and is_rival(one, now)]
-        named.append(dataclasses.replace(each, candidate=now, rivals=(*near, *soft)))
-    return dataclasses.replace(stage, named=tuple(named))
-
-
-def _beside(search: Search, start: Hypothesis, rival: Candidate) -> Candidate | None:
-    """A rival fitted again, beside what was found since; None where its equations overflow there."""
-    if rival.number is not None:
-        start = start.freed_of(rival.number, rival.fitted.hypothesis.factors[rival.number])
-    elif rival.effect is not None:
-        start = dataclasses.replace(start, effects=(*start.effects, rival.effect))
-    try:
-        made = fit(start, search.space)
-    except SimulationError:
-        return None
-    effect = made.hypothesis.effects[-1] if rival.number is None else None
-    return dataclasses.replace(rival, fitted=made, effect=effect, chi2=made.reached)
 
 
 def _merged(search: Search, stage: Stage) -> Stage:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,8 +10,10 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose import matched as matching
 from flexdyn.diagnose import shooting
 from flexdyn.diagnose.gap import Shot, gap, shoot
+from flexdyn.diagnose.starts import first_states
 from flexdyn.diagnose.windows import Windows
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, Levels, two_link_recording
@@ -57,6 +60,33 @@ def test_windows_that_are_not_asked_for_keep_what_they_did() -> None:
     assert np.array_equal(there.q[kept], whole.q[kept])
     assert np.array_equal(there.x[some], shooter.run(shot.x0 + 1e-3).x[some])
     assert (there.q[some] != whole.q[some]).any()
+
+
+def test_only_windows_that_stray_are_tried_from_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The others stay as they were; a stray goes where it is less off, here back to where it was."""
+    shot = shot_of(Levels(), 0, ("q",))
+    shooter, used = shooting.Shooter(shot.model, shot.windows), shot.used
+    starts = first_states(shooter)
+    begin = np.zeros_like(starts.x)
+    alone = matching.matched(shooter, starts, used, begin)
+    strays = np.arange(len(shot.windows)) % 3 == 1
+    resting = starts.x + 3.0 * starts.std
+    starts = dataclasses.replace(starts, stuck=resting)
+    monkeypatch.setattr(matching.Matched, "stray", lambda _self, _used: strays)
+    asked: list[tuple[Any, Any]] = []
+    run = shooting.Shooter.run
+
+    def noted(self: shooting.Shooter, x0: Any, **others: Any) -> shooting.Motion:
+        asked.append((x0, others["which"]))
+        return run(self, x0, **others)
+
+    monkeypatch.setattr(shooting.Shooter, "run", noted)
+    both = matching.matched(shooter, starts, used, begin)
+    rests = [which for x0, which in asked if np.array_equal(x0[strays], resting[strays])]
+    assert [which.tolist() for which in rests] == [np.flatnonzero(strays).tolist()]
+    np.testing.assert_array_equal(both.moved[~strays], alone.moved[~strays])
+    left, before = (each.filter.scaled(each.residual) for each in (both, alone))
+    assert (left <= 1.05 * before).all()
 
 
 def test_whitened_residuals_of_a_true_model_are_white() -> None:

@@ -147,6 +147,13 @@ def test_some_windows_respond_as_among_all(tmp_path: Path, timed: bool) -> None:
     for name in ("flow", "push", "seen"):
         np.testing.assert_allclose(getattr(filled, name)[some], getattr(response, name)[some], rtol=1e-9, atol=1e-12)
 
+    used, std = np.ones(windows.measured.shape, bool), first_states(shooter).std
+    one, other = (Filter.of(windows, r, std, used, w) for r, w in ((response, np.arange(len(windows))), (few, some)))
+    mixed = dataclasses.replace(one, gain=0.0 * one.gain, whitener=0.0 * one.whitener).replaced(some, other)
+    for name in ("gain", "first_gain", "whitener", "variance", "unfitted", "counted"):
+        np.testing.assert_allclose(getattr(mixed, name)[some], getattr(one, name)[some], rtol=1e-6, atol=1e-12)
+    assert not np.delete(mixed.gain, some, axis=0).any()
+
 
 def test_a_response_that_explodes_moves_no_first_state_out_of_the_world(tmp_path: Path) -> None:
     """A cable that winds to and fro: the gap is large and finite, first states stay near what was measured."""

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose import contest, settling
+from flexdyn.diagnose import contest, rivals
 from flexdyn.diagnose.candidates import Candidate
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.refine import Refined
-from flexdyn.diagnose.selection import is_rival
+from flexdyn.diagnose.rivals import is_rival
 from flexdyn.diagnose.stage import Named, Stage
 from flexdyn.diagnose.verify import SURE, Trial, confirmed, surely_less
 from tests.arms import two_link
@@ -74,38 +74,75 @@ def test_an_error_of_less_than_a_count_is_not_named_where_the_check_is_silent(
     assert confirmed(trial, fitted(None, 5000.0), trial, fitted(effect, 4000.0)) is named
 
 
+def beside(chi2: float, *effects: fd.effects.Effect) -> Any:
+    """A fit with these effects that leaves so much, near noise."""
+    hypothesis = Hypothesis(two_link(TwoLink()), {LEVEL: 1.0}, effects=effects)
+    regression = SimpleNamespace(rows=1000, data_chi2=1000.0)
+    return SimpleNamespace(hypothesis=hypothesis, regression=regression, reduced=1.0, chi2=chi2, reached=chi2)
+
+
+def drag_beside_offset(trial: Any, *, left: float) -> tuple[Stage, fd.effects.Effect]:
+    """A torque offset whose rival did as well, and the drag that was found then; they leave so much together."""
+    offset, coulomb = LAWS
+    drag = fd.effects.QuadraticDrag("shoulder", side="link", coefficient=0.3)
+    first = Candidate(beside(9e6, offset), 0.0, 0.0, offset, None, 9e6)
+    rival = Candidate(beside(9e6, coulomb), 0.0, 0.0, coulomb, None, 9e6)
+    both = beside(left, offset, drag)
+    second = Candidate(both, 0.0, 0.0, drag, None, left)
+    return Stage(both, trial, (Named(first, (rival,)), Named(second))), drag
+
+
 @pytest.mark.parametrize(("behind", "left"), [(1000.0, 0), (1.0, 1)])
 def test_rivals_are_asked_again_beside_what_was_found_since(
     behind: float, left: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Before the second effect was known the first one's rival did as well; now it must do so beside it."""
-
-    def made(chi2: float, *effects: fd.effects.Effect) -> Any:
-        hypothesis = Hypothesis(two_link(TwoLink()), {LEVEL: 1.0}, effects=effects)
-        regression = SimpleNamespace(rows=1000, data_chi2=1000.0)
-        return SimpleNamespace(hypothesis=hypothesis, regression=regression, reduced=1.0, chi2=chi2, reached=chi2)
-
-    offset, coulomb = LAWS
-    drag = fd.effects.QuadraticDrag("shoulder", side="link", coefficient=0.3)
-    first = Candidate(made(9e6, offset), 0.0, 0.0, offset, None, 9e6)
-    rival = Candidate(made(9e6, coulomb), 0.0, 0.0, coulomb, None, 9e6)
-    both = made(1000.0, offset, drag)
-    second = Candidate(both, 0.0, 0.0, drag, None, 1000.0)
     asked = []
 
-    def fit(start: Hypothesis, _space: Any) -> Any:
+    def fit(start: Hypothesis, _space: Any, hopeless: float) -> Any:
+        assert hopeless > 0.0
         asked.append(start.effects)
-        return made(1000.0 + behind, *start.effects)
+        return beside(1000.0 + behind, *start.effects)
 
-    monkeypatch.setattr(settling, "fit", fit)
+    monkeypatch.setattr(rivals, "fit", fit)
     nothing: Any = None
-    stage = Stage(both, nothing, (Named(first, (rival,)), Named(second)))
+    stage, drag = drag_beside_offset(nothing, left=1000.0)
     search: Any = SimpleNamespace(space=None, say=lambda *_: None)
-    after = settling._asked_again(search, stage)
-    assert asked == [(drag, coulomb)]
+    after = rivals.asked_again(search, stage)
+    assert asked == [(drag, LAWS[1])]
     assert len(after.named[0].rivals) == left
     assert after.named[0].candidate.chi2 == 1000.0
     assert after.named[1] is stage.named[1]
+
+
+@pytest.mark.parametrize(
+    ("reached", "gap", "takes"),
+    [
+        (1000.0, 1.0, True),
+        (19_995.0, 1.0, False),  # as well, not better
+        (1000.0, 9.0, False),  # the check says otherwise
+        (30_000.0, 1.0, False),
+    ],
+)
+def test_a_rival_that_surely_does_better_beside_what_was_found_takes_the_place(
+    reached: float, gap: float, takes: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else a third effect would be found that makes up for the wrong one."""
+    monkeypatch.setattr(rivals, "fit", lambda start, _space, hopeless: beside(reached, *start.effects))
+    was: Any = SimpleNamespace(gap=5.0)
+    now: Any = SimpleNamespace(gap=gap)
+    stage, drag = drag_beside_offset(was, left=20_000.0)
+    search: Any = SimpleNamespace(
+        space=None, say=lambda *_: None, tried=lambda fitted, named: Stage(fitted, now, named)
+    )
+    after = rivals.outdone(search, stage)
+    if not takes:
+        assert after is stage
+        return
+    assert after.fitted.hypothesis.effects == (drag, LAWS[1])
+    assert [each.candidate.effect for each in after.named] == [drag, LAWS[1]]
+    assert not after.named[1].rivals
+    assert [(each.effect, each.behind) for each in after.named[1].among] == [(LAWS[1], 0.0), (LAWS[0], 19_000.0)]
 
 
 def windowed(seed: int, size: float, gap: float) -> Trial:
