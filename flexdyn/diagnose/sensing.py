@@ -42,7 +42,7 @@ def early(recording: Recording, channel: str, late: float, t: Array) -> Array:
         recording: that has it.
         channel: its name.
         late: its lag [s].
-        t: times (samples,) [s].
+        t: times, of any shape [s].
     """
     from scipy.interpolate import CubicSpline
 

@@ -162,9 +162,10 @@ class Shooter:
             if late == 0.0:
                 continue
             table = table.copy()
-            for w, (k, _) in enumerate(windows.places):
-                if name in windows.recordings[k]:
-                    table[w, :, column] = early(windows.recordings[k], name, late, windows.t[w])
+            for k, recording in enumerate(windows.recordings):
+                mine = windows.places[:, 0] == k
+                if name in recording:
+                    table[mine, :, column] = early(recording, name, late, windows.t[mine])
         return table
 
     @property
