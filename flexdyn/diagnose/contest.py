@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import partial
 
 import numpy as np
 
+from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.candidates import ENOUGH, Candidate
 from flexdyn.diagnose.refine import Refined, refine
 from flexdyn.diagnose.rivals import DOUBT
@@ -41,8 +43,8 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         if not rivals:
             continue
         entries = [named.candidate, *rivals[:ASKED]]
-        asked = [_asked(search, entries[0], windows)]
-        asked += [_asked(search, each, windows, asked[0]) for each in entries[1:]]
+        first = _asked(search, entries[0], windows)
+        asked = [first, *abreast(partial(_asked, search, windows=windows, like=first), entries[1:])]
         least = min(asked, key=lambda each: each.cost)
         scale = max(1.0, least.cost / least.rows)
         costs = [refined.cost / scale + each.cost for refined, each in zip(asked, entries, strict=True)]
