@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from functools import partial
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -43,8 +43,7 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         if not rivals:
             continue
         entries = [named.candidate, *rivals[:ASKED]]
-        first = _asked(search, entries[0], windows)
-        asked = [first, *abreast(partial(_asked, search, windows=windows, like=first), entries[1:])]
+        asked = _all_asked(search, entries, windows)
         least = min(asked, key=lambda each: each.cost)
         scale = max(1.0, least.cost / least.rows)
         costs = [refined.cost / scale + each.cost for refined, each in zip(asked, entries, strict=True)]
@@ -93,6 +92,12 @@ def _is_a_mass(candidate: Candidate) -> bool:
 
 def _is_payload(candidate: Candidate) -> bool:
     return isinstance(candidate.effect, Payload)
+
+
+def _all_asked(search: Search, entries: Sequence[Candidate], windows: Windows) -> list[Refined]:
+    """Contestants fitted to windows, side by side once the slopes of the first one are known."""
+    first = _asked(search, entries[0], windows)
+    return [first, *abreast(lambda each: _asked(search, each, windows, first), entries[1:])]
 
 
 def _asked(search: Search, candidate: Candidate, windows: Windows, like: Refined | None = None) -> Refined:
