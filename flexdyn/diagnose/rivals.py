@@ -39,17 +39,15 @@ def asked_again(search: Search, stage: Stage) -> Stage:
     goal = stage.fitted
     effects = iter(goal.hypothesis.effects)
     named = []
-    for k, each in enumerate(stage.named):
+    for each in stage.named:
         effect = next(effects) if each.candidate.number is None else None
         if not each.rivals or each.stays:
             named.append(each)
             continue
-        search.say("asking rivals again", 0.0)
         now = dataclasses.replace(each.candidate, fitted=goal, effect=effect, chi2=goal.reached)
-        start = stage.without({k})[0]
+        asked = _all_beside(search, stage, each)
         soft = [rival for rival in each.rivals if isinstance(rival.effect, JointElasticity)]  # in equations of its own
-        asked = [_beside(search, start, rival) for rival in each.rivals if rival not in soft]
-        near = [one for one in asked if one is not None and one.behind(now) <= slack(goal) and is_rival(one, now)]
+        near = [one for one in asked if one.behind(now) <= slack(goal) and is_rival(one, now)]
         named.append(dataclasses.replace(each, candidate=now, rivals=(*near, *soft)))
     return dataclasses.replace(stage, named=tuple(named))
 
@@ -60,25 +58,32 @@ def outdone(search: Search, stage: Stage) -> Stage:
     Asked at once, as what a wrong name leaves would be made up for by others.
     """
     for each in stage.named[:-1]:
-        rivals = [rival for rival in each.rivals if not isinstance(rival.effect, JointElasticity)]
-        if not rivals or each.stays:
+        if not each.rivals or each.stays:
             continue
-        search.say("asking rivals again", 0.0)
-        start, kept = stage.without({stage.named.index(each)})
-        made = abreast(partial(_beside, search, start, hopeless=FAR_ABOVE * stage.fitted.chi2), rivals)
-        asked = sorted((one for one in made if one is not None), key=lambda one: one.chi2 + one.cost)
+        found = _all_beside(search, stage, each, hopeless=FAR_ABOVE * stage.fitted.chi2)
+        asked = sorted(found, key=lambda one: one.chi2 + one.cost)
         old = dataclasses.replace(each.candidate, fitted=stage.fitted, chi2=stage.fitted.reached)
         if not asked or old.behind(asked[0]) <= slack(asked[0].fitted):
             continue
         best = asked[0]
         near = tuple(one for one in asked[1:] if one.behind(best) <= slack(best.fitted) and is_rival(one, best))
         among = tuple(Alternative(one.effect, one.number, one.behind(best), math.nan) for one in (*asked, old))
+        kept = (one for one in stage.named if one is not each)
         after = search.tried(best.fitted, (*kept, Named(best, near, among)))
         stage = after if after.trial.gap <= HARMLESS * stage.trial.gap else stage
     return stage
 
 
-def _beside(search: Search, start: Hypothesis, rival: Candidate, *, hopeless: float = math.inf) -> Candidate | None:
+def _all_beside(search: Search, stage: Stage, named: Named, hopeless: float = math.inf) -> list[Candidate]:
+    """Rivals of a name, each fitted in its place; not those that would need other equations."""
+    search.say("asking rivals again", 0.0)
+    start, _ = stage.without({stage.named.index(named)})
+    rivals = [rival for rival in named.rivals if not isinstance(rival.effect, JointElasticity)]
+    made = abreast(partial(_beside, search, start, hopeless=hopeless), rivals)
+    return [each for each in made if each is not None]
+
+
+def _beside(search: Search, start: Hypothesis, rival: Candidate, hopeless: float) -> Candidate | None:
     """A rival fitted again, beside what was found since; None where its equations overflow there."""
     if rival.number is not None:
         start = start.freed_of(rival.number, rival.fitted.hypothesis.factors[rival.number])
