@@ -67,10 +67,14 @@ def outdone(search: Search, stage: Stage) -> Stage:
             continue
         best = asked[0]
         near = tuple(one for one in asked[1:] if one.behind(best) <= slack(best.fitted) and is_rival(one, best))
-        among = tuple(Alternative(one.effect, one.number, one.behind(best), math.nan) for one in (*asked, old))
+        after = search.tried(best.fitted)
+        if after.trial.gap > HARMLESS * stage.trial.gap:
+            continue
+        gaps = {id(best): after.trial.gap, id(old): stage.trial.gap}
+        ranked = sorted((*asked, old), key=lambda one: one.behind(best))
+        among = (Alternative(one.effect, one.number, one.behind(best), gaps.get(id(one), math.nan)) for one in ranked)
         kept = (one for one in stage.named if one is not each)
-        after = search.tried(best.fitted, (*kept, Named(best, near, among)))
-        stage = after if after.trial.gap <= HARMLESS * stage.trial.gap else stage
+        stage = dataclasses.replace(after, named=(*kept, Named(best, near, tuple(among))))
     return stage
 
 

@@ -132,9 +132,7 @@ def test_a_rival_that_surely_does_better_beside_what_was_found_takes_the_place(
     was: Any = SimpleNamespace(gap=5.0)
     now: Any = SimpleNamespace(gap=gap)
     stage, drag = drag_beside_offset(was, left=20_000.0)
-    search: Any = SimpleNamespace(
-        space=None, say=lambda *_: None, tried=lambda fitted, named: Stage(fitted, now, named)
-    )
+    search: Any = SimpleNamespace(space=None, say=lambda *_: None, tried=lambda fitted: Stage(fitted, now))
     after = rivals.outdone(search, stage)
     if not takes:
         assert after is stage
@@ -142,7 +140,8 @@ def test_a_rival_that_surely_does_better_beside_what_was_found_takes_the_place(
     assert after.fitted.hypothesis.effects == (drag, LAWS[1])
     assert [each.candidate.effect for each in after.named] == [drag, LAWS[1]]
     assert not after.named[1].rivals
-    assert [(each.effect, each.behind) for each in after.named[1].among] == [(LAWS[1], 0.0), (LAWS[0], 19_000.0)]
+    among = [(each.effect, each.behind, each.gap) for each in after.named[1].among]
+    assert among == [(LAWS[1], 0.0, 1.0), (LAWS[0], 19_000.0, 5.0)]
 
 
 def windowed(seed: int, size: float, gap: float) -> Trial:
