@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from typing import Any
@@ -83,16 +84,19 @@ def rotor_spin(model: FlexibleJointModel) -> Array:
 def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
     """The compiled link side: M(q), h(q, v), with payloads, and J of rigid joints as armature."""
     true = model.resolved()
+    return _links(_tree_of(true), true.gravity)
+
+
+def _tree_of(true: FlexibleJointModel) -> Tree:
+    """The tree of a resolved model, with payloads, and J of rigid joints as armature."""
     payloads = tuple(effect for effect in true.all_effects if isinstance(effect, Payload))
     armature = tuple(0.0 if joint.elastic else joint.reflected_inertia for joint in true.joints.values())
-    return _links(true.robot, payloads, armature, true.gravity)
+    return _loaded_tree(true.robot, payloads, armature)
 
 
 @lru_cache(maxsize=16)
-def _links(
-    robot: Robot, payloads: tuple[Payload, ...], armature: tuple[float, ...], gravity: tuple[float, ...]
-) -> _core.LinkDynamics:
-    return _core.link_dynamics(_arrays(_loaded_tree(robot, payloads, armature)), np.array(gravity))
+def _links(tree: Tree, gravity: tuple[float, ...]) -> _core.LinkDynamics:
+    return _core.link_dynamics(_arrays(tree), np.array(gravity))
 
 
 class LinkSide:
@@ -103,7 +107,9 @@ class LinkSide:
     """
 
     def __init__(self, model: FlexibleJointModel) -> None:
-        self._links = build_links(model)
+        true = model.resolved()
+        self._tree = _tree_of(true)
+        self._links = build_links(true)
         self.n = model.n
 
     def mass_matrix(self, q: ArrayLike) -> Array:
@@ -127,6 +133,25 @@ class LinkSide:
         self._links.inverse_dynamics(q_, v_, a_, out)
         return out
 
+    def extra_torques(self, others: Sequence[LinkSide], q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """What the same arm with other inertias needs more than this one (..., k, n) [N m].
+
+        ``M' a + h' - (M a + h)``, linear in masses, first moments, inertias about the joints and armature, so that one
+        pass over the motion does for all.
+
+        Args:
+            others: link sides that differ in inertias alone.
+            q: positions (..., n) [rad or m].
+            v: velocities (..., n) [rad/s or m/s].
+            a: accelerations (..., n) [rad/s^2 or m/s^2].
+        """
+        q_, v_, a_ = self._columns(q, v, a)
+        own = self._tree.inertial_parameters
+        more = np.stack([other._tree.inertial_parameters - own for other in others])
+        out = np.empty((*q_.shape[:-1], len(others), self.n))
+        self._links.inertial_torques(q_, v_, a_, more, out)
+        return out
+
     def acceleration(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
         """A = M(q)^-1 (tau - h(q, v)) (..., n) [rad/s^2], tau on the links."""
         q_, v_, tau_ = self._columns(q, v, tau)
@@ -148,6 +173,7 @@ class LinkSide:
         return [np.ascontiguousarray(column) for column in columns]
 
 
+@lru_cache(maxsize=16)
 def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tuple[float, ...]) -> Tree:
     tree = robot.tree
     for payload in payloads:

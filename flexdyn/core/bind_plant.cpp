@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "bindings.hpp"
@@ -118,93 +119,6 @@ void evaluate_law(const std::string& name, const std::vector<double>& parameters
   }
 }
 
-std::shared_ptr<LinkDynamics> make_links(nb::dict arrays, Array gravity) {
-  const auto doubles = [&](const char* key) { return to_vector(nb::cast<Array>(arrays[key])); };
-  Tree tree;
-  for (const double parent : doubles("parent")) tree.parent.push_back(static_cast<int>(parent));
-  for (const double prismatic : doubles("prismatic")) tree.prismatic.push_back(prismatic != 0.0);
-  tree.axis = doubles("axis");
-  tree.rotation = doubles("rotation");
-  tree.translation = doubles("translation");
-  tree.mass = doubles("mass");
-  tree.com = doubles("com");
-  tree.inertia = doubles("inertia");
-  tree.armature = doubles("armature");
-  tree.gain = doubles("gain");
-  tree.offset = doubles("offset");
-  const std::size_t m = tree.parent.size();
-  require(m > 0 && tree.prismatic.size() == m && tree.axis.size() == 3 * m && tree.rotation.size() == 9 * m &&
-              tree.translation.size() == 3 * m && tree.mass.size() == m && tree.com.size() == 3 * m &&
-              tree.inertia.size() == 9 * m && tree.armature.size() == m && tree.offset.size() == m &&
-              !tree.gain.empty() && tree.gain.size() % m == 0 && gravity.size() == 3,
-          "tree arrays do not fit each other");
-  for (std::size_t i = 0; i < m; ++i) {
-    require(tree.parent[i] >= -1 && tree.parent[i] < static_cast<int>(i), "parents come before children");
-  }
-  std::copy(gravity.data(), gravity.data() + 3, tree.gravity);
-  return std::make_shared<LinkDynamics>(tree);
-}
-
-std::size_t rows_of(const LinkDynamics& links, const Array& q) {
-  require(q.size() % links.size() == 0, "the last axis is n joints long");
-  return q.size() / links.size();
-}
-
-void acceleration(const LinkDynamics& links, Array q, Array v, Array tau, OutArray a) {
-  const std::size_t rows = rows_of(links, q), n = links.size();
-  require(v.size() == q.size() && tau.size() == q.size() && a.size() == q.size(), "q, v, tau, a differ in size");
-  nb::gil_scoped_release release;
-  auto work = links.workspace();
-  for (std::size_t i = 0; i < rows; ++i) {
-    links.acceleration(*work, q.data() + i * n, v.data() + i * n, tau.data() + i * n, a.data() + i * n);
-  }
-}
-
-void mass_matrix(const LinkDynamics& links, Array q, OutArray M) {
-  const std::size_t rows = rows_of(links, q), n = links.size();
-  require(M.size() == rows * n * n, "M is (rows, n, n)");
-  nb::gil_scoped_release release;
-  auto work = links.workspace();
-  for (std::size_t i = 0; i < rows; ++i) links.mass_matrix(*work, q.data() + i * n, M.data() + i * n * n);
-}
-
-void least_inertia(const LinkDynamics& links, Array q, OutArray least) {
-  const std::size_t rows = rows_of(links, q), n = links.size();
-  require(least.size() == rows, "one number a row");
-  nb::gil_scoped_release release;
-  auto work = links.workspace();
-  for (std::size_t i = 0; i < rows; ++i) least.data()[i] = links.least_inertia(*work, q.data() + i * n);
-}
-
-void bias(const LinkDynamics& links, Array q, Array v, OutArray h) {
-  const std::size_t rows = rows_of(links, q), n = links.size();
-  require(v.size() == q.size() && h.size() == q.size(), "q, v, h differ in size");
-  nb::gil_scoped_release release;
-  auto work = links.workspace();
-  for (std::size_t i = 0; i < rows; ++i) {
-    links.bias(*work, q.data() + i * n, v.data() + i * n, h.data() + i * n);
-  }
-}
-
-void inverse_dynamics(const LinkDynamics& links, Array q, Array v, Array a, OutArray tau) {
-  const std::size_t rows = rows_of(links, q), n = links.size();
-  require(v.size() == q.size() && a.size() == q.size() && tau.size() == q.size(), "q, v, a, tau differ in size");
-  nb::gil_scoped_release release;
-  auto work = links.workspace();
-  for (std::size_t i = 0; i < rows * n; i += n) {
-    links.inverse_dynamics(*work, q.data() + i, v.data() + i, a.data() + i, tau.data() + i);
-  }
-}
-
-void energy(const LinkDynamics& links, Array q, Array v, OutArray kinetic, OutArray potential) {
-  const std::size_t rows = rows_of(links, q), n = links.size();
-  require(v.size() == q.size() && kinetic.size() == rows && potential.size() == rows, "sizes differ");
-  auto work = links.workspace();
-  for (std::size_t i = 0; i < rows; ++i) {
-    links.energy(*work, q.data() + i * n, v.data() + i * n, kinetic.data()[i], potential.data()[i]);
-  }
-}
-
 void derivative(const Plant& plant, double t, Array x, Array tau, double smoothing, OutArray dx) {
   require(static_cast<int>(x.size()) == plant.state_size() && dx.size() == x.size(), "x and dx are the state's size");
   require(static_cast<int>(tau.size()) == plant.n(), "tau has one entry a joint");
@@ -235,17 +149,52 @@ void bias_all(const Plant& plant, Array x, OutArray b) {
 }
 
 // Dry friction is smoothed if a width is given; without, what rests and is held has no acceleration.
+void jacobian_at(const Plant& plant, Plant::Workspace& work, double t, const double* x, const double* tau,
+                 double smoothing, double* out) {
+  work.smoothing = smoothing;
+  if (smoothing == 0.0) {
+    Events events(plant, work, [&](double) { return tau; }, [](double, const double*) { return nullptr; });
+    events.settle(t, std::vector<double>(x, x + plant.state_size()));
+  }
+  plant.jacobian(work, t, x, tau, nullptr, out);
+}
+
 void jacobian(const Plant& plant, double t, Array x, Array tau, double smoothing, OutArray out) {
   const std::size_t size = plant.state_size();
   require(x.size() == size && out.size() == size * size, "x is (nx,) and the Jacobian (nx, nx)");
   require(static_cast<int>(tau.size()) == plant.n(), "tau has one entry a joint");
   auto work = plant.workspace();
-  work.smoothing = smoothing;
-  if (smoothing == 0.0) {
-    Events events(plant, work, [&](double) { return tau.data(); }, [](double, const double*) { return nullptr; });
-    events.settle(t, to_vector(x));
+  jacobian_at(plant, work, t, x.data(), tau.data(), smoothing, out.data());
+}
+
+// Along a motion the Jacobians (rows, nx, nx), and every so many rows what torques do (rows, nx, n) where no contact
+// sticks; rows between have those of the row before.
+void slopes_along(const Plant& plant, Array x, Array tau, int every, OutArray A, OutArray B) {
+  const std::size_t size = plant.state_size(), n = plant.n(), rows = x.size() / size, wide = size * n;
+  require(x.size() == rows * size && tau.size() == rows * n, "x is (rows, nx) and tau (rows, n)");
+  require(A.size() == rows * size * size && B.size() == rows * wide, "A is (rows, nx, nx) and B (rows, nx, n)");
+  require(every > 0, "every is a number of rows");
+  nb::gil_scoped_release release;
+  auto sticking = plant.workspace(), free = plant.workspace();
+  free.smoothing = std::numeric_limits<double>::infinity();
+  constexpr double step = 1e-3;
+  std::vector<double> pushed(n), base(size), up(size);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double *at = x.data() + row * size, *asked = tau.data() + row * n;
+    double* by_torque = B.data() + row * wide;
+    jacobian_at(plant, sticking, 0.0, at, asked, 0.0, A.data() + row * size * size);
+    if (row % static_cast<std::size_t>(every) != 0) {
+      std::copy(by_torque - wide, by_torque, by_torque);
+      continue;
+    }
+    plant.derivative(free, 0.0, at, asked, nullptr, base.data());
+    for (std::size_t j = 0; j < n; ++j) {
+      std::copy(asked, asked + n, pushed.begin());
+      pushed[j] += step;
+      plant.derivative(free, 0.0, at, pushed.data(), nullptr, up.data());
+      for (std::size_t i = 0; i < size; ++i) by_torque[i * n + j] = (up[i] - base[i]) / step;
+    }
   }
-  plant.jacobian(work, t, x.data(), tau.data(), nullptr, out.data());
 }
 
 std::shared_ptr<Plant> make_plant(std::shared_ptr<LinkDynamics> links, Array stiffness, Array damping, Array inertia,
@@ -267,15 +216,6 @@ void bind_plant(nb::module_& m) {
   m.def("python_law", &make_python_law, nb::arg("stage"), nb::arg("joint"), nb::arg("side"), nb::arg("callable"));
   m.def("evaluate_law", &evaluate_law, nb::arg("name"), nb::arg("parameters"), nb::arg("t"), nb::arg("x"),
         nb::arg("u"), nb::arg("tau"), nb::arg("out"));
-  nb::class_<LinkDynamics>(m, "LinkDynamics")
-      .def_prop_ro("n", &LinkDynamics::size)
-      .def("acceleration", &acceleration, nb::arg("q"), nb::arg("v"), nb::arg("tau"), nb::arg("out"))
-      .def("mass_matrix", &mass_matrix, nb::arg("q"), nb::arg("out"))
-      .def("least_inertia", &least_inertia, nb::arg("q"), nb::arg("out"))
-      .def("bias", &bias, nb::arg("q"), nb::arg("v"), nb::arg("out"))
-      .def("inverse_dynamics", &inverse_dynamics, nb::arg("q"), nb::arg("v"), nb::arg("a"), nb::arg("out"))
-      .def("energy", &energy, nb::arg("q"), nb::arg("v"), nb::arg("kinetic"), nb::arg("potential"));
-  m.def("link_dynamics", &make_links, nb::arg("tree"), nb::arg("gravity"));
   nb::class_<Plant>(m, "Plant")
       .def_prop_ro("n", &Plant::n)
       .def_prop_ro("state_size", &Plant::state_size)
@@ -288,7 +228,8 @@ void bind_plant(nb::module_& m) {
       .def_prop_ro("has_dry_friction", &Plant::has_dry_friction)
       .def("derivative", &derivative, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"),
            nb::arg("out"))
-      .def("jacobian", &jacobian, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"), nb::arg("out"));
+      .def("jacobian", &jacobian, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"), nb::arg("out"))
+      .def("slopes_along", &slopes_along, nb::arg("x"), nb::arg("tau"), nb::arg("every"), nb::arg("A"), nb::arg("B"));
   m.def("plant", &make_plant, nb::arg("links"), nb::arg("stiffness"), nb::arg("damping"), nb::arg("rotor_inertia"),
         nb::arg("spin"), nb::arg("laws"));
 }

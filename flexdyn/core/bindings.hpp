@@ -44,6 +44,7 @@ class PythonCallable {
   PyObject* callable_;
 };
 
+void bind_links(nb::module_& m);
 void bind_plant(nb::module_& m);
 void bind_kinematics(nb::module_& m);
 void bind_simulate(nb::module_& m);

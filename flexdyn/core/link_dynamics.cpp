@@ -42,6 +42,7 @@ LinkDynamics::LinkDynamics(const Tree& tree) : impl_(std::make_unique<Impl>()), 
     const Matrix3d inertia = Map<const RowMatrix3>(&tree.inertia[9 * i]);
     impl.model.appendBodyToJoint(id, pin::Inertia(tree.mass[i], Map<const Vector3d>(&tree.com[3 * i]), inertia));
     impl.model.armature[i] = tree.armature[i];
+    impl.axis.push_back(Map<const Vector3d>(&tree.axis[3 * i]));
   }
   impl.model.gravity.linear() = Map<const Vector3d>(tree.gravity);
   n_ = m == 0 ? 0 : static_cast<int>(tree.gain.size()) / m;
@@ -57,6 +58,8 @@ LinkDynamics::LinkDynamics(const Tree& tree) : impl_(std::make_unique<Impl>()), 
 }
 
 LinkDynamics::~LinkDynamics() = default;
+
+int LinkDynamics::bodies() const { return static_cast<int>(impl_->axis.size()); }
 
 LinkDynamics::WorkspacePtr LinkDynamics::workspace() const {
   {

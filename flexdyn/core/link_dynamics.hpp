@@ -52,6 +52,8 @@ class LinkDynamics {
   WorkspacePtr workspace() const;
 
   int size() const { return n_; }
+  // Bodies of the tree, each with the joint that moves it.
+  int bodies() const;
 
   // a = M(q)^-1 (tau - h(q, v)); ABA where no joint mimics another, else the projected M and h.
   void acceleration(Workspace& w, const double* q, const double* v, const double* tau, double* a) const;
@@ -65,6 +67,11 @@ class LinkDynamics {
   double least_inertia(Workspace& w, const double* q) const;
   // M(q) a + h(q, v), armature of rigid joints included.
   void inverse_dynamics(Workspace& w, const double* q, const double* v, const double* a, double* tau) const;
+  // What `inverse_dynamics` gains where bodies gain inertia, to which it is linear: (count, n) of `more`, (count, m, 11),
+  // for every joint of the tree mass, first moment (3), inertia about the joint's origin (xx, xy, yy, xz, yz, zz) and
+  // armature.
+  void inertial_torques(Workspace& w, const double* q, const double* v, const double* a, const double* more, int count,
+                        double* tau) const;
   // Derivatives of M(q) a + h(q, v) by q and v at given q, v, a, (n, n) row-major.
   void inverse_derivatives(Workspace& w, const double* q, const double* v, const double* a, double* by_q,
                            double* by_v) const;

@@ -34,6 +34,7 @@ struct LinkDynamics::Impl {
   }
 
   std::vector<char> prismatic;
+  std::vector<Vector3d> axis;  // in the joint's own axes
   std::vector<int> own_row;  // independent joint -> its own row in the tree, not that of one that mimics it
   Model model;
   MatrixXd gain;
@@ -43,7 +44,8 @@ struct LinkDynamics::Impl {
 
 struct LinkDynamics::Workspace {
   explicit Workspace(const Impl& impl, int n)
-      : data(impl.model), M(n, n), h(n), factor(n), q(impl.offset), v(impl.offset), a(impl.offset), free(n) {}
+      : data(impl.model), M(n, n), h(n), factor(n), q(impl.offset), v(impl.offset), a(impl.offset),
+        tau(impl.offset), pulls(impl.model.joints.size()), free(n) {}
   Data data;
   MatrixXd M;
   VectorXd h;
@@ -51,6 +53,8 @@ struct LinkDynamics::Workspace {
   VectorXd a_free;
   Eigen::LLT<MatrixXd> factor;
   VectorXd q, v, a;       // of the whole tree, mimic joints included
+  VectorXd tau;
+  std::vector<pin::Force> pulls;  // on every body of the tree
   std::vector<int> free;  // joints that are not held
 };
 

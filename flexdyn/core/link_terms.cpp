@@ -21,6 +21,19 @@ Vector3d world_axis(const Data& data, pin::JointIndex joint) {
   return data.oMi[joint].rotation() * (S.tail<3>().isZero() ? S.head<3>() : S.tail<3>());
 }
 
+// What a body of given mass, first moment and inertia about the origin asks for, by its velocity and its acceleration
+// less gravity's: I a + v x* (I v), all in its own axes.
+pin::Force pull(const double* body, const pin::Motion& v, const pin::Motion& a) {
+  const double mass = body[0];
+  const Map<const Vector3d> moment(body + 1);
+  Matrix3d inertia;
+  inertia << body[4], body[5], body[7], body[5], body[6], body[8], body[7], body[8], body[9];
+  const Vector3d w = v.angular(), p = mass * v.linear() + w.cross(moment);
+  const Vector3d L = inertia * w + moment.cross(v.linear());
+  return pin::Force(mass * a.linear() + a.angular().cross(moment) + w.cross(p),
+                    inertia * a.angular() + moment.cross(a.linear()) + w.cross(L) + v.linear().cross(p));
+}
+
 }  // namespace
 
 void LinkDynamics::held_acceleration(Workspace& w, const double* q, const double* v, const double* tau,
@@ -82,6 +95,30 @@ void LinkDynamics::inverse_dynamics(Workspace& w, const double* q, const double*
   const auto& whole = pin::rnea(impl_->model, w.data, w.q, w.v, w.a);
   if (impl_->mimics) Map<VectorXd>(tau, n_) = impl_->gain.transpose() * whole;
   else Map<VectorXd>(tau, n_) = whole;
+}
+
+void LinkDynamics::inertial_torques(Workspace& w, const double* q, const double* v, const double* a, const double* more,
+                                    int count, double* tau) const {
+  constexpr int numbers = 11;
+  inverse_dynamics(w, q, v, a, tau);  // leaves velocities and accelerations of all bodies behind
+  const int m = static_cast<int>(impl_->axis.size());
+  for (int k = 0; k < count; ++k, more += numbers * m) {
+    for (int i = 0; i < m; ++i) {
+      const double* body = more + numbers * i;
+      const bool none = std::all_of(body, body + 10, [](double x) { return x == 0.0; });
+      w.pulls[i] = none ? pin::Force::Zero() : pull(body, w.data.v[i + 1], w.data.a_gf[i + 1]);
+    }
+    for (int i = m - 1; i >= 0; --i) {
+      const auto parent = impl_->model.parents[i + 1];
+      const pin::Force& force = w.pulls[i];
+      w.tau[i] = impl_->axis[i].dot(impl_->prismatic[i] ? force.linear() : force.angular());
+      w.tau[i] += more[numbers * i + 10] * (impl_->mimics ? w.a[i] : a[i]);
+      if (parent > 0) w.pulls[parent - 1] += w.data.liMi[i + 1].act(force);
+    }
+    Map<VectorXd> result(tau + k * n_, n_);
+    if (impl_->mimics) result = impl_->gain.transpose() * w.tau;
+    else result = w.tau;
+  }
 }
 
 void LinkDynamics::inverse_derivatives(Workspace& w, const double* q, const double* v, const double* a, double* by_q,

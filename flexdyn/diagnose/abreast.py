@@ -5,10 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import TypeVar
+
+import numpy as np
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+SILENT = partial(np.errstate, over="ignore", invalid="ignore")
+"""Where overflow is found afterwards, in what came of it; every thread has to be told for itself."""
 
 
 def abreast(

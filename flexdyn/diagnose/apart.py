@@ -112,10 +112,9 @@ def space_along(
     """
     along = Equations(loaded(space.equations.model, load), (run,), space.equations.filters)
     whiten = whitener(along, noise, sign_mask(along, noise))
-    factors = [columns.of_number(along, number) for number in numbers]
     counts = [columns.of_effect(along, SensorOffset(name, offset=1e-6), 1e-6) for name in space.channels]
-    white = (whiten(np.stack(each, axis=1)) for each in (factors, counts))
-    return dataclasses.replace(space, equations=along, whiten=whiten, numbers=next(white), nuisance=next(white))
+    slopes, nuisance = whiten(columns.of_numbers(along, list(numbers))), whiten(np.stack(counts, axis=1))
+    return dataclasses.replace(space, equations=along, whiten=whiten, numbers=slopes, nuisance=nuisance)
 
 
 def refitted(known: Known, space: Workspace, load: Payload | None = None, steps: int = STEPS) -> Refit:

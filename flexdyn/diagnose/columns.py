@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.compliance import of_compliance
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.made_up import NOT_PLAIN
@@ -22,6 +25,7 @@ from flexdyn.effects import (
     TorqueConstantError,
 )
 from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -29,20 +33,43 @@ STEP = 1e-3
 """Relative step of the differences."""
 
 
-def of_number(equations: Equations, number: FileNumber) -> Array:
-    """Derivative of the residual (rows,) by the factor of a number of the file, at the factor it has in the model."""
-    model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + STEP)])
-    if number.joint is None:
-        return equations.of_links(LinkSide(model.resolved())) / STEP
-    j = equations.true.index(number.joint)
-    moved, true = model.resolved(), equations.true
+def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
+    """Derivatives of the residual (rows, numbers) by the factors of the file's numbers, where the model has them.
+
+    Args:
+        equations: of the model.
+        numbers: of its file; those of links take one pass over the motion together.
+    """
+    found = np.empty((len(equations.residual), len(numbers)))
+    links = [k for k, number in enumerate(numbers) if number.joint is None]
+    if links:
+        others = [LinkSide(_stepped(equations, numbers[k]).resolved()) for k in links]
+        found[:, links] = equations.of_links(others) / STEP
+    joints = [k for k in range(len(numbers)) if k not in links]
+
+    def of_joint(k: int) -> Array:
+        with SILENT():
+            return _of_joint(equations, numbers[k])
+
+    for k, slope in zip(joints, abreast(of_joint, joints), strict=True):
+        found[:, k] = slope
+    return found
+
+
+def _stepped(equations: Equations, number: FileNumber) -> FlexibleJointModel:
+    """The model with a number a little larger."""
+    return equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + STEP)])
+
+
+def _of_joint(equations: Equations, number: FileNumber) -> Array:
+    """Derivative of the residual (rows,) by the factor of a joint's number."""
+    model, true = _stepped(equations, number), equations.true
+    j, moved = true.index(str(number.joint)), model.resolved()
     if number.parameter == "stiffness":  # the scale of the link's equation moves with it
-        there = equations.of(model)
-        return (there.residual - equations.residual) / STEP
-    change = equations.of_joint(j, moved, moved.all_effects) - equations.own(j)
+        return (equations.of(model).residual - equations.residual) / STEP
     if number.parameter == "rotor_inertia" and not true.elastic[j]:
-        change = equations.of_links(LinkSide(moved))
-    return change / STEP
+        return equations.of_links([LinkSide(moved)])[:, 0] / STEP
+    return (equations.of_joint(j, moved, moved.all_effects) - equations.own(j)) / STEP
 
 
 def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array:
@@ -51,7 +78,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return _of_sensor(equations, effect) / scale
     if isinstance(effect, Payload):
         model = equations.true.replace(effects=[*equations.true.effects, effect])
-        return equations.of_links(LinkSide(model)) / scale
+        return equations.of_links([LinkSide(model)])[:, 0] / scale
     true, effect = equations.true, _on_joint(effect)
     j = true.index(effect.joint)
     if isinstance(effect, NOT_PLAIN) and equations.made_up[j]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -22,6 +23,8 @@ ASKED = 2
 """Rivals of one name that are fitted to windows; more of them stay rivals."""
 SHARED = 0.003
 """Share of what windows are off by that means nothing: their noise's linear response is no better than that."""
+WORTH = 0.5 * SHARED
+"""The same share that a step must promise to be simulated; what it promised is then taken for granted."""
 ROUNDS = 2
 """Gauss-Newton steps, all with the slopes of the first: all start where the equations are at their best."""
 
@@ -44,14 +47,14 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
             continue
         entries = [named.candidate, *rivals[:ASKED]]
         asked = _all_asked(search, entries, windows)
-        least = min(asked, key=lambda each: each.cost)
-        scale = max(1.0, least.cost / least.rows)
-        costs = [refined.cost / scale + each.cost for refined, each in zip(asked, entries, strict=True)]
+        least = min(asked, key=_best)
+        scale = max(1.0, _best(least) / least.rows)
+        costs = [_best(refined) / scale + each.cost for refined, each in zip(asked, entries, strict=True)]
         masses = [cost for cost, each in zip(costs, entries, strict=True) if _is_a_mass(each)]
         # A mass at the tip is that of a link by another name: where one does, the other does.
         costs = [min(c, *masses) if masses and _is_payload(e) else c for c, e in zip(costs, entries, strict=True)]
-        over = least.cost - least.rows - 2.0 * math.sqrt(2.0 * least.rows)
-        most = min(costs) + max(ENOUGH, SHARED * least.cost / scale) + DOUBT * max(over, 0.0) / scale
+        over = _best(least) - least.rows - 2.0 * math.sqrt(2.0 * least.rows)
+        most = min(costs) + max(ENOUGH, SHARED * _best(least) / scale) + DOUBT * max(over, 0.0) / scale
         best = int(np.argmin(costs))
         # A few windows that hang on whether a joint sticks may say anything: all must agree on what is worse, but for
         # what the file says of its numbers.
@@ -66,6 +69,11 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         after = _with(search, stage, place, dataclasses.replace(named, candidate=entries[winner], rivals=others))
         stage = after if winner == 0 or _wanted(search, after) else stage
     return stage
+
+
+def _best(asked: Refined) -> float:
+    """What windows leave, or would after the step that was not simulated."""
+    return asked.cost - asked.promised
 
 
 def _wanted(search: Search, stage: Stage) -> bool:
@@ -104,7 +112,8 @@ def _asked(search: Search, candidate: Candidate, windows: Windows, like: Refined
     what = "asking simulated windows"
     hypothesis = candidate.fitted.hypothesis
     temper = search.space.temper
-    return refine(hypothesis, windows, ROUNDS, lambda share: search.say(what, share), temper, math.inf, like)
+    said = partial(search.say, what)
+    return refine(hypothesis, windows, ROUNDS, said, temper, math.inf, like, worth=WORTH)
 
 
 def _is_of(candidate: Candidate, stage: Stage) -> bool:

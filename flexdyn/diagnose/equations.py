@@ -161,14 +161,18 @@ class Equations:
             parts.append(self.combined(along, motor, link, tau_s, only=j).ravel())
         return np.concatenate(parts)
 
-    def of_links(self, links: LinkSide) -> Array:
-        """Change of the rows (rows,) where the links are others: less ``M a + h``."""
+    def of_links(self, others: Sequence[LinkSide]) -> Array:
+        """Change of the rows (rows, others) where the links have other inertias: less ``M a + h``."""
         parts = []
         for along in self.motions:
-            more = links.inverse_dynamics(along.q, along.v, along.a) - along.inverse_dynamics
-            needed = np.where(self.true.elastic, 0.0, -more)
-            parts.append(self.combined(along, np.zeros_like(more), -more, needed).ravel())
+            extra = self.links.extra_torques(others, along.q, along.v, along.a)
+            parts.append(np.stack([self._heavier(along, extra[:, k]) for k in range(len(others))], axis=1))
         return np.concatenate(parts)
+
+    def _heavier(self, along: Motion, more: Array) -> Array:
+        """Change of the rows (times * equations,) where the links need more (samples, n)."""
+        needed = np.where(self.true.elastic, 0.0, -more)
+        return self.combined(along, np.zeros_like(more), -more, needed).ravel()
 
     def of_channel(self, signal: str, j: int, error: Callable[[Measured], Array]) -> Array:
         """First-order change of the rows (rows,) where a true channel is the measured one plus `error` (samples,).

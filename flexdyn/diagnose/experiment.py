@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.apart import Known
 from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.moves import TELLING, Move, moves, short
@@ -35,7 +36,7 @@ SAME = 4.0
 """An expected delta BIC below this in the longest time: the laws are the same."""
 TRIES = 24
 """So many motions are tried at most."""
-BUDGET = 8.0
+BUDGET = 5.0
 """Time after which no further motion is tried [s]."""
 JOINTS = 3
 """So many joints are tried where no suspect says which one it acts on."""
@@ -85,15 +86,8 @@ def _tried(bench: Bench, joints: Sequence[int]) -> list[Rehearsal]:
     end = time.monotonic() + BUDGET
     moves_left = itertools.islice(_moves(bench, joints), TRIES)
     found: list[Rehearsal] = []
-    while some := list(itertools.islice(moves_left, TELLING)):
-        new: list[Rehearsal] = []
-        for move in some:
-            if time.monotonic() > end:
-                return found + new
-            with contextlib.suppress(*FAILURES):
-                new.append(_shown(bench, bench.rehearse(move)))
-                if new[-1].apart() >= AMPLE:
-                    break
+    while (some := list(itertools.islice(moves_left, TELLING))) and time.monotonic() < end:
+        new = _rehearsed(bench, some, end)
         if new and not any(_passes(made) for made in new) and time.monotonic() < end:
             turning = max(range(len(new)), key=lambda k: new[k].reversals)
             with contextlib.suppress(*FAILURES):
@@ -102,6 +96,25 @@ def _tried(bench: Bench, joints: Sequence[int]) -> list[Rehearsal]:
         if any(_passes(made) for made in new):
             break
     return found
+
+
+def _rehearsed(bench: Bench, some: Sequence[Move], end: float) -> list[Rehearsal]:
+    """Motions that can be made, side by side, up to the first that is ample; none is begun after the end [s]."""
+    ample: list[int] = []
+
+    def rehearse(k: int) -> Rehearsal | None:
+        if time.monotonic() > end or any(first < k for first in ample):
+            return None
+        with contextlib.suppress(*FAILURES):
+            made = _shown(bench, bench.rehearse(some[k]))
+            if made.apart() >= AMPLE:
+                ample.append(k)
+            return made
+        return None
+
+    made = abreast(rehearse, range(len(some)))
+    wanted = min(ample) + 1 if ample else len(some)
+    return [each for each in made[:wanted] if each is not None]
 
 
 def _shown(bench: Bench, made: Rehearsal) -> Rehearsal:

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose import columns
-from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import ROUNDING, Hypothesis, bounded
-from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.regression import Regression
 from flexdyn.effects import Effect, KinematicError, Payload, SensorEffect
 from flexdyn.errors import SimulationError
 
 Array = NDArray[np.float64]
-SILENT = partial(np.errstate, over="ignore", invalid="ignore")
-"""Overflow is found afterwards, in what came of it; every thread has to be told for itself."""
 FAR = 0.05
 """Relative distance of a number from its given value beyond which its derivative is another one."""
 NEAR = 5.0
@@ -137,15 +133,12 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     links = any(number.joint is None for number in far) or any(isinstance(e, Payload) for e in effects)
     joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect | KinematicError)}
     anew = [n for n in numbers if n in far or n.joint in joints or (links and n.joint is None)]
-    slopes = space.numbers.copy() if anew else space.numbers
-    places = [k for k, number in enumerate(numbers) if number in anew]
-
-    def taken_anew(number: FileNumber) -> Array:
-        with SILENT():
-            return np.asarray(space.whiten(columns.of_number(at, number)) / numbers[number])
-
-    for k, slope in zip(places, abreast(taken_anew, anew), strict=True):
-        slopes[:, k] = slope
+    if not anew:
+        return space.numbers
+    slopes = space.numbers.copy()
+    with SILENT():
+        taken = space.whiten(columns.of_numbers(at, anew)) / np.array([numbers[n] for n in anew])
+    slopes[:, [k for k, number in enumerate(numbers) if number in anew]] = taken
     return slopes
 
 

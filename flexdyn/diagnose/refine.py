@@ -35,6 +35,7 @@ class Refined:
         became: names of effects that turned out to be simpler ones.
         slopes: that were taken last; None where none were.
         shot: the windows at their best; None where none were simulated.
+        promised: drop of the cost by a step that was not worth its time.
     """
 
     hypothesis: Hypothesis
@@ -45,6 +46,7 @@ class Refined:
     became: Mapping[str, str] = field(default_factory=dict)
     slopes: Slopes | None = field(default=None, repr=False)
     shot: Shot | None = field(default=None, repr=False)
+    promised: float = 0.0
 
     def factor_std(self) -> dict[FileNumber, float]:
         """Standard deviations of the file's numbers' factors."""
@@ -96,6 +98,7 @@ def refine(
     temper: float = 1.0,
     anew: float = 0.0,
     like: Refined | None = None,
+    worth: float = 0.0,
 ) -> Refined:
     """Gauss-Newton on the whitened surprises of simulated windows, with the priors of the file's numbers.
 
@@ -111,6 +114,7 @@ def refine(
             its size; 0: never, infinity: always.
         like: another hypothesis that was fitted to the same windows and explains them nearly as well: its slopes of
             the file's numbers will do.
+        worth: share of the cost below which a drop that a step promises is not worth simulating it.
     """
     current = start
     shot = shoot(current.seen(), windows, None if like is None else like.shot)
@@ -126,6 +130,9 @@ def refine(
         else:
             slopes = dataclasses.replace(slopes, weight=weights(shot.whitened()))
         std = slopes.std(shot)
+        promised = slopes.promised(shot, current)
+        if promised < worth * best:
+            return Refined(current, std, best, *_rows_of(shot), slopes=slopes, shot=shot, promised=promised)
         gained = 0.0
         for trial in _trials(current, shot, slopes, windows):
             cost = _cost(*trial, temper)
@@ -135,7 +142,12 @@ def refine(
                 break
         if gained < 1e-3 * best:
             break
-    return Refined(current, std, best, shot.whitened().size, _by_window(shot), slopes=slopes, shot=shot)
+    return Refined(current, std, best, *_rows_of(shot), slopes=slopes, shot=shot)
+
+
+def _rows_of(shot: Shot) -> tuple[int, Array]:
+    """How many surprises there are, and their robust sum of squares of every window (windows,)."""
+    return shot.whitened().size, _by_window(shot)
 
 
 def _between(progress: Callable[[float], None], low: float, high: float, share: float) -> None:

@@ -54,9 +54,18 @@ class Slopes:
 
     def step(self, shot: Shot, at: Hypothesis) -> Array:
         """From a hypothesis and its surprises (numbers + unknowns,)."""
+        return np.asarray(-self._inverse @ self._uphill(shot, at))
+
+    def promised(self, shot: Shot, at: Hypothesis) -> float:
+        """Drop of the cost that the step promises."""
+        uphill = self._uphill(shot, at)
+        return float(uphill @ self._inverse @ uphill)
+
+    def _uphill(self, shot: Shot, at: Hypothesis) -> Array:
+        """Half the slope of the cost (numbers + unknowns,)."""
         off = np.zeros(len(self.prior))
         off[: len(at.factors)] = np.array(list(at.factors.values())) - 1.0
-        return np.asarray(-self._inverse @ (self.J.T @ (self.weight * shot.whitened().ravel()) + self.prior * off))
+        return np.asarray(self.J.T @ (self.weight * shot.whitened().ravel()) + self.prior * off)
 
     def std(self, shot: Shot) -> Array:
         """Standard deviations from the sandwich of windows' gradients (numbers + unknowns,).

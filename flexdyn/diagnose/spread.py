@@ -98,21 +98,9 @@ def _slopes(shooter: Shooter, motion: Motion, which: Indices) -> tuple[Array, Ar
     count, knots, nx = motion.x.shape
     n = shooter.model.n
     A, B = np.zeros((count, knots, nx, nx)), np.zeros((count, knots, nx, n))
-    base, up = np.empty(nx), np.empty(nx)
     for w in np.flatnonzero(motion.written == shooter.windows.rows).tolist():
-        plant, torques = shooter.plants[which[w]], shooter.torques(int(which[w]))
-        for k in range(knots):
-            x, tau = motion.x[w, k], torques[k]
-            plant.jacobian(0.0, x, tau, 0.0, A[w, k])
-            if k % GAINS_EVERY == 0:
-                plant.derivative(0.0, x, tau, np.inf, base)
-                for j in range(n):
-                    pushed = tau.copy()
-                    pushed[j] += 1e-3
-                    plant.derivative(0.0, x, pushed, np.inf, up)
-                    B[w, k, :, j] = (up - base) / 1e-3
-            else:
-                B[w, k] = B[w, k - 1]
+        plant, torques = shooter.plants[which[w]], np.ascontiguousarray(shooter.torques(int(which[w]))[:knots])
+        plant.slopes_along(np.ascontiguousarray(motion.x[w]), torques, GAINS_EVERY, A[w], B[w])
     A, B = (np.clip(np.nan_to_num(each), -HUGE, HUGE) for each in (A, B))
     half = n + len(shooter.elastic)
     velocities = np.arange(half, 2 * half)

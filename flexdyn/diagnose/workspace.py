@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose import columns
-from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.covariance import Noise, encoders_rule, whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.estimate import fit
@@ -52,9 +50,9 @@ class Unweighted:
         data, joints = equations.data[0], equations.true.joint_names
         there = {"q": data.has_q, "theta": data.has_theta}
         channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
-        numbers = abreast(partial(columns.of_number, equations), start.factors)
+        numbers = columns.of_numbers(equations, list(start.factors))
         offsets = [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
-        return cls(equations, np.stack(numbers, axis=1), np.stack(offsets, axis=1), channels)
+        return cls(equations, numbers, np.stack(offsets, axis=1), channels)
 
 
 def workspace(

@@ -110,6 +110,18 @@ class Tree:
         """Number of independent joints."""
         return int(self.gain.shape[1])
 
+    @property
+    def inertial_parameters(self) -> Floats:
+        """What torques are linear in, of every joint (m, 11).
+
+        Mass, first moment m c, inertia about the joint's origin ``I + m S(c)`` as xx, xy, yy, xz, yz, zz, and armature.
+        """
+        shifts = np.array([_steiner(c) for c in self.com]).reshape(-1, 3, 3)
+        about = self.inertia + self.mass[:, None, None] * shifts
+        rows, columns = (0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2)
+        first = self.mass[:, None] * self.com
+        return np.column_stack([self.mass, first, about[:, rows, columns], self.armature])
+
     def with_point_mass(self, frame: FramePlacement, mass: float) -> Tree:
         """The tree with a point mass at the origin of a frame (parallel axis theorem).
 
