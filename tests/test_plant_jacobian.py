@@ -167,3 +167,23 @@ def test_all_stuck() -> None:
     assert not A[4:].any()
     np.testing.assert_array_equal(A[:4, 4:], np.eye(4))
     assert not A[:4, :4].any()
+
+
+def test_along_a_motion() -> None:
+    """State by state the same Jacobians; what torques do is of the row they were asked at, with every contact free."""
+    model = model_of(ARM, [fx.CoulombFriction("shoulder", side="motor", level=1e3)])
+    plant = build_plant(model)
+    points = [point_of(model, seed) for seed in range(5)]
+    x, tau = (np.array(each) for each in zip(*points, strict=True))
+    x[1, 6] = x[4, 6] = 0.0  # sticks
+    A, B = np.empty((5, 8, 8)), np.empty((5, 8, 2))
+    plant.slopes_along(x, tau, 2, A, B)
+    for k in range(5):
+        np.testing.assert_array_equal(A[k], slopes(model, x[k], tau[k], smoothing=0.0))
+    assert not A[1, 6].any()
+    inertia = np.array([0.1, 0.2])
+    for k in range(5):  # rotors alone feel torques at once
+        np.testing.assert_allclose(B[k, 6:], np.diag(1.0 / inertia), rtol=1e-6)
+        assert not B[k, :6].any()
+    with pytest.raises(ValueError, match="every is a number of rows"):
+        plant.slopes_along(x, tau, 0, A, B)

@@ -129,7 +129,7 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     them is far off or the links carry more, all are taken anew.
     """
     numbers, effects = hypothesis.factors, hypothesis.effects
-    far = {n for n, factor in numbers.items() if n in hypothesis.freed and abs(factor - 1.0) > FAR}
+    far = {n for n, factor in numbers.items() if abs(factor - 1.0) > FAR}
     links = any(number.joint is None for number in far) or any(isinstance(e, Payload) for e in effects)
     joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect | KinematicError)}
     anew = [n for n in numbers if n in far or n.joint in joints or (links and n.joint is None)]

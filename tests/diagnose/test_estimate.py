@@ -185,3 +185,18 @@ def test_slopes_of_the_files_numbers_are_taken_anew_where_a_sensor_has_moved_far
     # What was taken once is measured from where it was taken, not from one small step to the next.
     after = linearised(with_gain(0.0204), space, near)
     assert after.taken is first.hypothesis
+
+
+def test_slopes_of_links_numbers_are_those_of_where_they_stand() -> None:
+    """A forearm a fifth heavier, which nobody set free: mass and inertia multiply its centre of mass."""
+    space, start = problem()
+    (number,) = (n for n in start.factors if (n.of, n.parameter) == ("link2", "link_com"))
+    there = dataclasses.replace(start, factors={**start.factors, number: 1.2})
+    sides = []
+    for step in (1e-3, -1e-3):
+        moved_ = dataclasses.replace(there, factors={**there.factors, number: 1.2 + step})
+        sides.append(space.whiten(space.equations.of(moved_.model()).residual))
+    slope = (sides[0] - sides[1]) / 2e-3
+    column = linearised(there, space).regression.X[:, list(start.factors).index(number)]
+    assert np.linalg.norm(column - slope) < 0.01 * np.linalg.norm(slope)
+    assert np.linalg.norm(space.numbers[:, list(start.factors).index(number)] - slope) > 0.1 * np.linalg.norm(slope)

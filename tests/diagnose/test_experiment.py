@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import time
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose import rehearsal
+from flexdyn.diagnose import experiment, rehearsal
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.experiment import CLEAR, with_experiment
 from flexdyn.diagnose.fitted import Fit
@@ -203,3 +207,21 @@ def test_the_page_draws_the_experiment(tmp_path: Path) -> None:
         text = page.tab.inner_text("body")
     assert "Coulomb friction or viscous friction <b>?" in text
     assert "20 times the noise" in text
+
+
+def test_motions_after_one_that_is_ample_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They run side by side: whatever order they come to an end in, the same ones are kept."""
+    apart = {"a": 0.0, "b": 2.0 * experiment.AMPLE, "c": 0.0, "d": 2.0 * experiment.AMPLE}
+
+    def rehearse(name: str) -> SimpleNamespace:
+        time.sleep(0.02 if name == "b" else 0.0)
+        if name == "a":
+            raise SimulationError("stopped", reason="stopped", t=0.0)
+        return SimpleNamespace(name=name, apart=lambda: apart[name])
+
+    monkeypatch.setattr(experiment, "_shown", lambda _, made: made)
+    bench: Any = SimpleNamespace(rehearse=rehearse)
+    moves: Any = ["a", "c", "b", "d"]
+    kept: Any = experiment._rehearsed(bench, moves, math.inf)
+    assert [each.name for each in kept] == ["c", "b"]
+    assert experiment._rehearsed(bench, moves, -math.inf) == []

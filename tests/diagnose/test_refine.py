@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -15,7 +16,7 @@ from scipy.optimize import OptimizeResult, minimize
 
 from flexdyn.diagnose import refine as module
 from flexdyn.diagnose import slopes
-from flexdyn.diagnose.gap import shoot
+from flexdyn.diagnose.gap import Shot, shoot
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.numbers import file_numbers
@@ -109,3 +110,25 @@ def test_a_few_windows_that_tell_all_are_not_trusted_beyond_their_noise() -> Non
     shot: Any = SimpleNamespace(whitened=lambda: np.zeros((20, 50)))
     one = Slopes(J, np.ones(len(J)), np.zeros(1), (3.0,), {})
     assert one.std(shot) == pytest.approx([3.0 / np.linalg.norm(J)])
+
+
+def test_a_step_that_is_not_worth_its_time_is_promised_instead(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What it would have brought, near enough, without a simulation of it; a step that is worth more is made."""
+    start, windows = problem()
+    best = refine(start, windows)
+    assert best.promised == 0.0
+    off = {n: f + 4.0 * std for (n, f), std in zip(best.hypothesis.factors.items(), best.std.tolist(), strict=True)}
+    there, tried = dataclasses.replace(start, factors=off), []
+
+    def noted(*_: Any) -> Iterator[tuple[Hypothesis, Shot]]:
+        tried.append(1)
+        return iter(())
+
+    monkeypatch.setattr(module, "_trials", noted)
+    asked = refine(there, windows, worth=0.5)
+    assert not tried
+    assert asked.hypothesis == there
+    assert asked.cost > best.cost + 10.0
+    assert asked.promised == pytest.approx(asked.cost - best.cost, rel=0.2)
+    refine(there, windows, worth=0.5 * asked.promised / asked.cost)
+    assert tried

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
+from flexdyn.diagnose.numbers import file_numbers
 from tests.arms import coupled, two_link
+from tests.diagnose.truths import slider_model
 from tests.oracles.two_link import TwoLink
 
 Array = NDArray[np.float64]
@@ -119,3 +122,31 @@ def test_wrong_number_of_columns_is_refused() -> None:
         links.mass_matrix(np.zeros((5, 3)))
     with pytest.raises(fd.InputError, match="2 columns are needed"):
         links.bias(0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["scara", "panda", "ur5", "slider"])
+def test_other_inertias_need_more_as_pinocchio_says(name: str, tmp_path: Path) -> None:
+    """Heavier links, others' centres, a payload and a rotor, all in one pass: M' a + h' less M a + h, one by one."""
+    model = slider_model(tmp_path) if name == "slider" else fd.load_model(name)
+    rotors = {joint: fd.Joint(rotor_inertia=0.1) for joint in model.joint_names}
+    given = model.replace(joints=rotors)
+    errors = [number.error(1.1) for number in file_numbers(given) if number.joint is None]
+    others = [given.replace(effects=[each]) for each in (*errors, fd.effects.Payload(mass=0.4))]
+    others += [given.replace(joints={**rotors, model.joint_names[-1]: fd.Joint(rotor_inertia=0.3)})]
+    links, rng = fd.LinkSide(given), np.random.default_rng(3)
+    q, v, a = rng.normal(0, 1, (3, 20, model.n))
+    sides = [fd.LinkSide(each) for each in others]
+    expected = np.stack([each.inverse_dynamics(q, v, a) - links.inverse_dynamics(q, v, a) for each in sides], axis=1)
+    assert (np.abs(expected).max(axis=(0, 2)) > 1e-6).sum() >= 3
+    assert np.abs(expected[:, -2:]).max(axis=(0, 2)).min() > 1e-2
+    np.testing.assert_allclose(links.extra_torques(sides, q, v, a), expected, atol=1e-10)
+
+
+def test_a_mimic_joints_inertia_is_projected(tmp_path: Path) -> None:
+    """What the tip of a coupled arm carries loads the joint that leads through both."""
+    model = fd.FlexibleJointModel(coupled(tmp_path, -1.5, 0.4), gravity=[0, -9.81, 0])
+    links, other = (fd.LinkSide(model.replace(effects=more)) for more in ([], [fd.effects.Payload(mass=0.4)]))
+    q, v, a = np.random.default_rng(4).normal(0, 1, (3, 20, 1))
+    expected = other.inverse_dynamics(q, v, a) - links.inverse_dynamics(q, v, a)
+    assert np.abs(expected).min() > 1e-3
+    np.testing.assert_allclose(links.extra_torques([other], q, v, a)[:, 0], expected, atol=1e-12)
