@@ -140,5 +140,5 @@ def _version(library: str) -> str:
 
 
 def _short(number: float) -> float:
-    """Four figures: more would be noise."""
-    return float(f"{number:.4g}")
+    """Six figures: what is shown has fewer, and would be rounded twice if it were rounded to nearly as many here."""
+    return float(f"{number:.6g}")

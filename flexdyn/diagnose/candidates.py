@@ -23,7 +23,7 @@ LEADING = 2
 NEARLY = 0.8
 """Share of the best proposal's score that is nearly as much."""
 WORTH = 0.05
-"""Share of the best proposal's score from which another is fitted in full."""
+"""Share of what the leading proposals turned out to be good for from which another is fitted in full."""
 SOFTENINGS, SOFTENED = 4, 0.1
 """Workspaces that are made for a joint that becomes elastic, until its stiffness changes by less than such a share."""
 SCALES = {
@@ -82,18 +82,19 @@ def candidates(
         hopeless: chi^2 that is of no use any more.
     """
     scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
-    ranked = screen.ranked(made, scale)
-    kept = MANY_KEPT if space.equations.made_up.any() else KEPT  # where a position is made up, columns guide less
-    shares = [WORTH if k < kept else NEARLY for k in range(MANY_KEPT)]
-    worth = [
-        choice
-        for choice, share in zip(ranked, shares, strict=False)
-        if choice.score >= max(ENOUGH, least / scale, share * ranked[0].score)
-    ]
-    first = abreast(lambda choice: _fitted(made, space, choice, scale, hopeless), worth[:LEADING])
-    reached = min((each.chi2 for each in first if each is not None), default=math.inf)
-    most = min(hopeless, FAR_ABOVE * reached)
-    others = abreast(lambda choice: _fitted(made, space, choice, scale, most), worth[LEADING:])
+    ranked = [each for each in screen.ranked(made, scale) if each.score >= max(ENOUGH, least / scale)]
+    leading = ranked[:LEADING]
+    first = abreast(lambda choice: _fitted(made, space, choice, scale, hopeless), leading)
+    reached = [each.chi2 for each in first if each is not None]
+    most = min(hopeless, FAR_ABOVE * min(reached, default=math.inf))
+    # Beside what the leading ones kept of their promises: columns that bend at every reversal promise anything.
+    kept = min(
+        max([0.0, *((made.chi2 - chi2) / scale for chi2 in reached)]), max((e.score for e in leading), default=0.0)
+    )
+    many = MANY_KEPT if space.equations.made_up.any() else KEPT  # where a position is made up, columns guide less
+    worth = [WORTH * kept if k < many else NEARLY * ranked[0].score for k in range(MANY_KEPT)]
+    rest = [each for each, share in zip(ranked, worth, strict=False) if each.score >= share][len(leading) :]
+    others = abreast(lambda choice: _fitted(made, space, choice, scale, most), rest)
     found = [each for each in (*first, *others) if each is not None]
     laden = any(isinstance(each.effect, Payload) for each in found)
     if not laden and any(each.number is not None and each.number.joint is None for each in found):

@@ -7,8 +7,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.candidates import Candidate, candidates
+from flexdyn.diagnose.findings import out_of_tolerance
 from flexdyn.diagnose.fitted import ROUGH, Fit
 from flexdyn.diagnose.nesting import is_simpler
+from flexdyn.diagnose.refine import of_fit
 from flexdyn.diagnose.rivals import is_rival, outdone, slack
 from flexdyn.diagnose.search import Search
 from flexdyn.diagnose.stage import Alternative, Named, Stage
@@ -96,14 +98,16 @@ def following(search: Search, now: Stage, ranked: Sequence[Candidate]) -> tuple[
 def _worth_a_try(before: Fit, ranked: Sequence[Candidate]) -> list[Candidate]:
     """The best candidate, and those that might be the truth if the check does not confirm it.
 
-    Beside one that leaves noise alone these are such that explain as much; where all leave more, many may be.
+    Beside one that leaves noise alone these are such that explain as much; where all leave more, many may be, and of
+    the file's numbers every one that was bent beyond its tolerance.
     """
     if not ranked:
         return []
     best = ranked[0]
     if best.fitted.reduced < ROUGH:
         return [each for each in ranked if each.behind(best) <= slack(best.fitted)]
-    return [each for each in ranked if before.chi2 - each.chi2 > LEAST * (before.chi2 - best.chi2)]
+    much, bent = LEAST * (before.chi2 - best.chi2), out_of_tolerance(of_fit(before))
+    return [each for each in ranked if before.chi2 - each.chi2 > much or each.number in bent]
 
 
 def _chosen(search: Search, now: Stage, ranked: Sequence[Candidate], stage: Stage, gaps: dict[int, float]) -> Stage:
