@@ -23,7 +23,8 @@ LEADING = 2
 NEARLY = 0.8
 """Share of the best proposal's score that is nearly as much."""
 WORTH = 0.05
-"""Share of what the leading proposals turned out to be good for from which another is fitted in full."""
+"""Share of what the leading proposals turned out to be good for from which another is fitted in full.
+Columns that bend at every reversal promise anything."""
 SOFTENINGS, SOFTENED = 4, 0.1
 """Workspaces that are made for a joint that becomes elastic, until its stiffness changes by less than such a share."""
 SCALES = {
@@ -87,10 +88,7 @@ def candidates(
     first = abreast(lambda choice: _fitted(made, space, choice, scale, hopeless), leading)
     reached = [each.chi2 for each in first if each is not None]
     most = min(hopeless, FAR_ABOVE * min(reached, default=math.inf))
-    # Beside what the leading ones kept of their promises: columns that bend at every reversal promise anything.
-    kept = min(
-        max([0.0, *((made.chi2 - chi2) / scale for chi2 in reached)]), max((e.score for e in leading), default=0.0)
-    )
+    kept = min(max([0.0, *((made.chi2 - chi2) / scale for chi2 in reached)]), ranked[0].score if ranked else 0.0)
     many = MANY_KEPT if space.equations.made_up.any() else KEPT  # where a position is made up, columns guide less
     worth = [WORTH * kept if k < many else NEARLY * ranked[0].score for k in range(MANY_KEPT)]
     rest = [each for each, share in zip(ranked, worth, strict=False) if each.score >= share][len(leading) :]
