@@ -84,14 +84,17 @@ def candidates(
     """
     scale = max(1.0, made.reduced) if made.hypothesis.effects or made.hypothesis.freed else 1.0
     ranked = [each for each in screen.ranked(made, scale) if each.score >= max(ENOUGH, least / scale)]
-    leading = ranked[:LEADING]
+    if not ranked:
+        return []
+    best = ranked[0].score
+    leading = [each for each in ranked[:LEADING] if each.score >= WORTH * best]
     first = abreast(lambda choice: _fitted(made, space, choice, scale, hopeless), leading)
     reached = [each.chi2 for each in first if each is not None]
     most = min(hopeless, FAR_ABOVE * min(reached, default=math.inf))
-    kept = min(max([0.0, *((made.chi2 - chi2) / scale for chi2 in reached)]), ranked[0].score if ranked else 0.0)
+    kept = min(max([0.0, *((made.chi2 - chi2) / scale for chi2 in reached)]), best)
     many = MANY_KEPT if space.equations.made_up.any() else KEPT  # where a position is made up, columns guide less
-    worth = [WORTH * kept if k < many else NEARLY * ranked[0].score for k in range(MANY_KEPT)]
-    rest = [each for each, share in zip(ranked, worth, strict=False) if each.score >= share][len(leading) :]
+    least_of = [WORTH * kept if k < many else NEARLY * best for k in range(len(leading), MANY_KEPT)]
+    rest = [each for each, low in zip(ranked[len(leading) :], least_of, strict=False) if each.score >= low]
     others = abreast(lambda choice: _fitted(made, space, choice, scale, most), rest)
     found = [each for each in (*first, *others) if each is not None]
     laden = any(isinstance(each.effect, Payload) for each in found)

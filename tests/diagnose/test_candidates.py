@@ -51,6 +51,13 @@ def test_a_promise_that_was_not_kept_hides_no_other(
     assert [each.chi2 for each in found] == sorted(each.chi2 for each in found)
 
 
+def test_where_nothing_promises_enough_there_are_none() -> None:
+    """Ten is the least."""
+    screen: Any = SimpleNamespace(ranked=lambda *_: [proposal(9.0)])
+    made: Any = SimpleNamespace(reduced=1.0, chi2=BEFORE, hypothesis=SimpleNamespace(effects=(), freed=frozenset()))
+    assert candidates(SimpleNamespace(), screen, made) == []  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(("factor", "asked"), [(1.4, True), (1.05, False)])
 def test_a_number_bent_beyond_its_tolerance_is_always_asked_about(factor: float, asked: bool) -> None:
     """Set free it leaves hardly less, as it stands where it belongs already; what leaves most less may be wrong."""
