@@ -23,6 +23,8 @@ LITTLE = 2
 reversals has slopes that no step keeps."""
 A_FEW = 4
 """Steps after which a fit that does not come near what it is wanted for is given up."""
+NEARER = 0.5
+"""The same after a step that left the next one more than such a share of what it had promised itself."""
 SHORTER = 0.3
 """Share of a step that is tried where all of it was too much."""
 
@@ -40,11 +42,12 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
         SimulationError: where it begins, the equations are not finite.
     """
     best = base = _begun(start, space)
-    share, ahead, little = 1.0, 0, 0
+    share, ahead, little, promised = 1.0, 0, 0, math.inf
     for k in range(steps - 1):
         worth = max(SETTLED * max(1.0, best.reduced), FINE * (best.regression.data_chi2 - space.rows))
         done = best.reached - best.chi2 < worth or little == LITTLE
-        if done or (k >= A_FEW and best.chi2 > hopeless):
+        far = best.chi2 > hopeless
+        if done or (far and (k >= A_FEW or best.chi2 > NEARER * promised)):
             break
         watched = share == 1.0 and ahead < AHEAD
         made = _after(base, share, math.inf if watched else best.reached)
@@ -54,6 +57,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
         little = little + 1 if share == 1.0 and abs(best.reached - made.reached) < worth else 0
         if made.reached <= best.reached:
             ahead = 0 if share == 1.0 else ahead  # where it did not help it is not tried again
+            promised = best.chi2
             best, base, share = made, made, min(1.0, share / SHORTER)
         elif watched and made.chi2 < best.reached:
             base, ahead = made, ahead + 1

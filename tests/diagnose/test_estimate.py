@@ -136,7 +136,7 @@ def test_a_fit_that_comes_near_is_not_given_up_and_one_that_does_not_is(monkeypa
     assert len(steps) == taken
     steps.clear()
     fit(start, space, hopeless=0.0)
-    assert len(steps) == estimate.A_FEW + 1 < taken
+    assert 1 < len(steps) <= estimate.A_FEW + 1 < taken
 
 
 @pytest.mark.parametrize("right", [True, False])
