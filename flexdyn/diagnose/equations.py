@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.filters import Filters
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.measured import Measured
@@ -61,6 +63,11 @@ class Equations:
             if first.has_tau_s[j]:
                 kinds.append((j, SENSOR))
         return tuple(kinds)
+
+    @lazy
+    def _sensed(self) -> bool:
+        """Whether a torque was measured in any transmission."""
+        return any(kind == SENSOR for _, kind in self.kinds)
 
     @lazy
     def links(self) -> LinkSide:
@@ -166,13 +173,14 @@ class Equations:
         parts = []
         for along in self.motions:
             extra = self.links.extra_torques(others, along.q, along.v, along.a)
-            parts.append(np.stack([self._heavier(along, extra[:, k]) for k in range(len(others))], axis=1))
+            parts.append(np.stack(abreast(partial(self._heavier, along), extra.transpose(1, 0, 2)), axis=1))
         return np.concatenate(parts)
 
     def _heavier(self, along: Motion, more: Array) -> Array:
         """Change of the rows (times * equations,) where the links need more (samples, n)."""
-        needed = np.where(self.true.elastic, 0.0, -more)
-        return self.combined(along, np.zeros_like(more), -more, needed).ravel()
+        with SILENT():
+            needed = np.where(self.true.elastic, 0.0, -more)
+            return self.combined(along, np.zeros_like(more), -more, needed).ravel()
 
     def of_channel(self, signal: str, j: int, error: Callable[[Measured], Array]) -> Array:
         """First-order change of the rows (rows,) where a true channel is the measured one plus `error` (samples,).
@@ -241,11 +249,12 @@ class Equations:
         `only` says that every other joint's columns are zero; `wound` is the deflection of rigid joints, if any.
         """
         rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
-        filtered = {}
+        filtered = {name: np.zeros((len(rows), self.true.n)) for name in (MOTOR, LINK, SENSOR)}
+        columns = slice(None) if only is None else slice(only, only + 1)
         for name, each in ((MOTOR, motor), (LINK, link), (SENSOR, tau_s)):
-            filtered[name] = np.zeros((len(rows), self.true.n))
-            columns = slice(None) if only is None else slice(only, only + 1)
-            filtered[name][:, columns] = self.filters.rows(each[:, columns])
+            part = each[:, columns]
+            if (name != SENSOR or self._sensed) and part.any():
+                filtered[name][:, columns] = self.filters.rows(part)
         motor_, link_, sensor_ = (filtered[name] for name in (MOTOR, LINK, SENSOR))
         lifted = self._lifted(self.true, along, motor, link)
         for place, (j, kind) in enumerate(self.kinds):

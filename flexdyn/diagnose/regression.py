@@ -60,9 +60,16 @@ class Regression:
         return np.where(length > 0.0, length, 1.0)
 
     @lazy
-    def _qr(self) -> tuple[Array, Array]:
-        Q, R = np.linalg.qr(self._whole / self._scale)
-        return Q, R
+    def _Q(self) -> Array:
+        """Orthonormal columns that span those of rows and priors; many fits never ask what lies outside."""
+        return np.asarray(np.linalg.qr(self._whole / self._scale)[0])
+
+    @lazy
+    def _turned(self) -> tuple[Array, Array]:
+        """R of the scaled columns (columns, columns), and Q^T of the target (columns,)."""
+        both = np.column_stack([self._whole / self._scale, self._target])
+        R, count = np.asarray(np.linalg.qr(both, mode="r")), self.X.shape[1]
+        return R[:count, :count], R[:count, count]
 
     @lazy
     def _target(self) -> Array:
@@ -71,8 +78,7 @@ class Regression:
     @lazy
     def values(self) -> Array:
         """The coefficients b (columns,)."""
-        Q, R = self._qr
-        return np.asarray(-np.linalg.lstsq(R, Q.T @ self._target, rcond=1e-12)[0] / self._scale)
+        return np.asarray(-np.linalg.lstsq(*self._turned, rcond=1e-12)[0] / self._scale)
 
     @lazy
     def left(self) -> Array:
@@ -109,8 +115,7 @@ class Regression:
     @lazy
     def covariance(self) -> Array:
         """Of the coefficients (columns, columns), for white rows of unit variance."""
-        R = self._qr[1]
-        inverse = np.linalg.pinv(R, rcond=1e-12)
+        inverse = np.linalg.pinv(self._turned[0], rcond=1e-12)
         return np.asarray(inverse @ inverse.T / np.outer(self._scale, self._scale))
 
     def sandwich(self, block: int) -> Array:
@@ -161,7 +166,7 @@ class Regression:
         """What dropping the prior of one column would gain."""
         unit = np.zeros(len(self.left))
         unit[len(self.y) + k] = 1.0
-        Q = self._qr[0]
+        Q = self._Q
         own = unit - Q @ (Q.T @ unit)
         length = float(own @ own)
         return 0.0 if length < 1e-10 else float(own @ self.left) ** 2 / length
@@ -169,7 +174,7 @@ class Regression:
     def _own(self, columns: Array) -> tuple[Array, Array]:
         """Columns outside the span of what is fitted, and their lengths before that."""
         padded = np.vstack([columns, np.zeros((self.X.shape[1], columns.shape[1]))])
-        Q = self._qr[0]
+        Q = self._Q
         own = padded - Q @ (Q.T @ padded)
         own -= Q @ (Q.T @ own)
         return own, np.sqrt((padded**2).sum(axis=0))
