@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose import faint
 from flexdyn.diagnose.abreast import abreast
-from flexdyn.diagnose.candidates import Candidate, candidates
+from flexdyn.diagnose.candidates import FAR_ABOVE, Candidate, candidates
 from flexdyn.diagnose.contest import contested
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.experiment import with_experiment
@@ -165,9 +165,9 @@ def _findings(
     model: FlexibleJointModel, search: Search, first: Stage, last: Stage, numbers: Refined, *, hurry: bool
 ) -> tuple[Finding, ...]:
     """Named effects with their final numbers, the one that explains most first."""
-    found = []
+    found, hopeless = [], FAR_ABOVE * last.fitted.chi2  # as when it was asked what can be left out
     for k, each in enumerate(last.named):
-        less = first if each.stays else search.stage(*last.without({k}))
+        less = first if each.stays else search.stage(*last.without({k}), hopeless)
         gain = (less.trial.gap - last.trial.gap) / max(first.trial.gap - min(last.trial.gap, 1.0), 1e-9)
         made = finding(model, each.candidate, each.rivals, numbers, float(np.clip(gain, 0.0, 1.0)))
         if made is not None and not hurry:

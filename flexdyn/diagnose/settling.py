@@ -114,7 +114,7 @@ def _instead(search: Search, stage: Stage, gone: Collection[int]) -> Stage | Non
     goal = stage.fitted
     most = goal.chi2 + slack(goal)
     made = fit(start, search.space, hopeless=FAR_ABOVE * most)
-    ranked = candidates(search.space, search.screen, made, NEARLY * (made.chi2 - goal.chi2), FAR_ABOVE * most)
+    ranked = candidates(search.space, search.screen, made, NEARLY * (made.chi2 - goal.chi2), most)
     ranked = [each for each in ranked if each.chi2 <= most]
     if not any(_what(each) not in {_what(stage.named[k].candidate) for k in gone} for each in ranked):
         return None
