@@ -25,6 +25,8 @@ SHARED = 0.003
 """Share of what windows are off by that means nothing: their noise's linear response is no better than that."""
 WORTH = 0.5 * SHARED
 """The same share that a step must promise to be simulated; what it promised is then taken for granted."""
+WINDOWS = 48
+"""Of the fit, so many are asked, evenly: what tells two names apart is weighed as a share of what all are off by."""
 ROUNDS = 2
 """Gauss-Newton steps, all with the slopes of the first: all start where the equations are at their best."""
 
@@ -37,6 +39,7 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         stage: its last one.
         windows: of the data of the fit.
     """
+    windows = windows.thinned(WINDOWS)
     for place, named in enumerate(stage.named):
         if not _is_of(named.candidate, stage):
             continue

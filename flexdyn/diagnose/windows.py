@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Sequence
@@ -125,8 +126,12 @@ class Windows:
         if not places:
             remedy = f"windows of {seconds:g} s without a gap are needed"
             raise InputError("the recordings are too short", key="t", remedy=remedy)
-        kept = np.unique(np.linspace(0, len(places) - 1, min(len(places), most)).round().astype(np.int64))
-        return cls(tuple(recordings), joints, channels, noise, np.array(places, np.int64)[kept], rows, block)
+        return cls(tuple(recordings), joints, channels, noise, np.array(places, np.int64), rows, block).thinned(most)
+
+    def thinned(self, most: int) -> Windows:
+        """At most so many of the windows, evenly."""
+        kept = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.int64))
+        return dataclasses.replace(self, places=self.places[kept])
 
     def __len__(self) -> int:
         """Number of windows."""
