@@ -63,6 +63,15 @@ def test_long_recordings_are_thinned_out_evenly(tmp_path: Path) -> None:
     assert windows.places[:, 1].tolist() == [0, 5000, 10000, 14500, 19500]
 
 
+def test_some_of_the_windows_are_those_and_no_others(tmp_path: Path) -> None:
+    """The first, the last and every second one between; more than there are is all of them."""
+    windows = Windows.of(slider_model(tmp_path), [recording(np.arange(4500) / 1000.0)], LEVELS)
+    some = windows.thinned(5)
+    assert some.places[:, 1].tolist() == [0, 1000, 2000, 3000, 4000]
+    np.testing.assert_array_equal(some.measured, windows.measured[::2])
+    np.testing.assert_array_equal(windows.thinned(20).places, windows.places)
+
+
 @pytest.mark.parametrize(
     ("recordings", "noise", "line"),
     [
