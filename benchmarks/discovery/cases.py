@@ -27,7 +27,7 @@ from visible import visible
 FAMILIES = ("single", "hard", "pair", "motor_only", "link_only", "rigid", "none", "outside")
 FIT, CHECK = 40.0, 12.0  # s
 EVALUATION = 10_000
-ATTEMPTS = 300
+ATTEMPTS = 60
 QUICK = 2e-4  # s, step of the run that only sizes the effects
 FRICTION = {"viscous": (0.03, 0.08), "coulomb": (0.03, 0.06)}
 """Friction that the model file knows: shares of the peak torque (at the greatest speed)."""
