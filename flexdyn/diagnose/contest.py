@@ -39,7 +39,6 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         stage: its last one.
         windows: of the data of the fit.
     """
-    windows = windows.thinned(WINDOWS)
     for place, named in enumerate(stage.named):
         if not _is_of(named.candidate, stage):
             continue
@@ -49,7 +48,7 @@ def contested(search: Search, stage: Stage, windows: Windows) -> Stage:
         if not rivals:
             continue
         entries = [named.candidate, *rivals[:ASKED]]
-        asked = _all_asked(search, entries, windows)
+        asked = _all_asked(search, entries, windows.thinned(WINDOWS))
         least = min(asked, key=_best)
         scale = max(1.0, _best(least) / least.rows)
         costs = [_best(refined) / scale + each.cost for refined, each in zip(asked, entries, strict=True)]
