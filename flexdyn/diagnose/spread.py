@@ -99,8 +99,8 @@ def _slopes(shooter: Shooter, motion: Motion, which: Indices) -> tuple[Array, Ar
     n = shooter.model.n
     A, B = np.zeros((count, knots, nx, nx)), np.zeros((count, knots, nx, n))
     for w in np.flatnonzero(motion.written == shooter.windows.rows).tolist():
-        plant, torques = shooter.plants[which[w]], np.ascontiguousarray(shooter.torques(int(which[w]))[:knots])
-        plant.slopes_along(np.ascontiguousarray(motion.x[w]), torques, GAINS_EVERY, A[w], B[w])
+        place = int(which[w])
+        shooter.plants[place].slopes_along(motion.x[w], shooter.torques(place), GAINS_EVERY, A[w], B[w])
     A, B = (np.clip(np.nan_to_num(each), -HUGE, HUGE) for each in (A, B))
     half = n + len(shooter.elastic)
     velocities = np.arange(half, 2 * half)
