@@ -86,7 +86,8 @@ void inverse_dynamics(const LinkDynamics& links, Array q, Array v, Array a, OutA
 }
 
 void inertial_torques(const LinkDynamics& links, Array q, Array v, Array a, Array more, OutArray tau) {
-  const std::size_t rows = rows_of(links, q), n = links.size(), size = 11 * links.bodies(), count = more.size() / size;
+  const std::size_t rows = rows_of(links, q), n = links.size();
+  const std::size_t size = LinkDynamics::inertial_parameters * links.bodies(), count = more.size() / size;
   require(v.size() == q.size() && a.size() == q.size(), "q, v, a differ in size");
   require(count > 0 && more.size() == count * size, "inertias are (count, m, 11)");
   require(tau.size() == rows * count * n, "torques are (rows, count, n)");

@@ -67,9 +67,11 @@ class LinkDynamics {
   double least_inertia(Workspace& w, const double* q) const;
   // M(q) a + h(q, v), armature of rigid joints included.
   void inverse_dynamics(Workspace& w, const double* q, const double* v, const double* a, double* tau) const;
-  // What `inverse_dynamics` gains where bodies gain inertia, to which it is linear: (count, n) of `more`, (count, m, 11),
-  // for every joint of the tree mass, first moment (3), inertia about the joint's origin (xx, xy, yy, xz, yz, zz) and
+  // Of every joint of the tree: mass, first moment (3), inertia about the joint's origin (xx, xy, yy, xz, yz, zz) and
   // armature.
+  static constexpr int inertial_parameters = 11;
+  // What `inverse_dynamics` gains where bodies gain inertia, to which it is linear: (count, n) of `more`,
+  // (count, m, inertial_parameters).
   void inertial_torques(Workspace& w, const double* q, const double* v, const double* a, const double* more, int count,
                         double* tau) const;
   // Derivatives of M(q) a + h(q, v) by q and v at given q, v, a, (n, n) row-major.

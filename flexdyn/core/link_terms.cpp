@@ -99,7 +99,7 @@ void LinkDynamics::inverse_dynamics(Workspace& w, const double* q, const double*
 
 void LinkDynamics::inertial_torques(Workspace& w, const double* q, const double* v, const double* a, const double* more,
                                     int count, double* tau) const {
-  constexpr int numbers = 11;
+  constexpr int numbers = inertial_parameters;
   inverse_dynamics(w, q, v, a, tau);  // leaves velocities and accelerations of all bodies behind
   const int m = static_cast<int>(impl_->axis.size());
   for (int k = 0; k < count; ++k, more += numbers * m) {
