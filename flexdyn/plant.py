@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -108,9 +108,13 @@ class LinkSide:
 
     def __init__(self, model: FlexibleJointModel) -> None:
         true = model.resolved()
-        self._tree = _tree_of(true)
-        self._links = build_links(true)
+        self._tree, self._gravity = _tree_of(true), true.gravity
         self.n = model.n
+
+    @cached_property
+    def _links(self) -> _core.LinkDynamics:
+        """Compiled when it is first needed: of some, inertias are all that is asked."""
+        return _links(self._tree, self._gravity)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q) (..., n, n) [kg m^2] of q (..., n)."""

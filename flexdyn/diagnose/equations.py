@@ -65,7 +65,7 @@ class Equations:
         return tuple(kinds)
 
     @lazy
-    def _sensed(self) -> bool:
+    def sensed(self) -> bool:
         """Whether a torque was measured in any transmission."""
         return any(kind == SENSOR for _, kind in self.kinds)
 
@@ -119,13 +119,8 @@ class Equations:
         parts = []
         for along in self.motions:
             terms = joint_terms(model, effects, along, j)
-            motor, link = np.zeros_like(along.q), np.zeros_like(along.q)
-            motor[:, j], link[:, j] = terms.motor, terms.link
-            if model.elastic[j]:
-                motor[:, j] -= model.rotor_inertia[j] * along.alpha[:, j]
-            tau_s = np.zeros_like(along.q)
-            tau_s[:, j] = -terms.tau_s
-            parts.append(self.combined(along, motor, link, tau_s, only=j).ravel())
+            rotor = model.rotor_inertia[j] * along.alpha[:, j] if model.elastic[j] else 0.0
+            parts.append(self.combined(along, terms.motor - rotor, terms.link, -terms.tau_s, only=j).ravel())
         return np.concatenate(parts)
 
     def own(self, j: int) -> Array:
@@ -161,11 +156,17 @@ class Equations:
         parts = []
         for along in self.motions:
             side, values = torque(along)
-            motor, link, tau_s = (np.zeros_like(along.q) for _ in range(3))
-            (motor if side == MOTOR else link)[:, j] = values
-            if not self.true.elastic[j] and side == LINK:
-                tau_s[:, j] = values
-            parts.append(self.combined(along, motor, link, tau_s, only=j).ravel())
+            motor, link = (values, None) if side == MOTOR else (None, values)
+            carried = None if self.true.elastic[j] else link
+            parts.append(self.combined(along, motor, link, carried, only=j).ravel())
+        return np.concatenate(parts)
+
+    def of_damper(self, j: int) -> Array:
+        """What the damper of an elastic joint with both encoders puts into the rows (rows,)."""
+        parts = []
+        for along in self.motions:
+            torque = self.true.damping[j] * along.ddelta[:, j]
+            parts.append(self.combined(along, -torque, torque, -torque, only=j).ravel())
         return np.concatenate(parts)
 
     def of_links(self, others: Sequence[LinkSide]) -> Array:
@@ -180,7 +181,7 @@ class Equations:
         """Change of the rows (times * equations,) where the links need more (samples, n)."""
         with SILENT():
             needed = np.where(self.true.elastic, 0.0, -more)
-            return self.combined(along, np.zeros_like(more), -more, needed).ravel()
+            return self.combined(along, None, -more, needed).ravel()
 
     def of_channel(self, signal: str, j: int, error: Callable[[Measured], Array]) -> Array:
         """First-order change of the rows (rows,) where a true channel is the measured one plus `error` (samples,).
@@ -238,25 +239,21 @@ class Equations:
     def combined(
         self,
         along: Motion,
-        motor: Array,
-        link: Array,
-        tau_s: Array,
+        motor: Array | None,
+        link: Array | None,
+        tau_s: Array | None,
         only: int | None = None,
         wound: Array | None = None,
     ) -> Array:
         """Rows (times, equations) of what stands in the motors', the links' and the sensors' equations (samples, n).
 
-        `only` says that every other joint's columns are zero; `wound` is the deflection of rigid joints, if any.
+        With `only`, of that joint alone (samples,). None: nothing stands there. `wound` is the deflection of rigid
+        joints (samples, n), if any.
         """
         rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
-        filtered = {name: np.zeros((len(rows), self.true.n)) for name in (MOTOR, LINK, SENSOR)}
-        columns = slice(None) if only is None else slice(only, only + 1)
-        for name, each in ((MOTOR, motor), (LINK, link), (SENSOR, tau_s)):
-            part = each[:, columns]
-            if (name != SENSOR or self._sensed) and part.any():
-                filtered[name][:, columns] = self.filters.rows(part)
-        motor_, link_, sensor_ = (filtered[name] for name in (MOTOR, LINK, SENSOR))
-        lifted = self._lifted(self.true, along, motor, link)
+        each = (motor, link, tau_s if self.sensed else None)
+        motor_, link_, sensor_ = (self._filtered(along, torque, only) for torque in each)
+        lifted = self._lifted(along, motor, link, only)
         for place, (j, kind) in enumerate(self.kinds):
             if kind == MOTOR and self.true.elastic[j]:
                 rows[:, place] = motor_[:, j] / self.gains[j]
@@ -271,6 +268,13 @@ class Equations:
             elif wound is not None:  # rigid: theta should be q
                 unit = self.stiffness[j] if kind == LINK and self.stiffness is not None else 1.0
                 rows[:, place] = unit * self.filters.rows(wound[:, j])
+        return rows
+
+    def _filtered(self, along: Motion, torque: Array | None, only: int | None) -> Array:
+        """Rows (times, n) of a torque (samples, n), or of one joint alone (samples,)."""
+        rows = np.zeros((self.filters.count(len(along.t)), self.true.n))
+        if torque is not None and torque.any():
+            rows[:, slice(None) if only is None else only] = self.filters.rows(torque)
         return rows
 
     @lazy
@@ -297,18 +301,21 @@ class Equations:
                 gains[self.true.index(effect.joint)] += effect.gain
         return np.where(np.abs(gains) < 0.05, np.copysign(0.05, gains), gains)
 
-    def _lifted(self, model: FlexibleJointModel, along: Motion, motor: Array, link: Array) -> Array:
+    def _lifted(self, along: Motion, motor: Array | None, link: Array | None, only: int | None) -> Array:
         """What made-up positions do to the equations (times, n).
 
         A link position from the motor's equation is wrong by ``-motor/K``: its acceleration loads every link, gravity
         pulls at another place and Coriolis' torque is another one. A rotor position from the link's equation is wrong
         by ``-link/K``, whose acceleration loads the rotor.
         """
-        first = along.data
+        first, model = along.data, self.true
         lifted = np.zeros((self.filters.count(len(along.t)), model.n))
         at = self.filters.instants(len(along.t))
         for i in np.flatnonzero(self.made_up).tolist():
-            wrong = (motor[:, i] if not first.has_q[i] else link[:, i]) / model.stiffness[i]
+            torque = motor if not first.has_q[i] else link
+            if torque is None or only not in (None, i):
+                continue
+            wrong = (torque if only == i else torque[:, i]) / model.stiffness[i]
             if first.has_q[i]:
                 lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(wrong, 2)
             else:

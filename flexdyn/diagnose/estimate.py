@@ -50,7 +50,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = 
         if done or (far and (k >= A_FEW or best.chi2 > NEARER * promised)):
             break
         watched = share == 1.0 and ahead < AHEAD
-        made = _after(base, share, math.inf if watched else best.reached)
+        made = _after(base, share, math.inf if watched else best.reached, hopeless)
         if made is None:
             base, share = best, SHORTER * share
             continue
@@ -77,13 +77,20 @@ def _begun(start: Hypothesis, space: Workspace) -> Fit:
     return linearised(held, space, None, back)
 
 
-def _after(base: Fit, share: float, most: float) -> Fit | None:
-    """The problem after a share of a step; None where more is left than may be, for which no slopes are taken."""
+def _after(base: Fit, share: float, most: float, hopeless: float) -> Fit | None:
+    """The problem after a share of a step; None where more is left than may be, for which no slopes are taken.
+
+    Nor are they where a step leads nowhere by those there are.
+    """
     trial = moved(base.hypothesis, share * base.step, base.scales)
     try:
         at = base.space.equations.of(trial.model())
         if most < math.inf and reached(trial, at, base.space) > most:
             return None
+        if share == 1.0 and base.chi2 > hopeless:
+            straight = linearised(trial, base.space, base, at, straight=True)
+            if straight.chi2 > max(hopeless, NEARER * base.chi2):
+                return straight
         return linearised(trial, base.space, base, at)
     except SimulationError:  # too far
         return None

@@ -26,7 +26,14 @@ LOOSE = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
 
 
-def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = None, at: Equations | None = None) -> Fit:
+def linearised(
+    hypothesis: Hypothesis,
+    space: Workspace,
+    before: Fit | None = None,
+    at: Equations | None = None,
+    *,
+    straight: bool = False,
+) -> Fit:
     """The least-squares problem at a hypothesis; its step is not taken.
 
     Args:
@@ -34,6 +41,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
         space: data, weights and the derivatives that do not change.
         before: the same effects with other numbers; where these are near, its slopes of the file's numbers do.
         at: the equations there; None: they are made.
+        straight: take all slopes of `before`, wherever it was.
 
     Raises:
         SimulationError: the equations are not finite there.
@@ -43,7 +51,9 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     scales = tuple(_scale(effect, name) for effect, name in unknowns)
     taken = None if before is None else before.taken or before.hypothesis
     known = None
-    if before is not None and taken is not None and _near(hypothesis, taken):
+    if before is not None and straight:
+        known = (before.free or before.regression).X
+    elif before is not None and taken is not None and _near(hypothesis, taken):
         known = before.regression.X[:, : len(hypothesis.factors)]
     else:
         taken = None
@@ -83,9 +93,11 @@ def _rows(
 ) -> tuple[Array, Array]:
     """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k).
 
-    Those by the numbers may be known.
+    Those by the numbers, or all, may be known.
     """
     y = space.whiten(at.residual)
+    if known is not None and known.shape[1] > len(hypothesis.factors):
+        return y, known
 
     def slope(unknown: tuple[tuple[Effect, str], float]) -> Array:
         (effect, name), scale = unknown

@@ -13,6 +13,8 @@ from flexdyn.diagnose.lazy import lazy
 Array = NDArray[np.float64]
 LEFT_OVER = 1e-5
 """Share of a column's length that must be its own, outside what the others span."""
+AGAIN = 1e-3
+"""The same below which rounding would show, so that what others span is taken off once more."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +149,7 @@ class Regression:
             after = self.left + own.sum(axis=1) if own.ndim == 2 else self.left + own
             return Gain(self.chi2 - float(after @ after), np.ones(columns.shape[1]))
         values = np.zeros(columns.shape[1])
-        length = np.sqrt((own**2).sum(axis=0))
+        length = np.sqrt(np.einsum("ij,ij->j", own, own))
         free = [k for k in range(len(values)) if length[k] > LEFT_OVER * scale[k] > 0.0]
         while free:
             unit = own[:, free] / length[free]
@@ -176,5 +178,7 @@ class Regression:
         padded = np.vstack([columns, np.zeros((self.X.shape[1], columns.shape[1]))])
         Q = self._Q
         own = padded - Q @ (Q.T @ padded)
-        own -= Q @ (Q.T @ own)
-        return own, np.sqrt((padded**2).sum(axis=0))
+        length = np.sqrt(np.einsum("ij,ij->j", padded, padded))
+        if (np.einsum("ij,ij->j", own, own) < (AGAIN * length) ** 2).any():
+            own -= Q @ (Q.T @ own)
+        return own, length
