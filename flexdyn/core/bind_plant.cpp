@@ -119,6 +119,18 @@ void evaluate_law(const std::string& name, const std::vector<double>& parameters
   }
 }
 
+// States of a law that remembers, z' = u - |u| z/reach, along a path; exact where it is monotone between its points.
+void states_along(Array x, double reach, double z0, OutArray z) {
+  require(x.size() == z.size() && reach > 0.0, "x and z differ in size, or the reach is not above 0");
+  nb::gil_scoped_release release;
+  double now = z0;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    const double way = i == 0 ? 0.0 : x.data()[i] - x.data()[i - 1];
+    now += std::expm1(-std::abs(way) / reach) * (now - std::copysign(reach, way));
+    z.data()[i] = now;
+  }
+}
+
 void derivative(const Plant& plant, double t, Array x, Array tau, double smoothing, OutArray dx) {
   require(static_cast<int>(x.size()) == plant.state_size() && dx.size() == x.size(), "x and dx are the state's size");
   require(static_cast<int>(tau.size()) == plant.n(), "tau has one entry a joint");
@@ -216,6 +228,7 @@ void bind_plant(nb::module_& m) {
   m.def("python_law", &make_python_law, nb::arg("stage"), nb::arg("joint"), nb::arg("side"), nb::arg("callable"));
   m.def("evaluate_law", &evaluate_law, nb::arg("name"), nb::arg("parameters"), nb::arg("t"), nb::arg("x"),
         nb::arg("u"), nb::arg("tau"), nb::arg("out"));
+  m.def("states_along", &states_along, nb::arg("x"), nb::arg("reach"), nb::arg("z0"), nb::arg("out"));
   nb::class_<Plant>(m, "Plant")
       .def_prop_ro("n", &Plant::n)
       .def_prop_ro("state_size", &Plant::state_size)

@@ -15,6 +15,8 @@ from flexdyn.model import FlexibleJointModel
 Array = NDArray[np.float64]
 ROUNDS, SETTLED = 20, 1e-15
 """Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
+SPARE = 16
+"""Samples beyond either end, as many as a spline's coefficients take notice of."""
 
 
 def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
@@ -45,7 +47,7 @@ def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) ->
     if discs:
         seen = x
         for _ in range(ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
-            before, x = x, seen - np.sum([e.error(x) for e in discs], axis=0)
+            before, x = x, seen - sum(e.error(x) for e in discs)
             if np.abs(x - before).max(initial=0.0) < SETTLED:
                 break
     delay = sum(e.delay for e in effects if isinstance(e, ChannelLag))
@@ -53,8 +55,16 @@ def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) ->
 
 
 def advanced(x: Array, delay: float, dt: float) -> Array:
-    """x(t + delay) [s] at the samples of x, by a cubic spline; the last values are extrapolated by the last sample."""
-    from scipy.interpolate import CubicSpline
+    """x(t + delay) [s] at the samples of x, by a cubic spline; beyond its ends the first and the last value hold.
 
-    t = dt * np.arange(len(x))
-    return np.asarray(CubicSpline(t, x)(np.minimum(t + delay, t[-1])))
+    On a regular clock the spline is its B-spline coefficients passed through four taps (Unser et al., 1993).
+    """
+    from scipy.ndimage import spline_filter1d
+
+    whole, part = divmod(delay / dt, 1.0)
+    count = len(x)
+    coefficients = spline_filter1d(np.pad(x, SPARE, mode="reflect", reflect_type="odd"), order=3)
+    taps = np.array([(1 - part) ** 3, 4 - 6 * part**2 + 3 * part**3, 1 + 3 * part * (1 + part - part**2), part**3]) / 6
+    between = np.convolve(coefficients[SPARE - 1 : SPARE + count + 2], taps[::-1], "valid")
+    at = np.arange(count) + int(np.clip(whole, -count, count))
+    return np.where(at + part > count - 1.0, x[-1], between[np.clip(at, 0, count - 1)])

@@ -141,18 +141,25 @@ def _around(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _exponential(A: Array) -> Array:
-    """Matrix exponentials of a stack, by scaling, a Taylor series of order 6 and squaring."""
+    """Matrix exponentials of a stack, by scaling, a Taylor series of order 6 and squaring.
+
+    States are measured in units in which rows and columns are alike: stiff springs then ask for few squarings.
+    """
+    from scipy.linalg import matrix_balance
+
+    _, (unit, _) = matrix_balance(np.abs(A).max(axis=tuple(range(A.ndim - 2))), permute=False, separate=True)
+    ratio = unit / unit[:, None]
+    A = A * ratio
     size = float(np.abs(A).sum(axis=-1).max())
     halvings = max(0, int(np.ceil(np.log2(max(size, 1e-9) / 0.5))))
     halvings = min(halvings, 30)
-    small = A / 2.0**halvings
-    unit = np.eye(A.shape[-1])
-    total = unit + small / 6.0
+    small, one = A / 2.0**halvings, np.eye(A.shape[-1])
+    total = one + small / 6.0
     for order in (5, 4, 3, 2, 1):
-        total = unit + small @ total / order
+        total = one + small @ total / order
     for _ in range(halvings):
         total = np.clip(total @ total, -HUGE, HUGE)
-    return np.asarray(total)
+    return np.asarray(np.clip(total / ratio, -HUGE, HUGE))
 
 
 def _outputs(shooter: Shooter) -> Array:

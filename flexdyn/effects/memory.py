@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn import _core
 from flexdyn.effects.base import JointEffect, Stage
 
 Array = NDArray[np.float64]
@@ -37,20 +38,10 @@ class MemoryEffect(JointEffect, abstract=True):
         Returns:
             z (samples,) [rad or m].
         """
-        path = np.asarray(x, dtype=float)
+        path = np.ascontiguousarray(x, dtype=float)
         z = np.zeros(path.shape)
-        if self.reach == 0.0:
-            return z
-        # Every step is linear in z: z -> kept z + gained; steps are put together by pairs, fours, eights.
-        way = np.diff(path)
-        kept = np.exp(-np.abs(way) / self.reach)
-        gained = -np.sign(way) * self.reach * np.expm1(-np.abs(way) / self.reach)
-        apart = 1
-        while apart < len(kept) and kept[apart - 1 :].any():
-            gained[apart:] += kept[apart:] * gained[:-apart]
-            kept[apart:] *= kept[:-apart]
-            apart *= 2
-        z[0], z[1:] = z0, kept * z0 + gained
+        if self.reach > 0.0:
+            _core.states_along(path, self.reach, z0, z)
         return z
 
     def along(self, x: ArrayLike, u: ArrayLike = 0.0, z0: float = 0.0) -> Array:
