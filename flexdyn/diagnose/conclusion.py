@@ -18,6 +18,7 @@ from flexdyn.diagnose.filter_bias import with_filter_bias
 from flexdyn.diagnose.findings import calibrations, finding, out_of_tolerance, suspected, tried
 from flexdyn.diagnose.fitted import ROUGH
 from flexdyn.diagnose.gap import shoot
+from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.localise import localise, traces
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.nesting import simplified
@@ -78,8 +79,8 @@ def concluded(
         last = contested(search, last, windows)
     last, numbers = _final(model, search, last, windows, refined, hurry=hurry)
     corrected, calibrated = numbers.hypothesis.seen(), first.fitted
-    within = unbent(search, first).fitted.hypothesis.seen()
-    gaps = _gaps((model, within, corrected), (windows, search.check.windows))
+    within = unbent(search, first).fitted.hypothesis
+    gaps = _gaps(model, (within, numbers.hypothesis), windows, search)
     findings = _findings(model, search, first, last, numbers, hurry=hurry)
     space = calibrated.space
     mask = space.whiten.mask
@@ -98,12 +99,15 @@ def concluded(
     )
 
 
-def _gaps(models: tuple[FlexibleJointModel, ...], data: Sequence[Windows]) -> list[Gap]:
-    """The gap of every recording under the model as given, calibrated and corrected."""
-    shots = abreast(lambda pair: shoot(*pair), [(each, windows) for windows in data for each in models])
+def _gaps(
+    model: FlexibleJointModel, hypotheses: tuple[Hypothesis, Hypothesis], windows: Windows, search: Search
+) -> list[Gap]:
+    """The gap of the fit and of the check under the model as given, calibrated and corrected."""
+    models = (model, *(each.seen() for each in hypotheses))
+    tried = [trial.shot for trial in search.trials(hypotheses)]  # of the check: mostly known by now
+    shots = abreast(lambda pair: shoot(*pair), [*((each, windows) for each in models), (model, search.check.windows)])
     found = []
-    for k in range(0, len(shots), len(models)):
-        given, calibrated, after = shots[k : k + len(models)]
+    for given, calibrated, after in (shots[:3], (shots[3], *tried)):
         found.append(Gap(given.gap, calibrated.gap, after.gap, after.floor()))
     return found
 

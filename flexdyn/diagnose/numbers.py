@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from flexdyn.effects import Effect, JointElasticity, ParameterError, Payload, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
@@ -13,6 +15,8 @@ from flexdyn.model import FlexibleJointModel
 OF_JOINT = ("rotor_inertia", "stiffness", "damping")
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 DEFAULT_TOLERANCE = 0.05
+NOTHING = 1e-12
+"""Change of inertias, by their size, that is rounding."""
 IN_TOLERANCE = 3.0
 """Standard deviations of its tolerance within which a number of the file is calibrated and not wrong."""
 
@@ -66,13 +70,17 @@ def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
 
 
 def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
-    for frame in model.robot.frame_names:
+    """Of those that change what the arm needs: not where the centre of mass of a link is that stands at its origin."""
+    robot = model.robot
+    own = robot.tree.inertial_parameters
+    for frame in robot.frame_names:
         for parameter, word in OF_LINK.items():
             try:
-                model.robot.with_link_scaled(frame, **{word: 1.0})
+                other = robot.with_link_scaled(frame, **{word: 2.0})
             except InputError:
                 break
-            yield FileNumber(frame, parameter, 1.0, _tolerance(model, f"links.{frame}.{word}"), None)
+            if np.abs(other.tree.inertial_parameters - own).max() > NOTHING * np.abs(own).max():
+                yield FileNumber(frame, parameter, 1.0, _tolerance(model, f"links.{frame}.{word}"), None)
 
 
 def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:

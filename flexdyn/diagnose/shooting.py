@@ -192,7 +192,7 @@ class Shooter:
         rate = max(fastest_rate(self.plants[w], np.ascontiguousarray(x0[w])) for w in some)
         fast = np.abs(x0[:, self.model.n + len(self.elastic) :]).max()
         rate = max([rate, *(fast / effect.reach for effect in self.memory if effect.reach > 0)])
-        if not self.plants[0].has_dry_friction and rate * self.windows.period < 8 * PHASE:
+        if rate * self.windows.period < (PHASE if self.plants[0].has_dry_friction else 8 * PHASE):
             return RungeKutta4(step=tight * min(PHASE / max(rate, 1e-9), self.windows.period))
         if rate > STIFF:
             return Rosenbrock(rtol=1e-5 * tight, atol=1e-7 * tight)
