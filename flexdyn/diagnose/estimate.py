@@ -25,6 +25,9 @@ A_FEW = 4
 """Steps after which a fit that does not come near what it is wanted for is given up."""
 NEARER = 0.5
 """The same after a step that left the next one more than such a share of what it had promised itself."""
+STRAIGHT = 0.8
+"""Share of what a step promised that the next one leaves by the same slopes, beyond which its law is as good as linear:
+slopes taken anew would promise no more."""
 SHORTER = 0.3
 """Share of a step that is tried where all of it was too much."""
 
@@ -89,7 +92,7 @@ def _after(base: Fit, share: float, most: float, hopeless: float) -> Fit | None:
             return None
         if share == 1.0 and base.chi2 > hopeless:
             straight = linearised(trial, base.space, base, at, straight=True)
-            if straight.chi2 > max(hopeless, NEARER * base.chi2):
+            if straight.chi2 > max(hopeless, STRAIGHT * base.chi2):
                 return straight
         return linearised(trial, base.space, base, at)
     except SimulationError:  # too far

@@ -107,6 +107,36 @@ def test_a_numbers_column_is_the_slope_of_the_residual(signals: tuple[str, ...])
         assert np.linalg.norm(found - slope) < near * np.linalg.norm(slope) + 1e-9, number
 
 
+LAWS = (
+    fd.effects.ViscousFriction("shoulder", side="motor", coefficient=0.4),
+    fd.effects.PreslidingFriction("elbow", side="link", level=0.3, stiffness=60.0, damping=0.2),
+    fd.effects.ParallelSpring("shoulder", stiffness=3.0, rest=0.2),
+    fd.effects.LoadDependentFriction("elbow", side="motor", coefficient=0.05),
+)
+"""Laws of which all but the last stand alone in their equations; that one takes what the others make of the load."""
+
+
+@pytest.mark.parametrize("signals", [BOTH, MOTOR, LINK], ids=["both encoders", "motor", "link"])
+def test_a_laws_column_is_the_slope_of_the_residual(signals: tuple[str, ...]) -> None:
+    """Of its numbers in the file and of its parameters beside it, by central differences over the whole model."""
+    given = equations(Levels(1e-6, 1e-3), 0, signals)
+    wrong = fd.effects.ParameterError("shoulder", parameter="damping", factor=1.1)
+    at = given.of(given.model.replace(effects=[wrong, *LAWS]))
+    numbers = [number for number in file_numbers(at.model) if number.of.startswith("effects")]
+    assert len(numbers) == 7
+    near = 2e-3 if signals == BOTH else 0.15  # a made-up position takes notice of forces to first order
+    for number, found in zip(numbers, columns.of_numbers(at, numbers).T, strict=True):
+        sides = [
+            at.of(at.model.replace(effects=[*at.model.effects, number.error(1.0 + step)])).residual
+            for step in (1e-3, -1e-3)
+        ]
+        slope = (sides[0] - sides[1]) / 2e-3
+        assert np.linalg.norm(found - slope) < near * np.linalg.norm(slope) + 1e-9, number
+        law = next(each for each in LAWS if getattr(each, number.parameter, None) == number.value)
+        by_value = columns.of_parameter(at, law, number.parameter, 1e-3 * number.value) * number.value
+        assert np.linalg.norm(found - by_value) < 1e-6 * np.linalg.norm(found), number
+
+
 @pytest.mark.parametrize("signal", ["q", "theta"])
 @pytest.mark.parametrize(("name", "step"), [("amplitude", 1e-5), ("phase", 1e-3)])
 def test_a_sensors_column_is_the_slope_of_the_residual(signal: str, name: str, step: float) -> None:

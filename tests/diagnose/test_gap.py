@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose import matched as matching
@@ -18,6 +19,7 @@ from flexdyn.diagnose.windows import Windows
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, Levels, two_link_recording
 
+Array = NDArray[np.float64]
 FINE = Levels(position=1e-7, torque=0.02)
 COARSE = Levels(position=1e-4, torque=1e-4)
 
@@ -192,6 +194,27 @@ def test_the_simulation_is_far_more_exact_than_the_noise() -> None:
     shooter = shooting.Shooter(shot.model, shot.windows)
     usual, exact = (shooter.reported(shooter.run(shot.x0, tight)) for tight in (1.0, 0.01))
     assert np.sqrt(((usual - exact) ** 2).mean()) < 0.2 * FINE.position
+
+
+def test_windows_of_slow_arms_with_dry_friction_take_the_classical_method() -> None:
+    """Against Dormand-Prince at tight tolerance, far below the noise though joints stick and break away."""
+    friction = [fd.effects.CoulombFriction(joint, side="motor", level=0.4) for joint in ("shoulder", "elbow")]
+    model = two_link(ARM, friction).replace(joints={"*": {"stiffness": 80.0}})
+    windows = Windows.of(model, [two_link_recording(FINE, 0)], FINE.noise())
+    shooter = shooting.Shooter(model, windows)
+    x0 = first_states(shooter).x
+    assert isinstance(shooter._solver(x0, 1.0), fd.solvers.RungeKutta4)
+    usual = shooter.reported(shooter.run(x0))
+    exact = _by(shooter, x0, fd.solvers.DormandPrince(rtol=1e-10, atol=1e-12))
+    assert (np.abs(np.diff(usual[:, :, 2:], axis=1)) == 0.0).any()  # some rest
+    assert np.sqrt(((usual - exact) ** 2).mean()) < FINE.position
+
+
+def _by(shooter: shooting.Shooter, x0: Array, solver: fd.solvers.Solver) -> Array:
+    """Windows as another solver has them (windows, rows, channels)."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shooter, "_solver", lambda *_: solver)
+        return shooter.reported(shooter.run(x0))
 
 
 def test_shares_say_in_which_regime_a_model_is_wrong() -> None:

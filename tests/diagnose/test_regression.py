@@ -34,6 +34,17 @@ def test_values_are_the_least_squares_ones() -> None:
     np.testing.assert_allclose(made.covariance, np.linalg.inv(A.T @ A), rtol=1e-8)
 
 
+def test_tall_problems_are_solved_as_well() -> None:
+    """Many more rows than columns, two of which are nearly the same."""
+    draw = np.random.default_rng(3)
+    X = draw.standard_normal((5003, 8))
+    X[:, 7] = X[:, 6] + 1e-4 * draw.standard_normal(5003)
+    made = Regression(draw.standard_normal(5003), X, np.zeros(8), np.full(8, 10.0), 5003)
+    A, t = stacked(made)
+    np.testing.assert_allclose(made.values, np.linalg.lstsq(A, t, rcond=None)[0], rtol=1e-7)
+    np.testing.assert_allclose(made.covariance, np.linalg.inv(A.T @ A), rtol=1e-6)
+
+
 def test_a_gain_is_that_of_fitting_everything_again() -> None:
     """Two more columns, one of which may not be negative."""
     made, draw = problem(), np.random.default_rng(7)
