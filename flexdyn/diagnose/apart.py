@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose import columns
+from flexdyn.diagnose import columns, number_columns
 from flexdyn.diagnose.covariance import Noise, whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.fitted import Fit, Workspace
@@ -113,7 +113,7 @@ def space_along(
     along = Equations(loaded(space.equations.model, load), (run,), space.equations.filters)
     whiten = whitener(along, noise, sign_mask(along, noise))
     counts = [columns.of_effect(along, SensorOffset(name, offset=1e-6), 1e-6) for name in space.channels]
-    slopes, nuisance = whiten(columns.of_numbers(along, list(numbers))), whiten(np.stack(counts, axis=1))
+    slopes, nuisance = whiten(number_columns.of_numbers(along, list(numbers))), whiten(np.stack(counts, axis=1))
     return dataclasses.replace(space, equations=along, whiten=whiten, numbers=slopes, nuisance=nuisance)
 
 

@@ -1,19 +1,15 @@
-"""Derivatives of the residuals with respect to the numbers of a model and of its effects."""
+"""Derivatives of the residuals with respect to effects and their parameters."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.compliance import of_compliance
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.made_up import NOT_PLAIN
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.motion import Motion
-from flexdyn.diagnose.numbers import OF_LINK, FileNumber
 from flexdyn.diagnose.sensors import true_channel
 from flexdyn.diagnose.terms import adds_up, own_torque
 from flexdyn.effects import (
@@ -22,98 +18,31 @@ from flexdyn.effects import (
     JointEffect,
     JointElasticity,
     LoadDependentFriction,
-    ParameterError,
     Payload,
     SensorEffect,
     TorqueConstantError,
 )
-from flexdyn.effects.model_error import effect_place
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 
 Array = NDArray[np.float64]
-STEP = 1e-3
-"""Relative step of the differences."""
-FOLDED = (ParameterError, JointElasticity)
-"""Effects that a resolved model holds no more."""
 
 
-def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
-    """Derivatives of the residual (rows, numbers) by the factors of the file's numbers, where the model has them.
-
-    Args:
-        equations: of the model.
-        numbers: of its file; those of links take one pass over the motion together.
-    """
-    found = np.empty((len(equations.residual), len(numbers)))
-    links = [k for k, number in enumerate(numbers) if number.joint is None]
-    if links:
-        heavier = [LinkSide(_heavier(equations.true, numbers[k])) for k in links]
-        found[:, links] = equations.of_links(heavier) / STEP
-    joints = [k for k in range(len(numbers)) if k not in links]
-
-    def of_joint(k: int) -> Array:
-        with SILENT():
-            return _of_joint(equations, numbers[k])
-
-    for k, slope in zip(joints, abreast(of_joint, joints), strict=True):
-        found[:, k] = slope
-    return found
-
-
-def _heavier(true: FlexibleJointModel, number: FileNumber) -> FlexibleJointModel:
-    """A resolved model with a number of a link a little larger."""
-    return true.replace(robot=true.robot.with_link_scaled(number.of, **{OF_LINK[number.parameter]: 1.0 + STEP}))
-
-
-def _of_joint(equations: Equations, number: FileNumber) -> Array:
-    """Derivative of the residual (rows,) by the factor of a joint's number."""
-    true = equations.true
-    j = true.index(str(number.joint))
-    effect = _true_effect(equations, number)
-    if effect is not None and _stands_alone(equations, effect):
-        more = (1.0 + STEP) * getattr(effect, number.parameter)
-        return _of_change(equations, effect, effect.replace(**{number.parameter: more})) / STEP
-    if number.joint == number.of and not (equations.made_up[j] or _is_loaded(equations, j)) and true.elastic[j]:
-        if number.parameter == "rotor_inertia":
-            return equations.of_torque(j, lambda along: ("motor", -true.rotor_inertia[j] * along.alpha[:, j]))
-        if number.parameter == "damping":
-            return equations.of_damper(j)
-    model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + STEP)])
-    moved = model.resolved()
-    if number.parameter == "stiffness":  # the scale of the link's equation moves with it
-        return (equations.of(model).residual - equations.residual) / STEP
-    if number.parameter == "rotor_inertia" and not true.elastic[j]:
-        return equations.of_links([LinkSide(moved)])[:, 0] / STEP
-    return (equations.of_joint(j, moved, moved.all_effects) - equations.own(j)) / STEP
-
-
-def _true_effect(equations: Equations, number: FileNumber) -> JointEffect | None:
-    """The effect of the resolved model that a number of the file belongs to; None: it is a joint's."""
-    place = effect_place(number.of)
-    if place is None:
-        return None
-    given, true = equations.model, equations.true
-    folded = 0 if given is true else sum(isinstance(e, FOLDED) for e in given.effects[:place])
-    return _on_joint(true.effects[place - folded])
-
-
-def _stands_alone(equations: Equations, effect: JointEffect) -> bool:
+def stands_alone(equations: Equations, effect: JointEffect) -> bool:
     """Whether an effect's torque stands in the equations as it is, and changes no other."""
     if not adds_up(effect):
         return False
     j = equations.true.index(effect.joint)
-    return not (equations.made_up[j] and (equations.sensed or _is_loaded(equations, j)))
+    return not (equations.made_up[j] and (equations.sensed or is_loaded(equations, j)))
 
 
-def _is_loaded(equations: Equations, j: int) -> bool:
+def is_loaded(equations: Equations, j: int) -> bool:
     """Whether a joint has friction that depends on what its transmission carries."""
     true = equations.true
     return any(isinstance(e, LoadDependentFriction) and true.index(e.joint) == j for e in true.all_effects)
 
 
-def _of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> Array:
+def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> Array:
     """Change of the residual (rows,) where an effect that stands alone is another one of its kind."""
 
     def change(along: Motion) -> tuple[str, Array]:
@@ -130,7 +59,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
     if isinstance(effect, Payload):
         model = equations.true.replace(effects=[*equations.true.effects, effect])
         return equations.of_links([LinkSide(model)])[:, 0] / scale
-    true, effect = equations.true, _on_joint(effect)
+    true, effect = equations.true, on_joint(effect)
     j = true.index(effect.joint)
     if isinstance(effect, NOT_PLAIN) and equations.made_up[j]:
         there = equations.of(equations.model.replace(effects=[*equations.model.effects, effect]))
@@ -139,7 +68,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return of_compliance(equations, j) / (effect.stiffness * scale)
     if isinstance(effect, TorqueConstantError):
         return equations.of_torque(j, lambda along: ("motor", effect.gain * equations.needed(along, j))) / scale
-    if _stands_alone(equations, effect):
+    if stands_alone(equations, effect):
         return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
     with_it = equations.of_joint(j, true, [*true.all_effects, effect])
     return (with_it - equations.own(j)) / scale
@@ -160,19 +89,19 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
     moved = effect.replace(**ahead)
     if isinstance(effect, Payload | TorqueConstantError):
         return (of_effect(equations, moved) - of_effect(equations, effect)) / step
-    true, effect, moved = equations.true, _on_joint(effect), _on_joint(moved)
+    true, effect, moved = equations.true, on_joint(effect), on_joint(moved)
     j = true.index(effect.joint)
     if isinstance(effect, JointElasticity) or (isinstance(effect, NOT_PLAIN) and equations.made_up[j]):
         # other rows and positions move with it
         effects = [moved if e == effect else e for e in equations.model.effects]
         return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
-    if _stands_alone(equations, effect):
-        return _of_change(equations, effect, moved) / step
+    if stands_alone(equations, effect):
+        return of_change(equations, effect, moved) / step
     effects = [moved if e is effect or e == effect else e for e in true.all_effects]
     return (equations.of_joint(j, true, effects) - equations.own(j)) / step
 
 
-def _on_joint(effect: Effect) -> JointEffect:
+def on_joint(effect: Effect) -> JointEffect:
     """An effect with a torque along the motion.
 
     Raises:

@@ -15,8 +15,9 @@ from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.motion import Motion, Smoothed, motion, smoothed
 from flexdyn.diagnose.sensors import corrected
+from flexdyn.diagnose.shared import same_links, same_signals
 from flexdyn.diagnose.terms import joint_terms
-from flexdyn.effects import Effect, ParameterError, Payload, SensorEffect, TorqueConstantError
+from flexdyn.effects import Effect, TorqueConstantError
 from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import LinkSide
 
@@ -105,9 +106,9 @@ class Equations:
         """The same data under another model; motions are shared where the model does not touch them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
         other = replace(self, model=model, stiffness=own)
-        if _same_signals(self, other):
+        if not self.made_up.any() and same_signals(self.model, model):
             other.__dict__["smoothed"] = self.smoothed
-            if _same_links(self, other):
+            if same_links(self.model, model):
                 other.__dict__["links"] = self.links
                 other.__dict__["motions"] = self.motions
                 return other
@@ -321,25 +322,3 @@ class Equations:
             else:
                 lifted += along.dragged(i, [self.filters.rows(wrong, order) for order in range(3)], at)
         return lifted
-
-
-def _same_signals(one: Equations, other: Equations) -> bool:
-    """Whether two models leave the same signals behind the first filter: no position is made up, sensors agree."""
-    if one.made_up.any():
-        return False
-    mine, its = ([e for e in each.model.effects if isinstance(e, SensorEffect)] for each in (one, other))
-    return mine == its and np.array_equal(one.true.elastic, other.true.elastic)
-
-
-def _same_links(one: Equations, other: Equations) -> bool:
-    """Whether M and h agree: the same links, payloads, and rotors of rigid joints."""
-    rigid = ~one.true.elastic
-    mine, its = ([e for e in each.true.effects if isinstance(e, Payload)] for each in (one, other))
-    same = np.array_equal(one.true.rotor_inertia[rigid], other.true.rotor_inertia[rigid])
-    return same and mine == its and one.model.robot is other.model.robot and _wrong(one) == _wrong(other)
-
-
-def _wrong(equations: Equations) -> list[ParameterError]:
-    """Errors of the links' numbers."""
-    errors = (effect for effect in equations.model.effects if isinstance(effect, ParameterError))
-    return [effect for effect in errors if effect.parameter.startswith("link_")]

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose import columns
+from flexdyn.diagnose import columns, number_columns
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.fitted import Fit, Workspace
@@ -149,7 +149,7 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
         return space.numbers
     slopes = space.numbers.copy()
     with SILENT():
-        taken = space.whiten(columns.of_numbers(at, anew)) / np.array([numbers[n] for n in anew])
+        taken = space.whiten(number_columns.of_numbers(at, anew)) / np.array([numbers[n] for n in anew])
     slopes[:, [k for k, number in enumerate(numbers) if number in anew]] = taken
     return slopes
 

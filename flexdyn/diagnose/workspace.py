@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose import columns
+from flexdyn.diagnose import columns, number_columns
 from flexdyn.diagnose.covariance import Noise, encoders_rule, whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.estimate import fit
@@ -50,7 +50,7 @@ class Unweighted:
         data, joints = equations.data[0], equations.true.joint_names
         there = {"q": data.has_q, "theta": data.has_theta}
         channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
-        numbers = columns.of_numbers(equations, list(start.factors))
+        numbers = number_columns.of_numbers(equations, list(start.factors))
         offsets = [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
         return cls(equations, numbers, np.stack(offsets, axis=1), channels)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose import candidates, columns
+from flexdyn.diagnose import candidates, columns, number_columns
 from flexdyn.diagnose.covariance import Noise, whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.filters import Filters
@@ -97,7 +97,7 @@ def test_a_numbers_column_is_the_slope_of_the_residual(signals: tuple[str, ...])
     """By central differences over the whole model, positions that are made up included."""
     at = equations(Levels(1e-6, 1e-3), 0, signals)
     numbers = file_numbers(at.model)
-    for number, found in zip(numbers, columns.of_numbers(at, numbers).T, strict=True):
+    for number, found in zip(numbers, number_columns.of_numbers(at, numbers).T, strict=True):
         sides = [
             at.of(at.model.replace(effects=[*at.model.effects, number.error(1.0 + step)])).residual
             for step in (1e-3, -1e-3)
@@ -125,7 +125,7 @@ def test_a_laws_column_is_the_slope_of_the_residual(signals: tuple[str, ...]) ->
     numbers = [number for number in file_numbers(at.model) if number.of.startswith("effects")]
     assert len(numbers) == 7
     near = 2e-3 if signals == BOTH else 0.15  # a made-up position takes notice of forces to first order
-    for number, found in zip(numbers, columns.of_numbers(at, numbers).T, strict=True):
+    for number, found in zip(numbers, number_columns.of_numbers(at, numbers).T, strict=True):
         sides = [
             at.of(at.model.replace(effects=[*at.model.effects, number.error(1.0 + step)])).residual
             for step in (1e-3, -1e-3)

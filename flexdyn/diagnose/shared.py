@@ -1,0 +1,28 @@
+"""What two models have in common, so that what was made of a recording with one holds for the other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexdyn.effects import ParameterError, Payload, SensorEffect
+from flexdyn.model import FlexibleJointModel
+
+
+def same_signals(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
+    """Whether two models leave the same signals behind the first filter where no position is made up."""
+    mine, its = ([e for e in each.effects if isinstance(e, SensorEffect)] for each in (one, other))
+    return mine == its and np.array_equal(one.elastic, other.elastic)
+
+
+def same_links(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
+    """Whether M and h agree: the same links, payloads, and rotors of rigid joints."""
+    rigid = ~one.elastic
+    mine, its = ([e for e in each.resolved().effects if isinstance(e, Payload)] for each in (one, other))
+    rotors = np.array_equal(one.resolved().rotor_inertia[rigid], other.resolved().rotor_inertia[rigid])
+    return rotors and mine == its and one.robot is other.robot and _wrong(one) == _wrong(other)
+
+
+def _wrong(model: FlexibleJointModel) -> list[ParameterError]:
+    """Errors of the links' numbers."""
+    errors = (effect for effect in model.effects if isinstance(effect, ParameterError))
+    return [effect for effect in errors if effect.parameter.startswith("link_")]
