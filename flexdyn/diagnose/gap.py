@@ -18,6 +18,8 @@ from flexdyn.model import FlexibleJointModel
 from flexdyn.plant import acting_effects
 
 Array = NDArray[np.float64]
+APART = 3.0
+"""Gap of a window from which its first state says nothing about another model's: it makes up for what is wrong."""
 FRAGILE = 3.0
 """A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
 
@@ -179,7 +181,7 @@ def _begun(shooter: Shooter, starts: Starts, near: Shot | None) -> Array:
     if near is None or near.x0.shape != moved.shape or (near.model.elastic != shooter.model.elastic).any():
         return moved
     loose = starts.std > 0.0
-    loose[near.failed] = False
+    loose[near.failed | (near.by_window > APART)] = False
     if _memories(near.model) != _memories(shooter.model):
         loose[:, moved.shape[1] - len(shooter.memory) :] = False
     moved[loose] = (near.x0 - starts.x)[loose]

@@ -54,7 +54,10 @@ class Matched:
 
 
 def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Array) -> Matched:
-    """Move first states until it does not pay any more, strays also from rest where friction may hold what nobody sees.
+    """Move first states until it does not pay any more.
+
+    Strays are tried again from the loose starts, if they began elsewhere: one that another model has left on the wrong
+    side of a stick does not come back by linear responses. And from rest, where friction may hold what nobody sees.
 
     Args:
         shooter: of the model and the windows.
@@ -63,10 +66,15 @@ def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Ar
         moved: where to begin, from `starts` (windows, nx).
     """
     found = _from(shooter, starts, used, moved)
-    stray = found.stray(used)
-    if starts.stuck is not None and stray.any():
-        resting = np.where(stray[:, None], starts.stuck - starts.x, found.moved)
-        found = _better(shooter, starts, used, found, _from(shooter, starts, used, resting, found, stray))
+    begun = moved.any(axis=1)
+    again = [(np.zeros_like(moved), begun)]
+    if starts.stuck is not None:
+        again.append((starts.stuck - starts.x, np.ones_like(begun)))
+    for other, which in again:
+        stray = found.stray(used) & which
+        if stray.any():
+            begin = np.where(stray[:, None], other, found.moved)
+            found = _better(shooter, starts, used, found, _from(shooter, starts, used, begin, found, stray))
     return found
 
 

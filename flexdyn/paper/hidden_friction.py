@@ -104,7 +104,7 @@ def gap_steps(given: FlexibleJointModel, answer: Diagnosis, check: Sequence[Reco
     """
     if answer.check is None:
         return ()
-    windows = Windows.of(given, list(check), _noise(check))
+    windows = Windows.of(given, list(check), sensors_noise(check))
     steps = [Step("as given", answer.check.before), Step("calibrated", answer.check.calibrated)]
     missing = [finding.suspect for finding in answer.findings]
     while missing:
@@ -123,7 +123,7 @@ def _without(model: FlexibleJointModel, missing: Sequence[Suspect]) -> FlexibleJ
     return model.replace(effects=[effect for effect in model.effects if _place(effect) not in places])
 
 
-def _noise(recordings: Sequence[Recording]) -> Noise:
+def sensors_noise(recordings: Sequence[Recording]) -> Noise:
     """What the sensors of the bench make: a step of the encoders, evenly spread, and the torque's noise."""
     joints = ("shoulder", "elbow")
     peak = [np.mean([np.abs(each[f"tau.{joint}"]).max() for each in recordings]) for joint in joints]

@@ -91,6 +91,30 @@ def test_only_windows_that_stray_are_tried_from_rest(monkeypatch: pytest.MonkeyP
     assert (left <= 1.05 * before).all()
 
 
+def test_strays_that_began_elsewhere_are_tried_from_the_loose_starts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And no others: of what began there, and of what does not stray, nothing else is to be expected."""
+    shot = shot_of(Levels(), 0)
+    shooter, used = shooting.Shooter(shot.model, shot.windows), shot.used
+    starts = first_states(shooter)
+    windows = np.arange(len(shot.windows))
+    begin = np.where((windows % 2 == 0)[:, None], starts.std, 0.0)
+    strays = windows % 3 == 0
+    monkeypatch.setattr(matching.Matched, "stray", lambda _self, _used: strays)
+    asked: list[tuple[Any, Any]] = []
+    run = shooting.Shooter.run
+
+    def noted(self: shooting.Shooter, x0: Any, **others: Any) -> shooting.Motion:
+        asked.append((x0, others["which"]))
+        return run(self, x0, **others)
+
+    monkeypatch.setattr(shooting.Shooter, "run", noted)
+    found = matching.matched(shooter, starts, used, begin)
+    both = strays & (windows % 2 == 0)
+    again = [which.tolist() for x0, which in asked if np.array_equal(x0[both], starts.x[both])]
+    assert again == [np.flatnonzero(both).tolist()]
+    assert (found.filter.scaled(found.residual) <= 1.05 * shot._filter.scaled(shot.residual)).all()
+
+
 def test_whitened_residuals_of_a_true_model_are_white() -> None:
     """One block knows nothing of the next, though torque noise makes the plain residual a smooth curve."""
     surprises = np.concatenate([shot_of(FINE, seed).surprises for seed in range(3)])
