@@ -19,7 +19,7 @@ from flexdyn.plant import acting_effects
 
 Array = NDArray[np.float64]
 APART = 3.0
-"""Gap of a window from which its first state says nothing about another model's: it makes up for what is wrong."""
+"""Gap of a window from which its first state says nothing about another model's."""
 FRAGILE = 3.0
 """A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
 
@@ -152,7 +152,8 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Shot | None = None,
     Args:
         model: with any effects; those of sensors act on what is simulated before it is compared.
         windows: with noise levels.
-        near: a model much like it over the same windows, from whose first states the search for the best ones begins.
+        near: a model much like it over the same windows, from whose first states the search for the best ones begins
+            in those windows that it explains.
         fragile: of windows, as they are with other numbers of the same laws (windows,); None: noise is drawn.
     """
     shooter = Shooter(model, windows)
@@ -176,7 +177,10 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Shot | None = None,
 
 
 def _begun(shooter: Shooter, starts: Starts, near: Shot | None) -> Array:
-    """How far first states are moved to begin with: to those of a model that is near, where these mean the same."""
+    """How far first states are moved to begin with: to those of a model that is near, where these mean the same.
+
+    A model that does not explain a window has a first state there that makes up for what it lacks.
+    """
     moved = np.zeros_like(starts.x)
     if near is None or near.x0.shape != moved.shape or (near.model.elastic != shooter.model.elastic).any():
         return moved

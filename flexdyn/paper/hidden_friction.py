@@ -124,7 +124,11 @@ def _without(model: FlexibleJointModel, missing: Sequence[Suspect]) -> FlexibleJ
 
 
 def sensors_noise(recordings: Sequence[Recording]) -> Noise:
-    """What the sensors of the bench make: a step of the encoders, evenly spread, and the torque's noise."""
+    """What the sensors of the bench make: encoder steps evenly spread, step / sqrt(12), and the torque's noise.
+
+    Args:
+        recordings: of both joints; the torque's noise is a share of its peak, their mean.
+    """
     joints = ("shoulder", "elbow")
     peak = [np.mean([np.abs(each[f"tau.{joint}"]).max() for each in recordings]) for joint in joints]
     link, motor = (np.full(2, step / np.sqrt(12.0)) for step in (LINK_STEP, motor_step()))

@@ -64,6 +64,19 @@ def test_windows_that_are_not_asked_for_keep_what_they_did() -> None:
     assert (there.q[some] != whole.q[some]).any()
 
 
+def noted_runs(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Array, NDArray[np.int64]]]:
+    """First states and windows of every run to come, in a list that grows with them."""
+    asked: list[tuple[Array, NDArray[np.int64]]] = []
+    run = shooting.Shooter.run
+
+    def noted(self: shooting.Shooter, x0: Array, **others: Any) -> shooting.Motion:
+        asked.append((x0, others["which"]))
+        return run(self, x0, **others)
+
+    monkeypatch.setattr(shooting.Shooter, "run", noted)
+    return asked
+
+
 def test_only_windows_that_stray_are_tried_from_rest(monkeypatch: pytest.MonkeyPatch) -> None:
     """The others stay as they were; a stray goes where it is less off, here back to where it was."""
     shot = shot_of(Levels(), 0, ("q",))
@@ -75,14 +88,7 @@ def test_only_windows_that_stray_are_tried_from_rest(monkeypatch: pytest.MonkeyP
     resting = starts.x + 3.0 * starts.std
     starts = dataclasses.replace(starts, stuck=resting)
     monkeypatch.setattr(matching.Matched, "stray", lambda _self, _used: strays)
-    asked: list[tuple[Any, Any]] = []
-    run = shooting.Shooter.run
-
-    def noted(self: shooting.Shooter, x0: Any, **others: Any) -> shooting.Motion:
-        asked.append((x0, others["which"]))
-        return run(self, x0, **others)
-
-    monkeypatch.setattr(shooting.Shooter, "run", noted)
+    asked = noted_runs(monkeypatch)
     both = matching.matched(shooter, starts, used, begin)
     rests = [which for x0, which in asked if np.array_equal(x0[strays], resting[strays])]
     assert [which.tolist() for which in rests] == [np.flatnonzero(strays).tolist()]
@@ -100,14 +106,7 @@ def test_strays_that_began_elsewhere_are_tried_from_the_loose_starts(monkeypatch
     begin = np.where((windows % 2 == 0)[:, None], starts.std, 0.0)
     strays = windows % 3 == 0
     monkeypatch.setattr(matching.Matched, "stray", lambda _self, _used: strays)
-    asked: list[tuple[Any, Any]] = []
-    run = shooting.Shooter.run
-
-    def noted(self: shooting.Shooter, x0: Any, **others: Any) -> shooting.Motion:
-        asked.append((x0, others["which"]))
-        return run(self, x0, **others)
-
-    monkeypatch.setattr(shooting.Shooter, "run", noted)
+    asked = noted_runs(monkeypatch)
     found = matching.matched(shooter, starts, used, begin)
     both = strays & (windows % 2 == 0)
     again = [which.tolist() for x0, which in asked if np.array_equal(x0[both], starts.x[both])]
