@@ -9,25 +9,28 @@ import dataclasses
 
 import layout as at
 import numpy as np
+import wide
 from arm_draw import JOINTS, TwoLinkArm, draw_arm, inertia_at, pair
-from control import draw_bandwidth, make_control
-from hidden import Hidden, Site, changed, draw, number_of, prepared, sites, true_arm
+from choice import FAMILIES, chosen
+from control import FEEDFORWARD, draw_bandwidth, make_control
+from hidden import Hidden, changed, draw, number_of, prepared, true_arm
+from lab import cut, longer
 from layout import Array
-from model_text import ERROR, MASS_ERROR, known_effects, mistaken
+from model_text import ERROR, MASS_ERROR, TOLERANCE, known_effects, mistaken
 from motions import Style, draw_style
 from outside import OUTSIDE, draw_outside
 from plants import Case, true_plant
 from recording import TORQUE_NOISE, Sensors, record
 from shown import shown
-from sizes import FRICTION as LAWS
 from sizes import Scale
 from two_link_run import Control, Truth, controlled
 from visible import visible
+from wide import Setup, draw_setup, split
 
-FAMILIES = ("single", "hard", "pair", "motor_only", "link_only", "rigid", "none", "outside")
 FIT, CHECK = 40.0, 12.0  # s
 EVALUATION = 10_000
 ATTEMPTS = 60
+ORDINARY = Setup(TOLERANCE, "mixed", 1, FEEDFORWARD, wide=False)
 QUICK = 2e-4  # s, step of the run that only sizes the effects
 FRICTION = {"viscous": (0.03, 0.08), "coulomb": (0.03, 0.06)}
 """Friction that the model file knows: shares of the peak torque (at the greatest speed)."""
@@ -35,101 +38,57 @@ FRICTION = {"viscous": (0.03, 0.08), "coulomb": (0.03, 0.06)}
 
 def sensors_of(family: str) -> Sensors:
     """What a family measures."""
+    family, _ = split(family)
     places = {"motor_only": "motor", "link_only": "link"}
     return Sensors(noise=10.0 if family == "hard" else 1.0, positions=places.get(family, "both"))
-
-
-def possible(family: str) -> list[Site]:
-    """What can be hidden in a family; no arm shows much of its first link's own inertia: its mass takes the place."""
-    missing = {"motor_only": "q", "link_only": "theta"}.get(family)
-    spring = "joint_elasticity"
-    unseen = ("parameter_error", 0, "link_inertia")
-    known = [("parameter_error", 0, "link_mass") if site == unseen else site for site in sites()]
-    found = [site for site in known if missing is None or site[2] != missing]
-    if family == "rigid":
-        wound = {"transmission", "load_dependent_friction", "theta", "stiffness"}
-        twice = [(name, j, "link") for name in LAWS for j in (0, 1)]  # the motor's side is the same there
-        return [s for s in found if s[0] == spring or not ({s[0], s[2]} & wound or s in twice)]
-    return found
-
-
-def chosen(family: str, seed: int, number: int) -> list[Site]:
-    """Sites of a case: number by number through a permutation of all, so that a batch holds all about equally often."""
-    order = np.random.default_rng([seed, 1, FAMILIES.index(family)])
-    known = possible(family)
-    rounds, place = divmod(number, len(known))
-    for _ in range(rounds + 1):
-        permutation = order.permutation(len(known))
-    first = known[permutation[place]]
-    if family != "pair":
-        return [first]
-    rng = np.random.default_rng([seed, 2, number])
-    others = [site for site in known if _together(first, site)]
-    return [first, others[rng.integers(len(others))]]
-
-
-def _together(one: Site, two: Site) -> bool:
-    """Whether two effects can be told from one another and from one effect alone."""
-    if one[0] == two[0] and one[1] == two[1]:
-        return False
-    same_place = one[1:] == two[1:]
-    if same_place and one[2] in ("q", "theta"):
-        return False
-    elasticity = "joint_elasticity" in (one[0], two[0]) and one[1] == two[1]
-    removed = any(a[0] == "parameter_error" and _removes(b, a) for a, b in ((one, two), (two, one)))
-    contains = {"coulomb_friction", "asymmetric_friction", "presliding_friction"}
-    nested = same_place and (
-        {one[0], two[0]} <= contains or {one[0], two[0]} <= {"viscous_friction", "warm_up_friction"}
-    )
-    # An asymmetry is an offset beside symmetric friction; cables imitate a spring over a short range.
-    alike = ({"asymmetric_friction", "torque_offset"}, {"parallel_spring", "position_torque"})
-    imitates = same_place and {one[0], two[0]} in alike
-    return not (elasticity or removed or nested or imitates)
-
-
-def _removes(site: Site, wrong: Site) -> bool:
-    """Whether hiding the first takes the number out of the model file that the second says is wrong."""
-    if site[1] != wrong[1] or site[2] != "motor":
-        return False
-    coulomb = ("coulomb_friction", "asymmetric_friction", "presliding_friction")
-    return (wrong[2] == "level" and site[0] in coulomb) or (wrong[2] == "coefficient" and site[0] == "viscous_friction")
 
 
 def make_case(
     family: str, seed: int, number: int, fit: float = FIT, check: float = CHECK, sensors: Sensors | None = None
 ) -> Case:
-    """Everything about one case.
+    """Everything about one case; a family that ends in _wide draws from wider ranges.
 
     Raises:
         ArithmeticError: no stable arm in which the effect shows was found in so many draws.
     """
+    base, wider = split(family)
     for attempt in range(ATTEMPTS):
-        rng = np.random.default_rng([seed, 3, FAMILIES.index(family), number, attempt])
+        rng = np.random.default_rng([seed, 3, FAMILIES.index(base), number, attempt, *([1] if wider else [])])
+        setup = draw_setup(rng) if wider else ORDINARY
+        measured = dataclasses.replace(sensors or sensors_of(family), every=setup.every)
         try:
-            return _attempt(family, seed, number, rng, (fit, check), sensors or sensors_of(family))
+            return _attempt(base, seed, number, rng, (fit, check), measured, setup)
         except ArithmeticError:
             continue
     raise ArithmeticError(f"{family} {seed} {number}: nothing in {ATTEMPTS} draws")
 
 
 def _attempt(
-    family: str, seed: int, number: int, rng: np.random.Generator, durations: tuple[float, float], sensors: Sensors
-) -> Case:
-    arm, styles, bandwidth = draw_arm(rng), (draw_style(rng), draw_style(rng)), draw_bandwidth(rng)
+    family: str, seed: int, number: int, rng: np.random.Generator, durations: tuple[float, float], sensors: Sensors,
+    setup: Setup,
+) -> Case:  # fmt: skip
+    arm, styles, bandwidth = _moved(rng, setup)
     places = [] if family in ("none", "outside") else chosen(family, seed, number)
     if sensors.positions != "both" and any(name == "sensor_offset" and j == 0 for name, j, _ in places):
         arm = arm.replace(vertical=True)  # lying down the first joint has no zero that anything but its encoder knows
+    if setup.wide and sensors.positions != "both" and places and places[0][0] == "joint_elasticity":
+        arm = wide.softened(arm, places[0][1])
     if family == "rigid":
         arm = arm.replace(stiffness=(np.inf, np.inf))
     resolution = np.array([sensors.motor_step(N) for N in arm.gear_ratio])
     resolution = np.where(np.isinf(arm.stiffness), sensors.link_step(), resolution)
-    controls = [make_control(rng, arm, styles, duration, bandwidth, resolution) for duration in durations]
-    base = controlled(arm.plant(), controls[0], step=QUICK)
+    controls = [
+        make_control(
+            rng, arm, styles, _simulated(duration, setup), bandwidth, resolution, setup.motion, setup.feedforward
+        )
+        for duration in durations
+    ]
+    base = _kept(controlled(arm.plant(), controls[0], step=QUICK), setup)
     arm = with_friction(rng, arm, base)
     hidden: tuple[Hidden, ...]
     if family == "outside":
         names = list(OUTSIDE)
-        scale = scale_of(rng, arm, base, controls[0], int(rng.integers(2)), 1.0)
+        scale = _in(setup, scale_of(rng, arm, base, controls[0], int(rng.integers(2)), 1.0))
         hidden = (draw_outside(names[(number + seed) % len(names)], scale),)
     else:
         factor = 0.3 if family == "hard" else 1.0
@@ -137,8 +96,32 @@ def _attempt(
             arm = prepared(arm, site, factor)
         if family == "rigid" and places[0][0] == "joint_elasticity":
             arm = _one_spring(rng, arm, places[0][1], base)
-        hidden = tuple(draw(site, scale_of(rng, arm, base, controls[0], site[1], factor)) for site in places)
-    return _finish(f"{family}_{seed}_{number:03d}", arm, hidden, (controls[0], controls[1]), sensors, rng)
+        hidden = tuple(
+            draw(site, _in(setup, scale_of(rng, arm, base, controls[0], site[1], factor))) for site in places
+        )
+    name = f"{family}{wide.SUFFIX if setup.wide else ''}_{seed}_{number:03d}"
+    return _finish(name, arm, hidden, (controls[0], controls[1]), sensors, rng, setup)
+
+
+def _moved(rng: np.random.Generator, setup: Setup) -> tuple[TwoLinkArm, tuple[Style, Style], Array]:
+    """An arm, how its joints are moved, and how fast its controllers are."""
+    if not setup.wide:
+        return draw_arm(rng), (draw_style(rng), draw_style(rng)), draw_bandwidth(rng)
+    arm = wide.springs(rng, draw_arm(rng))
+    return arm, (wide.draw_style(rng), wide.draw_style(rng)), wide.bandwidth(rng, arm)
+
+
+def _in(setup: Setup, scale: Scale) -> Scale:
+    return dataclasses.replace(scale, tolerance=setup.tolerance, wide=setup.wide)
+
+
+def _simulated(duration: float, setup: Setup) -> float:
+    """How long a run is; where the ordinary families end, the reference stops dead, and so does the torque."""
+    return longer(duration) if setup.wide else duration
+
+
+def _kept(run: Truth, setup: Setup) -> Truth:
+    return cut(run) if setup.wide else run
 
 
 def _one_spring(rng: np.random.Generator, arm: TwoLinkArm, j: int, base: Truth) -> TwoLinkArm:
@@ -183,23 +166,28 @@ def _finish(
     controls: tuple[Control, Control],
     sensors: Sensors,
     rng: np.random.Generator,
+    setup: Setup,
 ) -> Case:
-    hard = sensors.noise > 1.0
-    given = mistaken(arm, rng, ERROR, MASS_ERROR, at_edge=hard)
+    hard, more = sensors.noise > 1.0, setup.tolerance / TOLERANCE
+    given = mistaken(arm, rng, ERROR * more, MASS_ERROR * more, at_edge=hard)
     for one in hidden:
         given = given_for(one, arm, given)
-    if not all(_shows(one, arm, given) for one in hidden):
+    if not all(_shows(one, arm, given, setup.tolerance) for one in hidden):
         raise ArithmeticError(f"{name}: other numbers make up for the one that is wrong")
     plant = true_plant(arm, hidden)
     noise: list[Array | None] = [None, None]
     if sensors.actuator_noise:
         peak = np.abs(controls[0].feedforward).max(axis=0)
         noise = [TORQUE_NOISE * sensors.noise * peak * rng.normal(size=c.reference.shape) for c in controls]
-    runs = [controlled(plant, c, noise=extra) for c, extra in zip(controls, noise, strict=True)]
+    runs = [_kept(controlled(plant, c, noise=extra), setup) for c, extra in zip(controls, noise, strict=True)]
+    if setup.wide and max(_strayed(run, c) for run, c in zip(runs, controls, strict=True)) > wide.STRAYED:
+        raise ArithmeticError(f"{name}: lost its reference")
     recordings = [record(run, JOINTS, arm.gear_ratio, hidden, sensors, rng) for run in runs]
     hidden = tuple(_indexed(one, given) for one in hidden)
     names = dict(zip(("fit", "check"), recordings, strict=True))
-    case = Case(name, hidden, arm, given, plant, runs[0], runs[1], names, sensors, controls)
+    case = Case(
+        name, hidden, arm, given, plant, runs[0], runs[1], names, sensors, controls, setup.tolerance, setup.wide
+    )
     if not all(visible(case, one) for one in hidden):
         raise ArithmeticError(f"{name}: one of the recordings does not show what is hidden")
     return case
@@ -215,13 +203,18 @@ def given_for(one: Hidden, arm: TwoLinkArm, given: TwoLinkArm) -> TwoLinkArm:
     return given
 
 
-def _shows(one: Hidden, arm: TwoLinkArm, given: TwoLinkArm) -> bool:
+def _strayed(run: Truth, control: Control) -> float:
+    """Greatest distance of a joint from its reference [rad]."""
+    return float(np.abs(run.y[:, 0:2] - control.reference[: len(run.t)]).max())
+
+
+def _shows(one: Hidden, arm: TwoLinkArm, given: TwoLinkArm, tolerance: float) -> bool:
     """Whether an effect is more than the tolerance of other numbers: a link's wrong one or a payload may be less."""
     if one.effect == "payload":
-        return shown(true_arm(arm, one), given, ("tool", 0))
+        return shown(true_arm(arm, one), given, ("tool", 0), tolerance)
     if one.effect != "parameter_error" or one.joint is not None:
         return True
-    return shown(true_arm(arm, one), given, number_of(one))
+    return shown(true_arm(arm, one), given, number_of(one), tolerance)
 
 
 def _indexed(one: Hidden, given: TwoLinkArm) -> Hidden:

@@ -17,7 +17,7 @@ def _cache() -> str:
     """A folder per version of the sources: Numba does not see that a function called by a cached one has changed."""
     text = b"".join(
         file.read_bytes()
-        for name in ("two_link_*.py", "layout.py")
+        for name in ("two_link_*.py", "layout.py", "cables.py")
         for file in sorted(Path(__file__).parent.glob(name))
     )
     version = hashlib.sha256(text).hexdigest()[:12]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import layout as at
 import numpy as np
 from arm_draw import TwoLinkArm, inertia_at
+from excitation import wanted_of
 from layout import Array
 from motions import Style as Style
-from motions import reference
 from two_link_run import PERIOD, Control
 
 FEEDFORWARD = 0.9  # share of the model's torque that is fed forward
@@ -25,11 +25,13 @@ def make_control(
     duration: float,
     bandwidth: Array,
     seen: Array,
+    motion: str = "mixed",
+    share: float = FEEDFORWARD,
 ) -> Control:
     """Gains and a motion for an arm; seen: resolution of the encoders that are fed back (2,) [rad]."""
-    wanted = np.stack([reference(rng, styles[j], arm.middle[j], duration) for j in (0, 1)], axis=1)
+    wanted = wanted_of(motion, rng, styles, arm.middle, duration)
     whole = inertia_at(arm) + arm.rotor()
-    return Control(wanted, FEEDFORWARD * feedforward(arm, wanted), whole * bandwidth**2, whole * 1.6 * bandwidth, seen)
+    return Control(wanted, share * feedforward(arm, wanted), whole * bandwidth**2, whole * 1.6 * bandwidth, seen)
 
 
 def feedforward(arm: TwoLinkArm, wanted: Array) -> Array:

@@ -10,6 +10,7 @@ from typing import Any
 import layout as at
 import numpy as np
 import sizes
+import wide
 from arm_draw import JOINTS, LINKS, TwoLinkArm
 from layout import Array
 from sizes import Parameters, Scale
@@ -119,19 +120,21 @@ def draw(site: Site, scale: Scale, joints: Sequence[str] = JOINTS, links: Sequen
     name, j, side = site
     if name == "parameter_error":
         of = links[j] if side.startswith("link_") else joints[j]
+        factor = (wide if scale.wide else sizes).wrong_factor(scale)
         place = {"of": f"{side}_of_{of}" if side in ("coefficient", "level") else of, "parameter": side}
-        return Hidden(name, None if side.startswith("link_") else j, None, {"factor": sizes.wrong_factor(scale)}, place)
+        return Hidden(name, None if side.startswith("link_") else j, None, {"factor": factor}, place)
     if name == "joint_elasticity":
         return Hidden(name, j, side, {"stiffness": scale.K})
+    table = sizes.FRICTION | sizes.TRANSMISSION | sizes.MOTOR | sizes.LINK | sizes.SENSOR | {"payload": sizes.payload}
+    law = (table | wide.LAWS if scale.wide else table)[name]
     if name == "payload":
-        return Hidden(name, None, None, sizes.payload(scale), {"frame": "tool"})
+        return Hidden(name, None, None, law(scale), {"frame": "tool"})
     if name in sizes.SENSOR:
         disc = name == "encoder_eccentricity" and side == "theta"
-        parameters = (sizes.MOTOR_DISC if disc else sizes.SENSOR[name])(scale)
+        parameters = (sizes.MOTOR_DISC if disc else law)(scale)
         return Hidden(name, j, "sensor", parameters, {"channel": f"{side}.{joints[j]}"})
     place = {"other": joints[scale.other]} if name == "joint_coupling" else {}
-    table = sizes.FRICTION | sizes.TRANSMISSION | sizes.MOTOR | sizes.LINK
-    return Hidden(name, j, side, {key: float(value) for key, value in table[name](scale).items()}, place)
+    return Hidden(name, j, side, {key: float(value) for key, value in law(scale).items()}, place)
 
 
 def number_of(wrong: Hidden) -> tuple[str, int]:

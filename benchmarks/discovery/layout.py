@@ -21,7 +21,8 @@ COUPLING, ROTOR, RIGID = 59, 60, 61
 # Outside the catalogue:
 CUBIC_DRAG, PATCHY, PATCHY_HARMONIC, BREATHING, BREATHING_RATE, SAG, DRIFT, FAN, FAN_RATE = range(62, 71)
 WEAR, CABLE, ROOT_DAMPING, MODE_INERTIA, MODE_STIFFNESS, MODE_DAMPING = range(71, 77)
-COLUMNS = 77
+PULL = 77  # torque of the cables on the link at this sample (cables.py) [N m]
+COLUMNS = 78
 
 # The links in the five numbers that their motion depends on: M11 = FIXED + 2 TURN cos q2, M12 = OUTER + TURN cos q2,
 # M22 = OUTER; gravity torques WEIGHT_1 cos q1 + WEIGHT_2 cos(q1 + q2) and WEIGHT_2 cos(q1 + q2).

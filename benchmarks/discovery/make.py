@@ -16,18 +16,29 @@ from typing import Any
 
 import numpy as np
 from cases import CHECK, FAMILIES, FIT, make_case, sensors_of, truth_columns
-from model_text import TOLERANCE, model_yaml, urdf
+from model_text import model_yaml, urdf
 from recording import Sensors
+from wide import SUFFIX, split
 
 SIX = "six"
+PUBLISHED, PUBLISHED_SIX = "published", "published_six"
+ALL = (*FAMILIES, SIX, PUBLISHED, PUBLISHED_SIX)
 
 
 def build(family: str, seed: int, number: int, fit: float, check: float, sensors: Sensors) -> dict[str, Any]:
     """Name, files, recordings and truth of one case."""
-    if family == SIX:
+    if split(family)[0] == SIX:
         from six_cases import make_six
 
-        return make_six(seed, number, fit, check, sensors)
+        return make_six(seed, number, fit, check, sensors, wider=split(family)[1])
+    if family == PUBLISHED:
+        from published import make_published
+
+        return make_published(seed, number, fit, check)
+    if family == PUBLISHED_SIX:
+        from published_six import make_published_six
+
+        return make_published_six(seed, number, fit, check)
     case = make_case(family, seed, number, fit, check, sensors)
     truth = {
         "case": case.name,
@@ -42,8 +53,13 @@ def build(family: str, seed: int, number: int, fit: float, check: float, sensors
         "sensors": dataclasses.asdict(case.sensors),
         "scale": truth_columns(case),
     }
-    files = {"model.yaml": model_yaml(case.given, TOLERANCE), "arm.urdf": urdf(case.given)}
+    files = {"model.yaml": model_yaml(case.given, case.tolerance), "arm.urdf": urdf(case.given)}
     return {"name": case.name, "files": files, "recordings": case.recordings, "truth": truth}
+
+
+def ending(family: str, wide: bool) -> str:
+    """The family from the wider ranges, where it has any: published robots vary enough."""
+    return f"{family}{SUFFIX}" if wide and not family.startswith(PUBLISHED) else family
 
 
 def write_case(case: dict[str, Any], folder: Path) -> Path:
@@ -63,12 +79,13 @@ def write_case(case: dict[str, Any], folder: Path) -> Path:
 def main() -> int:
     """Make the cases that were asked for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--family", choices=(*FAMILIES, SIX), default="single")
+    parser.add_argument("--family", choices=ALL, default="single")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--count", type=int, default=10)
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--fit", type=float, default=FIT, help="[s]")
     parser.add_argument("--check", type=float, default=CHECK, help="[s]")
+    parser.add_argument("--wide", action="store_true", help="draw from wider ranges (wide.py)")
     parser.add_argument("--velocities", action="store_true", help="record v and omega")
     parser.add_argument("--torque-sensor", action="store_true", help="record tau_s")
     parser.add_argument("--joint-turn", action="store_true", help="17 bit per turn of the joint, not of the motor")
@@ -82,8 +99,9 @@ def main() -> int:
         actuator_noise=o.actuator_noise,
         motor_bits_per_turn_of="joint" if o.joint_turn else "motor",
     )
+    family = ending(o.family, o.wide)
     for number in range(o.first, o.first + o.count):
-        place = write_case(build(o.family, o.seed, number, o.fit, o.check, sensors), o.output)
+        place = write_case(build(family, o.seed, number, o.fit, o.check, sensors), o.output)
         print(place, file=sys.stderr)
     return 0
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from arm_draw import GRAVITY, JOINTS, LINKS, TwoLinkArm
 
@@ -34,8 +36,8 @@ def known_effects(arm: TwoLinkArm) -> list[tuple[str, int, str, float]]:
     return [row for row in rows if row[3] > 0.0]
 
 
-def model_yaml(arm: TwoLinkArm, tolerance: float) -> str:
-    """The model file."""
+def model_yaml(arm: TwoLinkArm, tolerance: float | Mapping[str, float]) -> str:
+    """The model file; tolerance: of all numbers, or by their paths."""
     lines = ["flexdyn: 1", "robot:", "  urdf: arm.urdf", f"  gravity: [0.0, 0.0, -{GRAVITY}]", "joints:"]
     for j, joint in enumerate(JOINTS):
         stiffness = ".inf" if np.isinf(arm.stiffness[j]) else repr(arm.stiffness[j])

@@ -36,7 +36,7 @@ def draw_style(rng: np.random.Generator) -> Style:
 def reference(rng: np.random.Generator, style: Style, middle: float, duration: float) -> Array:
     """Positions wanted at every control period (samples,) [rad]: pieces one after the other, ending where they may."""
     samples = round(duration / PERIOD)
-    kinds = [_tones, _moves, _sweep, _tones, _moves, _dwell]
+    kinds = [_tones, moves, _sweep, _tones, moves, _dwell]
     order: list[int] = []
     pieces, have, here = [np.zeros(round(0.3 / PERIOD))], round(0.3 / PERIOD), 0.0
     while have < samples:
@@ -45,11 +45,15 @@ def reference(rng: np.random.Generator, style: Style, middle: float, duration: f
         piece = kinds[order.pop()](rng, style, here, share)
         pieces.append(piece)
         have, here = have + len(piece), float(piece[-1])
-    path = np.concatenate(pieces)[:samples]
+    return np.asarray(middle + smooth(np.concatenate(pieces)[:samples]))
+
+
+def smooth(path: Array) -> Array:
+    """The path, from rest at zero, with bounded jerk."""
     for window in SMOOTHING:
         width = round(window / PERIOD)
         path = np.convolve(np.concatenate([np.zeros(width - 1), path]), np.full(width, 1.0 / width), "valid")
-    return np.asarray(middle + path)
+    return path
 
 
 def _times(duration: float) -> Array:
@@ -69,7 +73,7 @@ def _tones(rng: np.random.Generator, style: Style, here: float, duration: float)
     return np.asarray(here + shrink * fade * sines)
 
 
-def _moves(rng: np.random.Generator, style: Style, here: float, duration: float) -> Array:
+def moves(rng: np.random.Generator, style: Style, here: float, duration: float) -> Array:
     """Fast point-to-point moves with trapezoids of velocity, short rests between them."""
     path = [np.array([here])]
     while sum(map(len, path)) < duration / PERIOD:
@@ -89,6 +93,18 @@ def _sweep(rng: np.random.Generator, style: Style, here: float, duration: float)
         path.append(_trapezoid(here, goal, style.slow * rng.uniform(0.4, 1.6), style.acceleration))
         here, way = goal, -way
     return np.concatenate(path)[1:]
+
+
+def sweep_to_and_fro(rng: np.random.Generator, style: Style, duration: float) -> Array:
+    """From rest at zero to both sides and back, every way at a constant speed of its own, slow to fast."""
+    path, here, way = [np.zeros(round(0.1 / PERIOD))], 0.0, float(rng.choice([-1.0, 1.0]))
+    while sum(map(len, path)) < duration / PERIOD:
+        speed = float(np.exp(rng.uniform(np.log(2.0 * style.slow), np.log(style.speed))))
+        # A slow way is a short one: at least eight ways fit into the time.
+        goal = here + way * min(abs(way * style.reach - here), speed * duration / 8.0)
+        path.append(_trapezoid(here, goal, speed, style.acceleration))
+        here, way = goal, -way
+    return np.concatenate(path)
 
 
 def _dwell(rng: np.random.Generator, style: Style, here: float, duration: float) -> Array:

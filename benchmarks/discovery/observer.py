@@ -77,6 +77,10 @@ def design(plant: Plant, middle: Array, steps: Array, peak: Array, noise: float,
     H = np.eye(KEPT)[seen]
     Q = B @ np.diag((TORQUE_NOISE * noise * peak) ** 2) @ B.T + 1e-18 * np.eye(KEPT)
     R = np.diag(steps**2 / 12.0)
+    own = np.ix_(*[[i for i in range(KEPT) if P[i % 2, at.RIGID] == 0.0 or i % 4 < 2]] * 2)  # rigid: rotors are links
+    A, Q, H = A[own], Q[own], H[:, own[1][0]]
     covariance = solve_discrete_are(A.T, H.T, Q, R)
     S = H @ covariance @ H.T + R
-    return Filter(covariance @ H.T @ np.linalg.inv(S), np.linalg.inv(np.linalg.cholesky(S)), seen)
+    gain = np.zeros((KEPT, len(seen)))
+    gain[own[1][0]] = covariance @ H.T @ np.linalg.inv(S)
+    return Filter(gain, np.linalg.inv(np.linalg.cholesky(S)), seen)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from arm_draw import TwoLinkArm
 from hidden import Hidden, enter, true_arm
 from layout import Array
+from model_text import TOLERANCE
 from outside import enter_outside
 from recording import Sensors
 from two_link_run import Control, Plant, Truth
@@ -27,6 +28,8 @@ class Case:
         recordings: channels of fit and check.
         sensors: what was measured.
         controls: of fit and check.
+        tolerance: of the numbers of the model file.
+        wide: drawn from the wider ranges.
     """
 
     name: str
@@ -39,6 +42,8 @@ class Case:
     recordings: dict[str, dict[str, Array]]
     sensors: Sensors
     controls: tuple[Control, Control]
+    tolerance: float = TOLERANCE
+    wide: bool = False
 
 
 def true_plant(arm: TwoLinkArm, hidden: Sequence[Hidden]) -> Plant:

@@ -27,6 +27,7 @@ class Sensors:
         velocities: v and omega are recorded too, as differences of the encoders.
         torque_sensor: tau_s is recorded.
         actuator_noise: the torque noise is in the motor and not in what is written down.
+        every: periods of the controller from one sample to the next; torques are averaged over them, and noisy after.
     """
 
     noise: float = 1.0
@@ -35,6 +36,7 @@ class Sensors:
     velocities: bool = False
     torque_sensor: bool = False
     actuator_noise: bool = False
+    every: int = 1
 
     def link_step(self) -> float:
         """One step of the link encoders [rad]."""
@@ -63,6 +65,14 @@ def read(truth: Array, effects: Sequence[Hidden]) -> Array:
     return np.asarray(x + sum(e.parameters["offset"] for e in effects if e.effect == "sensor_offset"))
 
 
+def averaged(held: Array, every: int) -> Array:
+    """Means of a held torque from each kept sample to the next."""
+    if every == 1:
+        return held
+    starts = np.arange(0, len(held), every)
+    return np.asarray(np.add.reduceat(held, starts) / np.diff(np.append(starts, len(held))))
+
+
 def record(
     run: Truth,
     joints: Sequence[str],
@@ -72,21 +82,21 @@ def record(
     rng: np.random.Generator,
 ) -> dict[str, Array]:
     """Channels by name, `t` first; the run's states are [q, theta, v, omega] of so many joints."""
-    n, channels = len(joints), {"t": run.t}
+    n, kept, channels = len(joints), slice(None, None, sensors.every), {"t": run.t[:: sensors.every]}
     for j, joint in enumerate(joints):
         for signal, first, step in (("q", 0, sensors.link_step()), ("theta", n, sensors.motor_step(gear_ratio[j]))):
             if sensors.positions == ("motor" if signal == "q" else "link"):
                 continue
             name = f"{signal}.{joint}"
             effects = [e for e in hidden if e.place.get("channel") == name]
-            channels[name] = quantised(read(run.y[:, first + j], effects), step)
+            channels[name] = quantised(read(run.y[:, first + j], effects)[kept], step)
             if sensors.velocities:
-                rate = np.diff(channels[name], prepend=channels[name][0]) / PERIOD
+                rate = np.diff(channels[name], prepend=channels[name][0]) / (sensors.every * PERIOD)
                 channels[f"{'v' if signal == 'q' else 'omega'}.{joint}"] = rate
         sigma = TORQUE_NOISE * sensors.noise * float(np.abs(run.tau[:, j]).max())
-        noise = 0.0 if sensors.actuator_noise else sigma * rng.normal(size=len(run.t))
-        channels[f"tau.{joint}"] = run.tau[:, j] + noise
+        noise = 0.0 if sensors.actuator_noise else sigma * rng.normal(size=len(channels["t"]))
+        channels[f"tau.{joint}"] = averaged(run.tau[:, j], sensors.every) + noise
         if sensors.torque_sensor:
             sigma = TORQUE_NOISE * sensors.noise * float(np.abs(run.tau_s[:, j]).max())
-            channels[f"tau_s.{joint}"] = run.tau_s[:, j] + sigma * rng.normal(size=len(run.t))
+            channels[f"tau_s.{joint}"] = run.tau_s[kept, j] + sigma * rng.normal(size=len(channels["t"]))
     return channels

@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from cases import CHECK, FAMILIES, FIT, sensors_of
-from make import SIX, build, write_case
-from score import score_folder, summary, tables
+from make import ALL, build, ending, write_case
+from overview import content_of, line, tables
+from score import read, score, score_folder
 
 LIMIT = 600.0  # s per case: a diagnosis that takes longer has failed
 
@@ -49,30 +50,33 @@ def run_family(family: str, seed: int, numbers: range, durations: tuple[float, f
             write_case(build(family, seed, number, *durations, sensors_of(family)), place / family)
         if not (output / "cost.json").exists():
             cost = diagnose(folder, output)
-            print(f"{name}: exit {cost['exit']}, {cost['seconds']:.0f} s", file=sys.stderr, flush=True)
+            truth = read(place / f"{family}.truth" / f"{name}.json")
+            said = line(score(truth, read(output / "report.json"))) if truth else name
+            print(f"{said} [exit {cost['exit']}, {cost['seconds']:.0f} s]", file=sys.stderr, flush=True)
 
 
 def main() -> int:
     """Make, diagnose, score, print, write."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--family", nargs="+", choices=(*FAMILIES, SIX), default=list(FAMILIES))
+    parser.add_argument("--family", nargs="+", choices=ALL, default=list(FAMILIES))
     parser.add_argument("--seed", type=int, default=0, help="from 10000 on: evaluation, not to be looked at before")
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--fit", type=float, default=FIT, help="[s]")
     parser.add_argument("--check", type=float, default=CHECK, help="[s]")
+    parser.add_argument("--wide", action="store_true", help="draw from wider ranges (wide.py); the family is called so")
     parser.add_argument("--only-score", action="store_true")
     parser.add_argument("-o", "--output", type=Path, required=True)
     o = parser.parse_args()
     rows: list[dict[str, Any]] = []
-    for family in o.family:
+    for family in (ending(each, o.wide) for each in o.family):
         if not o.only_score:
             run_family(family, o.seed, range(o.first, o.first + o.count), (o.fit, o.check), o.output)
         rows += score_folder(o.output / family, o.output / f"{family}.reports")
     print(tables(rows))
     memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     print(f"greatest memory of a diagnosis: {memory:.0f} MB")
-    content = {"seed": o.seed, "memory_mb": memory, "summary": summary(rows), "cases": rows}
+    content = {"seed": o.seed, "memory_mb": memory, **content_of(rows)}
     (o.output / "result.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     return 0
 

@@ -12,6 +12,9 @@ CASES is a folder of `make.py` (its truth stands in CASES.truth), REPORTS holds 
     forced  the effect is outside the catalogue, and a name was given all the same
     failed  there is no report
 
+In cases that lack many effects at once (published robots) what is hidden means here: what matters (many.py), and points
+are the share of it that is named.
+
 Where CASES.truth/<case>.rivals.json says that the true law stands within delta BIC 20 of its nearest rival, half is
 right; what was missed stays missed, and is counted as hidden in the numbers' tolerance.
 """
@@ -21,28 +24,30 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections import Counter, defaultdict
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+from many import agrees, tally
+from many import true as true_name
 from names import kind, label, parameter_errors, same
+from overview import content_of, tables
 
 POINTS = {"right": 1.0, "half": 0.5}
 INSEPARABLE = 20.0
-OUTCOMES = ("right", "half", "beside", "wrong", "missed", "forced", "failed")
+LEFT_OPEN = ("unexplained", "partly_explained")  # verdicts that say that something is left
 
 
 def outcome(truth: dict[str, Any], report: dict[str, Any] | None) -> str:
     """What a report is worth, by its names alone."""
     if report is None:
         return "failed"
+    if many(truth):
+        return tally(truth, report).outcome
     findings = list(report["findings"])
     if any(not one["catalogued"] for one in truth["hidden"]):
         if findings or report["verdict"] == "explained":
             return "forced"
-        return "right" if report["verdict"] == "unexplained" else "missed"
+        return "right" if report["verdict"] in LEFT_OPEN else "missed"
     alone, either, found = 0, 0, set()
     for one in truth["hidden"]:
         exact = [k for k, f in enumerate(findings) if k not in found and same(f, one)]
@@ -60,32 +65,61 @@ def outcome(truth: dict[str, Any], report: dict[str, Any] | None) -> str:
     return "half" if either else "right"
 
 
+def many(truth: dict[str, Any]) -> bool:
+    """Whether this case lacks many effects at once."""
+    return any("matters" in one for one in truth["hidden"])
+
+
 def _held(finding: dict[str, Any], hidden: dict[str, Any]) -> bool:
     return any(same(other, hidden) for other in finding.get("indistinguishable_from") or [])
 
 
 def score(truth: dict[str, Any], report: dict[str, Any] | None, rivals: dict[str, Any] | None = None) -> dict[str, Any]:
     """One row of the result."""
+    wanted = [one for one in truth["hidden"] if one.get("matters", True)]
     row: dict[str, Any] = {
         "case": truth["case"],
         "family": truth["family"],
-        "hidden": [label(one) for one in truth["hidden"]],
-        "kinds": [kind(one) for one in truth["hidden"]],
+        "hidden": [label(one) for one in wanted],
+        "kinds": [kind(one) for one in wanted],
         "outcome": outcome(truth, report),
     }
     if report is None:
-        return row | {"points": 0.0}
+        return row | {"points": 0.0} | ({"wanted": len(wanted), "found": 0.0, "names": 0} if many(truth) else {})
+    findings = list(report["findings"])
     close = rivals is not None and rivals["delta_bic"] < INSEPARABLE
     row["inseparable"] = rivals if close else None
     row["points"] = 1.0 if row["outcome"] == "half" and close else POINTS.get(row["outcome"], 0.0)
     row["verdict"] = report["verdict"]
-    row["named"] = [_with_rivals(finding) for finding in report["findings"]]
-    pairs = [(f, one) for one in truth["hidden"] for f in report["findings"] if same(f, one)]
-    row["false"] = [label(f) for f in report["findings"] if not any(same(f, o) or _held(f, o) for o in truth["hidden"])]
+    row["named"] = [_with_rivals(finding) for finding in findings]
+    row["false"] = [label(f) for f in findings if not any(same(f, o) or _held(f, o) for o in truth["hidden"])]
+    if many(truth):
+        row |= _many_row(truth, report)
+    known = [(f, _is_true(f, truth, findings)) for f in findings]
+    row["claims"] = [{"name": label(f), "probability": f.get("probability"), "true": true} for f, true in known]
+    pairs = [(f, one) for one in wanted for f in findings if _names(f, one, truth)]
     row["parameters"] = [e | {"of": label(one)} for f, one in pairs for e in parameter_errors(f, one)]
-    row["gap"] = {name: _over_floor(report, name) for name in ("fit", "check")}
+    row["gap"] = {name: _over_floor(report, name) for name in ("fit", "test")}
     row["seconds"] = report.get("seconds")
     return row
+
+
+def _many_row(truth: dict[str, Any], report: dict[str, Any]) -> dict[str, Any]:
+    found = tally(truth, report)
+    counts = {"wanted": found.wanted, "found": found.found, "names": found.names}
+    share = found.found / found.wanted if found.wanted else 1.0
+    return {"points": share, **counts, "false": list(found.false), "missed": list(found.missed)}
+
+
+def _names(finding: dict[str, Any], one: dict[str, Any], truth: dict[str, Any]) -> bool:
+    return agrees(finding, one, rigid=bool(truth.get("rigid_model"))) if many(truth) else same(finding, one)
+
+
+def _is_true(finding: dict[str, Any], truth: dict[str, Any], findings: list[dict[str, Any]]) -> bool:
+    """Whether what a finding says first is so; what is outside the catalogue has no true name."""
+    if many(truth):
+        return true_name(finding, truth, findings)
+    return any(one["catalogued"] and same(finding, one) for one in truth["hidden"])
 
 
 def _with_rivals(finding: dict[str, Any]) -> str:
@@ -93,58 +127,10 @@ def _with_rivals(finding: dict[str, Any]) -> str:
 
 
 def _over_floor(report: dict[str, Any], name: str) -> float | None:
-    gap = (report.get("gap") or {}).get(name) or {}
+    gaps = report.get("gap") or {}
+    gap = gaps.get(name) or gaps.get({"test": "check"}.get(name, name)) or {}  # schema 1 said check
     after, floor = gap.get("after"), gap.get("floor")
     return float(after) / float(floor) if after is not None and floor else None
-
-
-def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """The numbers that the benchmark is about, per family."""
-    result = {}
-    for family in dict.fromkeys(row["family"] for row in rows):
-        mine = [row for row in rows if row["family"] == family]
-        counts = Counter(row["outcome"] for row in mine)
-        errors = [e for row in mine for e in row.get("parameters", [])]
-        covered = [e["covered"] for e in errors if e["covered"] is not None]
-        result[family] = {
-            "cases": len(mine),
-            "points": sum(row["points"] for row in mine) / len(mine),
-            **{name: counts[name] for name in OUTCOMES},
-            "missed_in_tolerance": sum(row["outcome"] == "missed" and bool(row["inseparable"]) for row in mine),
-            "false_names": sum(len(row.get("false", [])) for row in mine),
-            "median_parameter_error": _median(e["relative_error"] for e in errors),
-            "coverage": float(np.mean(covered)) if covered else None,
-            "intervals": len(covered),
-            "check_gap_over_floor": _median(row["gap"]["check"] for row in mine if row.get("gap", {}).get("check")),
-            "median_seconds": _median(row["seconds"] for row in mine if row.get("seconds")),
-            "greatest_seconds": max((row["seconds"] for row in mine if row.get("seconds")), default=None),
-        }
-    return result
-
-
-def _median(values: Iterable[float]) -> float | None:
-    known = list(values)
-    return float(np.median(known)) if known else None
-
-
-def tables(rows: list[dict[str, Any]]) -> str:
-    """Everything to print: families, confusion, what went wrong."""
-    lines = []
-    for family, numbers in summary(rows).items():
-        shown = {k: f"{v:.3g}" if isinstance(v, float) else v for k, v in numbers.items() if v not in (None, 0)}
-        lines.append(f"{family}: " + ", ".join(f"{key} {value}" for key, value in shown.items()))
-    confusion: dict[str, Counter[str]] = defaultdict(Counter)
-    for row in rows:
-        for name in row["kinds"] or ["nothing"]:
-            confusion[name][row["outcome"]] += 1
-    lines += ["", f"{'hidden':42s}" + "".join(f"{name:>8s}" for name in OUTCOMES)]
-    lines += [f"{n:42s}" + "".join(f"{c[o] or '':>8}" for o in OUTCOMES) for n, c in sorted(confusion.items())]
-    lines += ["", "not right:"]
-    for row in rows:
-        if row["points"] < 1.0:
-            named = "; ".join(row.get("named", [])) or row.get("verdict", "no report")
-            lines.append(f"  {row['case']} {row['outcome']}: {' + '.join(row['hidden']) or 'nothing'} -> {named}")
-    return "\n".join(lines)
 
 
 def read(file: Path) -> dict[str, Any] | None:
@@ -174,8 +160,7 @@ def main() -> int:
     rows = score_folder(options.cases, options.reports)
     print(tables(rows))
     if options.output:
-        content = {"summary": summary(rows), "cases": rows}
-        options.output.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        options.output.write_text(json.dumps(content_of(rows), indent=1) + "\n", encoding="utf-8")
     return 0
 
 

@@ -20,15 +20,16 @@ from typing import Any
 
 import numpy as np
 from arm_draw import JOINTS, LINKS, TwoLinkArm
-from cases import make_case, scale_of
+from cases import FAMILIES, make_case, scale_of
 from hidden import Hidden, Site, draw
 from layout import Array
-from model_text import TOLERANCE, known_effects
+from model_text import known_effects
 from names import SENSORS, same, text
 from plants import Case
 from scipy.optimize import least_squares
 from score import INSEPARABLE, outcome
 from visible import make_filter, reported, surprises
+from wide import split
 
 KNOWN = ("stiffness", "damping", "rotor_inertia", "viscous", "coulomb", "mass", "com", "inertia")
 EVALUATIONS = 10
@@ -114,14 +115,14 @@ def delta_bic(case: Case, true: Hidden, site: Site | None) -> float:
             if rival is not None:
                 numbers = dict(zip(keys, free, strict=True))
                 all_of.append(Hidden(rival.effect, rival.joint, rival.side, numbers, rival.place))
-            errors = surprises(case.fit, z, calibrated(case.arm, TOLERANCE * x[:16]), all_of, found)
-            return np.concatenate([errors.ravel(), x[:16] - prior / TOLERANCE])
+            errors = surprises(case.fit, z, calibrated(case.arm, case.tolerance * x[:16]), all_of, found)
+            return np.concatenate([errors.ravel() / np.sqrt(case.sensors.every), x[:16] - prior / case.tolerance])
 
         x0 = np.concatenate([np.zeros(16), first / unit])
         fit = least_squares(residual, x0, diff_step=1e-3, x_scale=1.0, max_nfev=EVALUATIONS)
         best = min(best, 2.0 * fit.cost)
     extra = len(keys) - len(true.parameters)
-    return float(best - ((prior / TOLERANCE) ** 2).sum() + extra * np.log(z.size))
+    return float(best - ((prior / case.tolerance) ** 2).sum() + extra * np.log(z.size))
 
 
 def nearest(truth: dict[str, Any], report: dict[str, Any]) -> dict[str, Any] | None:
@@ -148,6 +149,11 @@ def rival_sites(entry: dict[str, Any], report: dict[str, Any], given: TwoLinkArm
     return [site for site in sites if site is not None and site[0] != "joint_elasticity"]
 
 
+def can_be_made(family: str) -> bool:
+    """Whether the true arm of a family is one of this simulator's and what is hidden in it has a rival."""
+    return split(family)[0] in FAMILIES and split(family)[0] != "outside"
+
+
 def main() -> int:
     """Compute what is missing for every report that says "A or B", or too little."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
@@ -160,7 +166,7 @@ def main() -> int:
         if result.exists() or not truth_file.exists():
             continue
         report, truth = json.loads(file.read_text("utf-8")), json.loads(truth_file.read_text("utf-8"))
-        if truth["family"] in ("six", "outside") or outcome(truth, report) not in ("half", "missed"):
+        if not can_be_made(truth["family"]) or outcome(truth, report) not in ("half", "missed"):
             continue
         row = nearest(truth, report)
         if row is not None:

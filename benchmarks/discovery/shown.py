@@ -16,23 +16,24 @@ NUMBERS = (("mass", 0), ("mass", 1), ("com", 0), ("com", 1), ("inertia", 0), ("i
 STEP, ROUNDS = 1e-4, 8
 
 
-def shown(true: TwoLinkArm, given: TwoLinkArm, wrong: tuple[str, int]) -> bool:
+def shown(true: TwoLinkArm, given: TwoLinkArm, wrong: tuple[str, int], tolerance: float = TOLERANCE) -> bool:
     """Whether the least that others must bend, to make up for the wrong number, is more than inseparable laws differ.
 
     Args:
         true: arm.
         given: as it is written down.
         wrong: the number that is out of tolerance, and whose.
+        tolerance: of all numbers.
     """
     logs = np.array([np.log(_number(true, *each) / _number(given, *each)) for each in NUMBERS])
     goal, bent = _seen(true), np.zeros(len(NUMBERS))
     for _ in range(ROUNDS):  # the least change that does it, each time to first order around the last one
-        here = _bent(given, TOLERANCE * bent)
+        here = _bent(given, tolerance * bent)
         columns = [(_seen(_bent(here, STEP * axis)) - _seen(here)) / STEP for axis in np.eye(len(NUMBERS))]
-        J = TOLERANCE * np.stack(columns, axis=1)
+        J = tolerance * np.stack(columns, axis=1)
         bent = np.linalg.pinv(J) @ (goal - _seen(here) + J @ bent)
     others = np.array([each != wrong for each in NUMBERS])
-    return bool(bent @ bent - ((logs / TOLERANCE)[others] ** 2).sum() > INSEPARABLE)
+    return bool(bent @ bent - ((logs / tolerance)[others] ** 2).sum() > INSEPARABLE)
 
 
 def _seen(arm: TwoLinkArm) -> Array:

@@ -6,6 +6,7 @@ A tool of 2 kg is bolted on, as in use: without one the last link would swing at
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -105,8 +106,8 @@ def figures(values: Array) -> tuple[float, ...]:
     return tuple(float(f"{value:.7g}") for value in values)
 
 
-def model_yaml(arm: SixArm, tolerance: float) -> str:
-    """The model file."""
+def model_yaml(arm: SixArm, tolerance: float | Mapping[str, float]) -> str:
+    """The model file; tolerance: of all numbers, or by their paths."""
     lines = ["flexdyn: 1", "robot:", "  urdf: arm.urdf", "  gravity: [0.0, 0.0, -9.81]", "joints:"]
     for j, joint in enumerate(arm.joints):
         stiffness = ".inf" if np.isinf(arm.stiffness[j]) else repr(arm.stiffness[j])
@@ -115,7 +116,7 @@ def model_yaml(arm: SixArm, tolerance: float) -> str:
         lines += [f"    damping: {arm.damping[j]!r}"]
     lines += ["initial:", "  q:", *(f"    {joint}: {q!r}" for joint, q in zip(arm.joints, MIDDLE, strict=True))]
     lines.append(f"tolerance: {tolerance!r}")
-    lines.append("effects:")
+    lines.append("effects:" if any((*arm.viscous, *arm.coulomb)) else "effects: []")
     for name, parameter, values in (("viscous", "coefficient", arm.viscous), ("coulomb", "level", arm.coulomb)):
         lines += [
             f"  - {{effect: {name}_friction, joint: {joint}, side: motor, {parameter}: {value!r}}}"

@@ -10,20 +10,24 @@ import numpy as np
 import pinocchio as pin
 import six_run
 import sizes
+import wide
 from hidden import Hidden, Site, draw, enter
+from lab import cut
 from layout import Array
-from model_text import ERROR, MASS_ERROR
-from motions import Style, reference
+from model_text import ERROR, MASS_ERROR, TOLERANCE
 from recording import Sensors, record
 from six_arm import MIDDLE, SixArm, figures, model_yaml, nominal, urdf, varied
-from two_link_run import Control, Truth
+from six_motion import ORDINARY, draw_control, first, scale_of
+from wide import SUFFIX, Setup, draw_setup
 
 FIT, CHECK = 40.0, 12.0  # s
+ATTEMPTS = 5
 BUILT = 0.1  # how much an arm differs from the nominal one
 MEMORY = ("presliding_friction", "spring_hysteresis")  # laws with a state: MuJoCo's stages have no room for one
 BOTH_SIDES = [name for name in sizes.FRICTION if name not in MEMORY]
 WRONG = ("stiffness", "rotor_inertia", "link_mass", "coefficient", "level")
 WITHOUT_COULOMB = ("coulomb_friction", "asymmetric_friction")
+STIFFER = (0.1, 10.0)  # times the nominal springs, in wide cases
 
 
 def sites() -> list[Site]:
@@ -37,25 +41,6 @@ def sites() -> list[Site]:
         found += [(name, j, signal) for name in sizes.SENSOR for signal in ("q", "theta")]
         found += [("parameter_error", j, number) for number in WRONG if number != "link_mass" or j in (1, 2)]
     return [*found, ("payload", 5, "link")]
-
-
-def draw_control(rng: np.random.Generator, arm: SixArm, duration: float, seen: Array, whole: Array) -> Control:
-    """All six joints in motion at once."""
-    model = arm.pinocchio()
-    data, rotor = model.createData(), arm.rotor()
-    reach = np.array([0.8, 0.5, 0.5, 0.8, 0.8, 1.2])
-    columns = []
-    for j in range(6):
-        style = Style(
-            reach[j] * rng.uniform(0.8, 1.0), rng.uniform(0.8, 1.6), rng.uniform(4.0, 8.0), rng.uniform(0.03, 0.1)
-        )
-        columns.append(reference(rng, style, MIDDLE[j], duration))
-    wanted = np.stack(columns, axis=1)
-    v = np.gradient(wanted, 1e-3, axis=0)
-    a = np.gradient(v, 1e-3, axis=0)
-    forward = np.array([pin.rnea(model, data, *row) for row in zip(wanted, v, a, strict=True)]) + rotor * a
-    w = 2.0 * np.pi * rng.uniform(2.0, 3.2, 6)
-    return Control(wanted, 0.9 * forward, whole * w**2, whole * 1.6 * w, seen)
 
 
 def plant(arm: SixArm) -> Array:
@@ -90,20 +75,49 @@ def number(one: Hidden) -> str:
     return names.get(one.place["parameter"], one.place["parameter"])
 
 
-def make_six(seed: int, index: int, fit: float, check: float, sensors: Sensors) -> dict[str, Any]:
-    """Name, files, recordings and truth of one case."""
+def make_six(
+    seed: int, index: int, fit: float, check: float, sensors: Sensors, *, wider: bool = False
+) -> dict[str, Any]:
+    """Name, files, recordings and truth of one case; wider: from wider ranges.
+
+    Raises:
+        ArithmeticError: no arm that follows its reference was found.
+    """
+    if not wider:
+        return _attempt(np.random.default_rng([seed, 12, index]), seed, index, (fit, check), sensors, ORDINARY)
+    for attempt in range(ATTEMPTS):
+        rng = np.random.default_rng([seed, 13, index, attempt])
+        setup = draw_setup(rng)
+        try:
+            measured = dataclasses.replace(sensors, every=setup.every)
+            return _attempt(rng, seed, index, (fit, check), measured, setup)
+        except ArithmeticError:
+            continue
+    raise ArithmeticError(f"six{SUFFIX} {seed} {index}: nothing in {ATTEMPTS} draws")
+
+
+def _attempt(
+    rng: np.random.Generator, seed: int, index: int, durations: tuple[float, float], sensors: Sensors, setup: Setup
+) -> dict[str, Any]:
     order = np.random.default_rng([seed, 11]).permutation(len(sites()))
     site = sites()[order[index % len(order)]]
-    rng = np.random.default_rng([seed, 12, index])
     j = site[1]
-    arm = prepared(varied(nominal(), rng, BUILT, BUILT), site)
+    arm = varied(nominal(), rng, BUILT, BUILT)
+    if setup.wide:
+        springs = sizes.log_uniform(rng, STIFFER, 6)
+        arm = arm.replace(
+            stiffness=figures(np.array(arm.stiffness) * springs),
+            damping=figures(np.array(arm.damping) * np.sqrt(springs)),
+        )
+    arm = prepared(arm, site)
     model = arm.pinocchio()
     whole = np.diag(pin.crba(model, model.createData(), np.array(MIDDLE))) + arm.rotor()
     seen = np.array([sensors.motor_step(N) for N in arm.gear_ratio])
-    controls = [draw_control(rng, arm, duration, seen, whole) for duration in (fit, check)]
+    controls = [draw_control(rng, arm, duration, seen, whole, setup) for duration in durations]
     nobody = -np.ones(6)
-    base = six_run.controlled(arm, plant(arm), 0.0, nobody, _first(controls[0]))
-    one = draw(site, _scale(rng, arm, base, controls[0], j, whole), arm.joints, arm.names)
+    base = six_run.controlled(arm, plant(arm), 0.0, nobody, first(controls[0]))
+    scale = scale_of(rng, arm, base, controls[0], j, whole, setup)
+    one = draw(site, scale, arm.joints, arm.names)
     truly = true_arm(arm, one, j)
     P, other = plant(truly), nobody
     enter(P, one)
@@ -116,20 +130,27 @@ def make_six(seed: int, index: int, fit: float, check: float, sensors: Sensors) 
         P[j, at.DELAY] = one.parameters["delay"]
     payload = one.parameters["mass"] if one.effect == "payload" else 0.0
     runs = [six_run.controlled(truly, P, payload, other, control) for control in controls]
+    if setup.wide:
+        runs = [cut(run) for run in runs]
+        strayed = [run.y[:, 0:6] - c.reference[: len(run.t)] for run, c in zip(runs, controls, strict=True)]
+        if max(float(np.abs(each).max()) for each in strayed) > wide.STRAYED:
+            raise ArithmeticError("lost its reference")
     recordings = [record(run, arm.joints, arm.gear_ratio, [one], sensors, rng) for run in runs]
-    given = varied(arm, rng, ERROR, MASS_ERROR)
+    more = setup.tolerance / TOLERANCE
+    given = varied(arm, rng, ERROR * more, MASS_ERROR * more)
     if one.effect == "parameter_error":
         key = number(one)
         given = given.replace(**{key: _set(getattr(given, key), j, getattr(arm, key)[j])})
         one = _indexed(one, given, j)
-    name = f"six_{seed}_{index:03d}"
+    family = f"six{SUFFIX}" if setup.wide else "six"
+    name = f"{family}_{seed}_{index:03d}"
     truth = {
         "case": name,
-        "family": "six",
+        "family": family,
         "seed": seed,
         "number": index,
-        "fit": fit,
-        "check": check,
+        "fit": durations[0],
+        "check": durations[1],
         "hidden": [one.to_dict(arm.joints)],
         "joints": {
             key: list(getattr(truly, key)) for key in ("stiffness", "damping", "rotor_inertia", "viscous", "coulomb")
@@ -137,34 +158,13 @@ def make_six(seed: int, index: int, fit: float, check: float, sensors: Sensors) 
         "sensors": dataclasses.asdict(sensors),
         "scale": {"peak_torque": [float(x) for x in np.abs(runs[0].tau).max(axis=0)]},
     }
-    files = {"model.yaml": model_yaml(given, 0.03), "arm.urdf": urdf(given)}
+    files = {"model.yaml": model_yaml(given, setup.tolerance), "arm.urdf": urdf(given)}
     return {
         "name": name,
         "files": files,
         "recordings": dict(zip(("fit", "check"), recordings, strict=True)),
         "truth": truth,
     }
-
-
-def _first(control: Control, seconds: float = 12.0) -> Control:
-    count = round(seconds * 1000)
-    return dataclasses.replace(control, reference=control.reference[:count], feedforward=control.feedforward[:count])
-
-
-def _scale(rng: np.random.Generator, arm: SixArm, base: Truth, control: Control, j: int, whole: Array) -> sizes.Scale:
-    return sizes.Scale(
-        rng=rng,
-        factor=1.0,
-        joint=j,
-        arm=arm,
-        other=j - 1,
-        peak=np.abs(base.tau).max(axis=0),
-        speed=np.abs(base.y[:, 18:24]).max(axis=0),
-        wind=np.abs(base.y[:, 6:12] - base.y[:, 0:6]).max(axis=0),
-        low=control.reference.min(axis=0),
-        high=control.reference.max(axis=0),
-        inertia=whole,
-    )
 
 
 def _indexed(one: Hidden, given: SixArm, j: int) -> Hidden:

@@ -13,6 +13,7 @@ import layout as at
 import mujoco
 import numpy as np
 import pinocchio as pin
+from cables import NONE, Cables, pull
 from layout import Array
 from six_arm import TOOL_AT, TOOL_COM, TOOL_INERTIA, SixArm
 from six_forces import act, carried, dry, plain
@@ -69,12 +70,13 @@ def _quaternion(rotation: Array) -> str:
     return _row(np.array([w, x, y, z]))
 
 
-def controlled(arm: SixArm, P: Array, payload: float, other: Array, control: Control) -> Truth:
+def controlled(arm: SixArm, P: Array, payload: float, other: Array, control: Control, cables: Cables = NONE) -> Truth:
     """A run under control; the states of the result are [q, theta, v, omega].
 
     Raises:
         ArithmeticError: the arm left every bound.
     """
+    P = P.copy()
     model = mujoco.MjModel.from_xml_string(mjcf(arm, P, payload))
     data = mujoco.MjData(model)
     data.qpos[:6] = control.reference[0]
@@ -90,15 +92,17 @@ def controlled(arm: SixArm, P: Array, payload: float, other: Array, control: Con
 
     mujoco.set_mjcb_passive(passive)
     try:
-        return _loop(model, data, P, control, now, shift)
+        return _loop(model, data, P, control, now, shift, cables)
     finally:
         mujoco.set_mjcb_passive(None)
 
 
-def _loop(model: Any, data: Any, P: Array, control: Control, now: Array, shift: Array) -> Truth:
+def _loop(model: Any, data: Any, P: Array, control: Control, now: Array, shift: Array, cables: Cables) -> Truth:
     samples, steps = len(control.reference), round(PERIOD / STEP)
     y, tau, sensed = np.zeros((samples, 24)), np.zeros((samples, 6)), np.zeros((samples, 6))
     tau_s, level = np.zeros(6), np.zeros(12)
+    pulled = np.zeros((samples if len(cables.others) else 0, 6))
+    bent, last = np.zeros(6), np.array(data.qpos[:6])
     before = slow = np.zeros(6)
     late = np.rint(P[:, at.DELAY] / STEP).astype(int)
     wanted = np.vstack([np.diff(control.reference, axis=0), np.zeros((1, 6))]) / PERIOD
@@ -109,6 +113,9 @@ def _loop(model: Any, data: Any, P: Array, control: Control, now: Array, shift: 
         before = seen
         tau[k] = control.feedforward[k] + control.kp * (control.reference[k] - seen) + control.kd * (wanted[k] - slow)
         y[k, :12], y[k, 12:] = data.qpos, data.qvel
+        if len(pulled):
+            pull(y[k, :6], last, bent, cables.others, cables.waves, cables.ropes, pulled[k])
+            last, P[:, at.PULL] = y[k, :6].copy(), pulled[k]
         for i in range(steps):
             sample = (k * steps + i - late) // steps
             now[:] = np.where(sample >= 0, tau[np.maximum(sample, 0), np.arange(6)], 0.0)
@@ -119,4 +126,4 @@ def _loop(model: Any, data: Any, P: Array, control: Control, now: Array, shift: 
             mujoco.mj_step(model, data)
     if not np.isfinite(y).all() or np.abs(y).max() > 100.0:
         raise ArithmeticError("the arm left every bound: an unstable case")
-    return Truth(np.asarray(np.arange(samples, dtype=float) * PERIOD), y, tau, sensed, P, np.zeros(0))
+    return Truth(np.asarray(np.arange(samples, dtype=float) * PERIOD), y, tau, sensed, P, np.zeros(0), pulled)

@@ -75,6 +75,8 @@ class Scale:
         wind: greatest deflections (2,) [rad].
         low, high: range of q (2,) [rad].
         inertia: link and rotor together, of each joint alone (2,) [kg m^2].
+        tolerance: of the numbers of the model file.
+        wide: laws come from `wide` where it has them.
     """
 
     rng: np.random.Generator
@@ -88,6 +90,8 @@ class Scale:
     low: Array
     high: Array
     inertia: Array
+    tolerance: float = 0.03
+    wide: bool = False
 
     def draw(self, low: float, high: float) -> float:
         """Uniform, and as small as the case wants."""
@@ -129,6 +133,11 @@ class Scale:
         rotor = float(self.arm.rotor()[self.joint])
         link = max(float(self.inertia[self.joint]) - rotor, 1e-6)
         return 2.0 * float(np.sqrt(self.K * rotor * link / (rotor + link)))
+
+
+def log_uniform(rng: np.random.Generator, span: tuple[float, float], n: int) -> Array:
+    """So many numbers, every ratio as likely (n,)."""
+    return np.asarray(np.exp(rng.uniform(np.log(span[0]), np.log(span[1]), n)))
 
 
 def _asymmetric(s: Scale) -> Parameters:
@@ -188,7 +197,9 @@ def _cables(s: Scale) -> Parameters:
 
 
 def _stop(s: Scale) -> Parameters:
-    depth, stiffness = s.draw(0.03, 0.06), s.rng.uniform(0.1, 0.3) * s.K
+    # A rigid joint has no spring to compare with: one on which link and rotor would swing at 25 Hz.
+    spring = s.K if np.isfinite(s.K) else 0.25 * float(s.inertia[s.joint]) * (2.0 * np.pi * 25.0) ** 2
+    depth, stiffness = s.draw(0.03, 0.06), s.rng.uniform(0.1, 0.3) * spring
     low, high = float(s.low[s.joint]), float(s.high[s.joint])
     upper = s.rng.random() < 0.5
     return {

@@ -92,7 +92,7 @@ def on_link(P: Array, j: int, q: float, v: float, other: float) -> float:
     """Springs, cables and stops between a link and the one before it, on the right side [N m]."""
     torque: float = -P[j, at.PARALLEL] * (q - P[j, at.REST]) - P[j, at.COS_1] * cos(q) - P[j, at.SIN_1] * sin(q)
     torque -= P[j, at.COS_2] * cos(2.0 * q) + P[j, at.SIN_2] * sin(2.0 * q)
-    torque -= P[j, at.CABLE] * sin(q) * other
+    torque -= P[j, at.CABLE] * sin(q) * other + P[j, at.PULL]
     if q > P[j, at.UPPER]:
         torque += min(0.0, -(P[j, at.STOP] * (q - P[j, at.UPPER]) + P[j, at.STOP_DAMPING] * v))
     if q < P[j, at.LOWER]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import layout as at
 import numpy as np
+from cables import NONE, Cables, pull
 from compiled import compiled
 from layout import Array
 from two_link_forces import FORCES, TAU_S, forces
@@ -58,6 +59,7 @@ class Truth:
         y: states as `layout` orders them (samples, STATES).
         tau: torques asked for, held until the next sample (samples, 2) [N m].
         tau_s: torques of the transmissions on the links (samples, 2) [N m].
+        cables: torques of the cables, against the links (samples, 2) [N m]; empty: no cables.
     """
 
     t: Array
@@ -66,6 +68,7 @@ class Truth:
     tau_s: Array
     P: Array = field(repr=False)
     links: Array = field(repr=False)
+    cables: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
 
 
 @compiled
@@ -95,13 +98,15 @@ def one_period(k: int, period: float, step: float, y: Array, memory: Array, tau:
 @compiled
 def loop(
     y: Array, tau: Array, noise: Array, control: tuple[Array, ...], filtered: float, period: float, step: float,
-    P: Array, links: Array, out: Array, out_tau_s: Array,
+    P: Array, links: Array, cables: tuple[Array, ...], out: Array, out_tau_s: Array, out_cables: Array,
 ) -> None:  # fmt: skip
     """All samples; tau is filled in where control holds gains, else followed."""
     reference, feedforward, kp, kd, resolution = control
     memory, F = np.zeros((3, 2)), np.zeros(FORCES)
     applied = np.zeros_like(tau)
     before, slow = np.zeros(2), np.zeros(2)
+    others, waves, ropes = cables
+    bent, last = np.zeros(2), y[:2].copy()
     for k in range(len(tau)):
         for j in range(2):
             if len(kp):
@@ -115,6 +120,10 @@ def loop(
                 tau[k, j] = feedforward[k, j] + kp[j] * (reference[k, j] - seen) + kd[j] * (wanted - slow[j])
             applied[k, j] = tau[k, j] + noise[k, j]
         out[k] = y
+        if len(out_cables):
+            pull(y[:2], last, bent, others, waves, ropes, out_cables[k])
+            last[:] = y[:2]
+            P[:, at.PULL] = out_cables[k]
         forces(k * period, y, y, memory, applied[k], P, links, F)
         out_tau_s[k] = F[TAU_S : TAU_S + 2]
         one_period(k, period, step, y, memory, applied, P, links)
@@ -134,30 +143,35 @@ def start(plant: Plant, q: Array) -> Array:
     return y
 
 
-def controlled(plant: Plant, control: Control, noise: Array | None = None, step: float = STEP) -> Truth:
+def controlled(
+    plant: Plant, control: Control, noise: Array | None = None, step: float = STEP, cables: Cables = NONE
+) -> Truth:
     """A run under control; noise: torque that the motors add unasked, held (samples, 2) [N m]."""
     parts = (control.reference, control.feedforward, control.kp, control.kd, control.resolution)
     tau = np.zeros_like(control.reference)
-    return _run(plant, start(plant, control.reference[0]), tau, noise, parts, control.filtered, step)
+    return _run(plant, start(plant, control.reference[0]), tau, noise, parts, control.filtered, step, cables)
 
 
 def replayed(plant: Plant, y0: Array, tau: Array, step: float = STEP) -> Truth:
     """A run under the torques asked for, held (samples, 2) [N m]."""
     nothing = np.zeros((0, 2))
     parts = (nothing, nothing, np.zeros(0), np.zeros(0), np.zeros(0))
-    return _run(plant, y0.copy(), tau.copy(), None, parts, 1.0, step)
+    return _run(plant, y0.copy(), tau.copy(), None, parts, 1.0, step, NONE)
 
 
 def _run(
-    plant: Plant, y: Array, tau: Array, noise: Array | None, control: tuple[Array, ...], filtered: float, step: float
-) -> Truth:
+    plant: Plant, y: Array, tau: Array, noise: Array | None, control: tuple[Array, ...], filtered: float, step: float,
+    cables: Cables,
+) -> Truth:  # fmt: skip
     out, tau_s = np.zeros((len(tau), at.STATES)), np.zeros_like(tau)
     quiet = np.zeros_like(tau) if noise is None else noise
-    loop(y, tau, quiet, control, filtered, PERIOD, step, plant.P, plant.links, out, tau_s)
+    pulled = np.zeros_like(tau) if len(cables.others) else np.zeros((0, 2))
+    P, ropes = plant.P.copy(), (cables.others, cables.waves, cables.ropes)
+    loop(y, tau, quiet, control, filtered, PERIOD, step, P, plant.links, ropes, out, tau_s, pulled)
     if not np.isfinite(out).all():
         raise ArithmeticError("the arm left every bound: an unstable case")
     for j in range(2):
         if plant.P[j, at.RIGID] > 0.0:
             out[:, 2 + j], out[:, 6 + j] = out[:, j], out[:, 4 + j]
     t = np.arange(len(tau), dtype=float) * PERIOD
-    return Truth(np.asarray(t), out, tau, tau_s, plant.P, plant.links)
+    return Truth(np.asarray(t), out, tau, tau_s, plant.P, plant.links, pulled)

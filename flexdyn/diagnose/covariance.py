@@ -47,7 +47,9 @@ class Whitener:
         return np.asarray(white).reshape(rows.shape)
 
 
-def whitener(equations: Equations, noise: Noise, mask: NDArray[np.bool_]) -> Whitener:
+def whitener(
+    equations: Equations, noise: Noise, mask: NDArray[np.bool_], extra: Array | None = None
+) -> Whitener:
     """The whitening of the equations' rows.
 
     Noise passes the same filters as the motion; a residual is ``sum_c sum_o C_co(t) d^o/dt^o n_c``, its covariance
@@ -57,6 +59,7 @@ def whitener(equations: Equations, noise: Noise, mask: NDArray[np.bool_]) -> Whi
         equations: whose residuals they are.
         noise: of the channels.
         mask: rows that say nothing (rows,).
+        extra: variance of the rows beside that of noise, such as what the filters do to laws with corners (rows,).
     """
     from scipy.linalg import cholesky_banded
 
@@ -64,6 +67,8 @@ def whitener(equations: Equations, noise: Noise, mask: NDArray[np.bool_]) -> Whi
     blocks = [_band(equations, each, noise, kernels) for each in equations.motions]
     width = max(len(block) for block in blocks)
     band = np.concatenate([np.pad(block, ((0, width - len(block)), (0, 0))) for block in blocks], axis=1)
+    if extra is not None:
+        band[0] += extra
     band[0] = np.where(mask, band[0] + MASKED * np.median(band[0]), band[0] * (1.0 + 1e-9))
     return Whitener(cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False), mask)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -112,6 +113,7 @@ class Workspace:
         nuisance_sigma: how large those are (k,).
         channels: whose offsets they are.
         temper: factor on the priors of the file's numbers, where more than noise is left.
+        beliefs: prior of an effect's parameter: how far its centre is from the value, and its standard deviation.
     """
 
     equations: Equations
@@ -122,6 +124,7 @@ class Workspace:
     nuisance_sigma: Array
     channels: tuple[str, ...] = ()
     temper: float = 1.0
+    beliefs: Callable[[Effect, str], tuple[float, float]] | None = None
 
     @property
     def rows(self) -> int:

@@ -15,9 +15,9 @@ from flexdyn.effects import Effect, PreslidingFriction, SensorOffset
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-DISCRETE = ("harmonic", "exponent")
+DISCRETE = ("exponent",)
 """Parameters that are counted and not measured."""
-POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
+POSITIVE = ("velocity", "harmonic", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
 """Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
 ROUNDING = 1e-9
 """Share of a step that is none."""
@@ -87,6 +87,8 @@ def bounded(effect: Effect, name: str, step: float) -> float:
     """A value after a step that neither leaves its bound nor more than halves or triples what must stay positive."""
     entry = next(f for f in effect.parameters() if f.name == name)
     value, lower = getattr(effect, name), entry.metadata["lower"]
+    if name == "harmonic":
+        return float(np.clip(value + step, max(1.0, 0.9 * value), 1.1 * value))
     if isinstance(effect, PreslidingFriction) and name == "damping":
         return float(np.clip(_landed(value + step, 0.0, step), 0.0, BRISTLE * effect.stiffness))
     if (name in POSITIVE or entry.metadata["strict"]) and value > lower == 0.0:

@@ -48,7 +48,7 @@ def linearised(
     """
     at = at or space.equations.of(hypothesis.model())
     unknowns = hypothesis.unknowns()
-    scales = tuple(_scale(effect, name) for effect, name in unknowns)
+    scales = tuple(tangent_scale(effect, name) for effect, name in unknowns)
     taken = None if before is None else before.taken or before.hypothesis
     known = None
     if before is not None and straight:
@@ -62,7 +62,7 @@ def linearised(
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
         raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
-    centre, sigma = _priors(hypothesis, len(unknowns), space.temper)
+    centre, sigma = _priors(hypothesis, space)
     regression = Regression(
         y=y,
         X=X,
@@ -83,7 +83,7 @@ def linearised(
 def _near(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether the numbers of the same effects, and of the file, are so near that the slopes are the same."""
     pairs = zip(one.unknowns(), other.unknowns(), strict=True)
-    moved = (abs(getattr(a, name) - getattr(b, name)) / _scale(b, name) for (a, name), (b, _) in pairs)
+    moved = (abs(getattr(a, name) - getattr(b, name)) / tangent_scale(b, name) for (a, name), (b, _) in pairs)
     factors = zip(one.factors.values(), other.factors.values(), strict=True)
     return all(x <= NEAR for x in moved) and all(abs(a - b) <= FAR * abs(b) for a, b in factors)
 
@@ -127,7 +127,7 @@ def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
         y = space.whiten(at.residual)
         if not np.isfinite(y @ y):
             return math.inf
-    centre, sigma = _priors(hypothesis, 0, space.temper)
+    centre, sigma = _priors(hypothesis, space)
     nuisances = space.nuisance.shape[1]
     alone = Regression(y, space.nuisance, np.zeros(nuisances), space.nuisance_sigma, space.rows, nuisances)
     return alone.at_zero + float(((centre / sigma) ** 2).sum())
@@ -154,7 +154,7 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     return slopes
 
 
-def _scale(effect: Effect, name: str) -> float:
+def tangent_scale(effect: Effect, name: str) -> float:
     """A size of a parameter by which steps and columns are measured."""
     value = abs(getattr(effect, name))
     if name in ("phase",):
@@ -164,7 +164,14 @@ def _scale(effect: Effect, name: str) -> float:
     return 0.01 * value if value > 0.0 else {"damping": 1e-3, "offset": 1e-4}.get(name, 1e-4)
 
 
-def _priors(hypothesis: Hypothesis, unknowns: int, temper: float) -> tuple[Array, Array]:
-    centre = [1.0 - factor for factor in hypothesis.factors.values()] + [0.0] * unknowns
+def _priors(hypothesis: Hypothesis, space: Workspace) -> tuple[Array, Array]:
+    """Centres, from where the numbers stand, and standard deviations, in the scales of steps."""
+    centre = [1.0 - factor for factor in hypothesis.factors.values()]
     widths = [LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors]
-    return np.array(centre), np.array([width / math.sqrt(temper) for width in widths] + [math.inf] * unknowns)
+    sigma = [width / math.sqrt(space.temper) for width in widths]
+    for effect, name in hypothesis.unknowns():
+        off, std = (0.0, math.inf) if space.beliefs is None else space.beliefs(effect, name)
+        scale = tangent_scale(effect, name)
+        centre.append(off / scale)
+        sigma.append(std / scale)
+    return np.array(centre), np.array(sigma)

@@ -31,6 +31,7 @@ class Proposal:
         positive: which linear values may not be negative.
         fixed: nothing is linear: the effect at the grid point is taken as it is.
         numbers: that its description costs.
+        axes: names of the parameters that the grid is of.
     """
 
     place: Mapping[str, str]
@@ -40,6 +41,7 @@ class Proposal:
     positive: tuple[bool, ...] = ()
     fixed: bool = False
     numbers: int = 1
+    axes: tuple[str, ...] = ()
 
     def columns(self, equations: Equations, point: Point) -> Array:
         """Derivatives of the residual (rows, linear numbers), or the change that the effect makes where it is fixed."""
@@ -119,6 +121,7 @@ def linear(
         grid=points,
         positive=(bounds[name] >= 0.0,),
         numbers=1 + len(grid[0]),
+        axes=tuple(grid[0]),
     )
 
 
@@ -134,6 +137,7 @@ def wave(place: Mapping[str, str], harmonics: Sequence[float], unit: float) -> P
         units=lambda point: [(build(point, unit, 0.0), unit), (build(point, unit, math.pi / 2), unit)],
         grid=tuple((float(h),) for h in harmonics),
         numbers=3,
+        axes=("harmonic",),
     )
 
 
@@ -150,4 +154,5 @@ def given(place: Mapping[str, str], names: Sequence[str], grid: Sequence[Point])
         grid=tuple(grid),
         fixed=True,
         numbers=len(names),
+        axes=tuple(names),
     )

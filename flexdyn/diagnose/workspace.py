@@ -85,17 +85,37 @@ def workspace(
     return space, start, noise
 
 
-def weighed(bare: Unweighted, noise: Noise, mask: NDArray[np.bool_] | None = None) -> Workspace:
+def prepared(model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None) -> tuple[Unweighted, Noise, Hypothesis]:
+    """Equations without weights, and the noise of their channels as the records show it.
+
+    Raises:
+        InputError: no equation says anything at any time.
+    """
+    start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
+    torque = np.maximum(recorded_torque_noise(data), 1e-12)
+    noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
+    bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
+    if sign_mask(bare.equations, noise).all():
+        problem = "joints rest, or may rest, so often that no equation says anything"
+        remedy = "let all joints move at once for seconds: while one sticks, nobody knows what friction holds"
+        raise InputError(problem, file=data[0].name, key="t", remedy=remedy)
+    return bare, noise, start
+
+
+def weighed(
+    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_] | None = None, extra: Array | None = None
+) -> Workspace:
     """Equations with the weights that a noise gives them.
 
     Args:
         bare: slopes of the equations to be fitted.
         noise: of the channels.
         mask: rows that say nothing; None: found by the noise.
+        extra: variance of the rows beside that of noise (rows,).
     """
     equations = bare.equations
     mask = sign_mask(equations, noise) if mask is None else mask
-    whiten = whitener(equations, noise, mask)
+    whiten = whitener(equations, noise, mask, extra)
     sides = (name.partition(".") for name in bare.channels)
     levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
     sigma = 2.0 * np.array(levels) + 1e-12

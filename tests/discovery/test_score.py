@@ -20,9 +20,10 @@ RIGHT = {
     "joint": "elbow",
     "side": "motor",
     "parameters": {"excess": {"value": 1.1, "std": 0.06}, "velocity": {"value": 0.06, "std": 0.001}},
+    "probability": 0.97,
     "indistinguishable_from": [],
 }
-OTHER = {**RIGHT, "effect": "presliding_friction", "parameters": {}}
+OTHER = {**RIGHT, "effect": "presliding_friction", "parameters": {}, "probability": 0.6}
 
 
 def truth(*hidden: dict[str, Any]) -> dict[str, Any]:
@@ -33,7 +34,7 @@ def truth(*hidden: dict[str, Any]) -> dict[str, Any]:
 def report(*findings: dict[str, Any], verdict: str = "explained") -> dict[str, Any]:
     """A report."""
     gap = {"before": 9.0, "after": 1.1, "floor": 1.0}
-    return {"verdict": verdict, "findings": list(findings), "gap": {"fit": gap, "check": gap}, "seconds": 3.0}
+    return {"verdict": verdict, "findings": list(findings), "gap": {"fit": gap, "test": gap}, "seconds": 3.0}
 
 
 @pytest.mark.parametrize(
@@ -59,8 +60,15 @@ def test_nothing_hidden_and_effects_outside_the_catalogue_want_no_name() -> None
     assert outcome(truth(), report(verdict="no_discrepancy")) == "right"
     assert outcome(truth(), report(RIGHT)) == "wrong"
     assert outcome(truth(unknown), report(RIGHT)) == "forced"
-    assert outcome(truth(unknown), report(verdict="unexplained")) == "right"
-    assert outcome(truth(unknown), report(verdict="no_discrepancy")) == "missed"
+    for verdict, expected in (
+        ("unexplained", "right"),
+        ("partly_explained", "right"),
+        ("explained", "forced"),
+        ("no_discrepancy", "missed"),
+        ("not_converged", "missed"),
+        ("interrupted", "missed"),
+    ):
+        assert outcome(truth(unknown), report(verdict=verdict)) == expected, verdict
     assert outcome(truth(HIDDEN), None) == "failed"
 
 
@@ -70,6 +78,18 @@ def test_half_is_whole_where_no_data_could_tell() -> None:
     assert score(truth(HIDDEN), either)["points"] == 0.5
     assert score(truth(HIDDEN), either, {"delta_bic": 12.0})["points"] == 1.0
     assert score(truth(HIDDEN), either, {"delta_bic": 30.0})["points"] == 0.5
+
+
+def test_rows_hold_the_gap_on_test_data_and_what_findings_claim() -> None:
+    """Reports of schema 1, which said check, are read as well; a claim about what is outside the catalogue is false."""
+    row = score(truth(HIDDEN), report(RIGHT, OTHER))
+    assert row["gap"]["test"] == pytest.approx(1.1)
+    assert [(claim["probability"], claim["true"]) for claim in row["claims"]] == [(0.97, True), (0.6, False)]
+    first = report(RIGHT)
+    first["gap"] = {"check": {"before": 9.0, "after": 2.2, "floor": 2.0}}
+    assert score(truth(HIDDEN), first)["gap"]["test"] == pytest.approx(1.1)
+    unknown = {**HIDDEN, "catalogued": False}
+    assert not score(truth(unknown), report(RIGHT))["claims"][0]["true"]
 
 
 def test_intervals_and_signs_of_parameters() -> None:

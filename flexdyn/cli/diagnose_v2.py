@@ -1,0 +1,184 @@
+"""flexdyn diagnose: a model and measured motions in, what is missing in the model out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperCommand
+
+from flexdyn.cli.failures import Interrupted
+from flexdyn.cli.options import JsonOption, MapOption, naming, output_folder
+from flexdyn.cli.output import console, note, show, show_json
+from flexdyn.cli.recordings import load
+from flexdyn.cli.target import model_file
+from flexdyn.errors import InputError, MissingExtra
+
+if TYPE_CHECKING:
+    from flexdyn.diagnose.answer.result import Diagnosis
+    from flexdyn.model import FlexibleJointModel
+
+CHECK, EXPLAIN = "--check", "--explain"
+Progress = Callable[[str, float], None]
+
+
+class DiagnoseCommand(TyperCommand):
+    """The command whose ``--check A B`` reads as ``--check A --check B``."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the arguments."""
+        takes = {name: 0 if getattr(entry, "is_flag", False) else 1 for entry in self.params for name in entry.opts}
+        parsed: list[str] = super().parse_args(ctx, spread(args, takes))
+        return parsed
+
+
+def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
+    """Arguments in which every recording after ``--check`` has that option to itself.
+
+    Only after MODEL and FIT: before them the second word is one of those.
+
+    Args:
+        args: as typed.
+        takes: values that each option takes.
+    """
+    found: list[str] = []
+    words, values, checking = 0, 0, False
+    for place, arg in enumerate(args):
+        if arg == "--":
+            return [*found, *args[place:]]
+        if values:
+            values -= 1
+        elif arg.startswith("-") and arg != "-":
+            name, sign, _ = arg.partition("=")
+            values = 0 if sign else takes.get(name, 0)
+            checking = name == CHECK
+        elif checking and words >= 2:
+            found.append(CHECK)
+        else:
+            words += 1
+        found.append(arg)
+    return found
+
+
+def diagnose(
+    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model file, or the name of a shipped model.")],
+    fit: Annotated[list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain.")],
+    check: Annotated[
+        list[Path] | None,
+        typer.Option(
+            CHECK,
+            metavar="CHECK...",
+            help="Test data, which no decision reads. Default: the last fifth of what moves in every recording of FIT.",
+        ),
+    ] = None,
+    map: MapOption = None,
+    explain: Annotated[
+        list[str] | None,
+        typer.Option(
+            EXPLAIN,
+            metavar="EFFECT@JOINT",
+            help="Say why an effect was named or was not: coulomb_friction@elbow, channel_lag@q.elbow, payload.",
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="DIR", help="Folder for report.html, report.json and model.yaml."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find where model and measurement disagree, and name what is missing in the model.
+
+    It writes a report, for people and for programs, and the corrected model. Ctrl-C writes what is known by then.
+    """
+    from flexdyn.diagnose.answer.result import Interrupted as Partial
+
+    checks, targets = check or [], explain or []
+    folder = _folder(output, [Path(model), *fit, *checks])
+    _check_twice(fit, checks)
+    _check_pictures()
+    arm = model_file(model)
+    _check_targets(arm, targets)
+    recordings = [[load(path, map=map) for path in paths] for paths in (fit, checks)]
+    from flexdyn.diagnose import diagnose as run
+
+    try:
+        with naming({"fit": "FIT", "check": CHECK}, file=_named(fit), files={}), _progress() as progress:
+            diagnosis: Diagnosis = run(arm, *recordings, progress=progress)  # type: ignore[assignment]
+    except Partial as stop:
+        if stop.diagnosis is not None:
+            replace(stop.diagnosis, verdict="interrupted").save(folder)
+            note(f"what was known by then is in {folder / 'report.html'}")
+        raise Interrupted from None
+    diagnosis.save(folder)
+    told = {target: diagnosis.explain(target) for target in targets}
+    if as_json:
+        document = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+        show_json(document | ({"explanations": told} if told else {}))
+    else:
+        from flexdyn.cli.diagnosis_text import diagnosis_text
+
+        show(*diagnosis_text(diagnosis, folder), *told.values())
+
+
+def _check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:
+    """What is to be explained exists: better said now than after the work."""
+    from flexdyn.diagnose.answer.targets import check_target
+
+    with naming({"explain": EXPLAIN}, file="", files={}):
+        for target in targets:
+            check_target(model, target)
+
+
+def _folder(path: Path | None, inputs: Sequence[Path]) -> Path:
+    """The folder to write to, found fit before any work is done."""
+    if path is None:
+        raise InputError("say where to write", key="--output", remedy="give a folder for the report")
+    output_folder(path)
+    for name in ("model.yaml", "report.json", "report.html"):
+        for given in inputs:
+            if (path / name).exists() and given.exists() and given.samefile(path / name):
+                remedy = "write to another folder"
+                raise InputError("the command reads this file", file=given, key="--output", remedy=remedy)
+    return path
+
+
+def _check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
+    """Data that check an answer may not have given it."""
+    for path in check:
+        if any(path.exists() and other.exists() and path.samefile(other) for other in fit):
+            remedy = "give another recording, or none: then the last fifth of every one is kept for the test"
+            raise InputError("it is one of FIT too", file=path, key=CHECK, remedy=remedy)
+
+
+def _check_pictures() -> None:
+    """What the report is drawn with is there: better said now than after minutes of work."""
+    from importlib.util import find_spec
+
+    for library in ("matplotlib", "plotly"):
+        if find_spec(library) is None:
+            raise MissingExtra(library, "plot")
+
+
+def _named(paths: Sequence[Path]) -> str:
+    return ", ".join(map(str, paths[:3])) + (f" and {len(paths) - 3} more" if len(paths) > 3 else "")
+
+
+@contextmanager
+def _progress() -> Iterator[Progress | None]:
+    """What is in work and how far it is, on stderr where that is a terminal."""
+    err = console(stderr=True)
+    if not err.is_terminal:
+        yield None
+        return
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bars
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
+    with Bars(*columns, console=err, transient=True) as bars:
+        task = bars.add_task("diagnosis", total=1.0)
+        yield lambda stage, share: bars.update(task, description=stage, completed=share)

@@ -1,0 +1,88 @@
+"""The corrected model as files: every number that was found wrong is put right where it stands."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeGuard
+
+from flexdyn.effects import Effect, JointElasticity, ParameterError
+from flexdyn.errors import InputError
+from flexdyn.folding import OF_LINK, OF_URDF
+from flexdyn.model import FlexibleJointModel
+from flexdyn.modelfile import model_to_dict
+from flexdyn.robot.rewrite import corrected_urdf
+from flexdyn.yamlfile import dump_yaml
+
+MODEL = "model.yaml"
+MARK = "corrected by flexdyn diagnose"
+"""Stands in the first line of every model file that a diagnosis wrote."""
+HEAD = f"# {{}}, {MARK}. SI units; rotor_inertia on the motor side, everything else reflected.\n"
+EFFECT_PATH = re.compile(r"effects\[(\d+)\](\..*)")
+
+
+def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
+    """Texts of model.yaml and, where numbers of its URDF are wrong, of the corrected URDF, by file name.
+
+    Parameter errors and joint elasticities are folded into the numbers that they change; sensor effects and all others
+    stay effects. Where the URDF cannot be read any more, errors of its numbers stay parameter errors.
+
+    Args:
+        model: with what was found among its effects.
+        folder: that the files are to be saved in.
+
+    Raises:
+        InputError: the robot has no URDF: it came from a pin.Model.
+    """
+    of_urdf = [effect for effect in model.effects if _is_of_urdf(effect)]
+    inside = [replace(effect, factor=1.0) if _is_of_urdf(effect) else effect for effect in model.effects]
+    true = model.replace(effects=inside).resolved()
+    kept = [effect for effect in true.effects if not isinstance(effect, ParameterError)]
+    tolerance = _tolerance(model)
+    content = model_to_dict(true.replace(effects=kept, tolerance=tolerance), folder)
+    files = {}
+    wrong = [effect for effect in of_urdf if not effect.is_neutral]
+    if wrong:
+        name = f"{Path(str(model.robot.source)).stem}_corrected.urdf"
+        try:
+            files[name] = corrected_urdf(model.robot, _factors(wrong, OF_LINK), _factors(wrong, OF_URDF), folder)
+            content["robot"]["urdf"] = name
+        except InputError:
+            content["effects"] += [effect.to_dict() for effect in wrong]
+    title = "".join(letter if letter.isprintable() else " " for letter in model.name)
+    return {MODEL: HEAD.format(title) + dump_yaml(content), **files}
+
+
+def _is_of_urdf(effect: Effect) -> TypeGuard[ParameterError]:
+    """Whether it says that a number of the URDF is wrong."""
+    if not isinstance(effect, ParameterError):
+        return False
+    return effect.parameter in OF_LINK or (effect.parameter in OF_URDF and not effect.of.startswith("effects["))
+
+
+def _factors(errors: Sequence[ParameterError], words: Mapping[str, str]) -> dict[str, dict[str, float]]:
+    """Of every link or joint, by the URDF's word for the number; several on one number multiply."""
+    found: dict[str, dict[str, float]] = {}
+    for error in errors:
+        if error.parameter in words:
+            numbers, word = found.setdefault(error.of, {}), words[error.parameter]
+            numbers[word] = numbers.get(word, 1.0) * error.factor
+    return found
+
+
+def _tolerance(model: FlexibleJointModel) -> Any:
+    """With effects counted as they stand once those that are folded are gone."""
+    if not isinstance(model.tolerance, Mapping):
+        return model.tolerance
+    kept = [i for i, effect in enumerate(model.effects) if not isinstance(effect, ParameterError | JointElasticity)]
+    places = {old: new for new, old in enumerate(kept)}
+    found = {}
+    for path, value in model.tolerance.items():
+        match = EFFECT_PATH.fullmatch(path)
+        if match is None:
+            found[path] = value
+        elif int(match[1]) in places:
+            found[f"effects[{places[int(match[1])]}]{match[2]}"] = value
+    return found

@@ -1,0 +1,61 @@
+"""The motion that would tell a finding from its rivals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.commands import PD
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A motion that was shown by simulation to tell a finding from its rivals.
+
+    Attributes:
+        motion: what to do, in words.
+        seconds: it takes, repetitions included [s].
+        passes: how often it is made.
+        payload: known mass to be added at the tip [kg].
+        delta_bic: expected, of the right name to the nearest of the others, whichever of them is right.
+        command: what was simulated: joint control along the motion, once.
+        names: the finding's, and that of its nearest rival.
+        t: times (points,) [s].
+        position: of the joint that moves (points,) [rad or m].
+        left: what the rival then cannot explain, its numbers fitted again, if the finding is right (points,).
+        noise: standard deviation of that (points,).
+        labels: of position and of what is left, with their units.
+    """
+
+    motion: str
+    seconds: float
+    passes: int
+    payload: float
+    delta_bic: float
+    command: PD
+    names: tuple[str, str]
+    t: NDArray[np.float64]
+    position: NDArray[np.float64]
+    left: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    labels: tuple[str, str]
+
+    def __post_init__(self) -> None:
+        """Copy and lock the arrays."""
+        for name in ("t", "position", "left", "noise"):
+            column = np.array(getattr(self, name), dtype=float)
+            column.setflags(write=False)
+            object.__setattr__(self, name, column)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, so that arrays are locked again."""
+        return (type(self), tuple(getattr(self, entry.name) for entry in fields(self)))
+
+    @property
+    def apart(self) -> float:
+        """How many times the noise the names are apart: the root of the expected delta BIC."""
+        return math.sqrt(self.delta_bic)

@@ -1,0 +1,125 @@
+"""What a diagnosis measures: gaps, errors in physical units, what is left, calibrated numbers, the data used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+Role = Literal["fit", "test"]
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A number of the model file that moved within its tolerance: true = factor times given.
+
+    Attributes:
+        of: joint, link or ``effects[i]`` that it belongs to.
+        parameter: its name.
+        factor: [1].
+        std: standard deviation of the factor [1].
+        tolerance: how well it was said to be known, relative, one sigma [1].
+    """
+
+    of: str
+    parameter: str
+    factor: float
+    std: float
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Simulated against measured positions over windows of 0.5 s, in units of what noise alone makes there.
+
+    Attributes:
+        before: of the model as it was given [1].
+        calibrated: with its numbers moved within their tolerance [1].
+        after: with the findings added [1].
+        floor: of a perfect model: about 1.
+    """
+
+    before: float
+    calibrated: float
+    after: float
+    floor: float
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the residual appears.
+
+    Attributes:
+        joint: whose equation it is.
+        side: link, motor, transmission, sensor or total.
+        share: of the excess over noise [1].
+        regime: in which it stands out, in words; empty: everywhere.
+    """
+
+    joint: str
+    side: str
+    share: float
+    regime: str
+
+
+@dataclass(frozen=True)
+class JointError:
+    """Errors of one joint on the test data, root mean square.
+
+    Attributes:
+        torque_before: torque that the inverse dynamics of the given model does not explain, in `torque_unit`.
+        torque_after: that of the corrected model.
+        torque_unit: ``N m`` or ``N``.
+        torque_share_before: `torque_before` over the root mean square of the torque [1].
+        torque_share_after: `torque_after` over the same.
+        position_before: error of the position simulated over windows of 0.5 s, open loop, in `position_unit`.
+        position_after: that of the corrected model.
+        position_unit: ``rad`` or ``m``.
+    """
+
+    torque_before: float
+    torque_after: float
+    torque_unit: str
+    torque_share_before: float
+    torque_share_after: float
+    position_before: float
+    position_after: float
+    position_unit: str
+
+
+@dataclass(frozen=True)
+class Left:
+    """What the corrected model leaves unexplained at a joint, beyond noise.
+
+    Attributes:
+        joint: whose equation it is.
+        share_of_torque: its root mean square over that of the torque [1].
+        correlation_time: over which it stays alike [s].
+        depends_on: quantities that it changes with (``q``, ``omega``, ``t``), the strongest first; none found: empty.
+    """
+
+    joint: str
+    share_of_torque: float
+    correlation_time: float
+    depends_on: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Source:
+    """A span of a recording and what it was used for.
+
+    Attributes:
+        file: name of the recording.
+        role: ``fit`` (estimates and cross-validation) or ``test`` (the verdict alone).
+        start: of the span, in the recording's own time [s].
+        end: of the span [s].
+        rate: samples per second [Hz].
+        noise: standard deviation of the sensor's noise by channel, in the channel's unit.
+    """
+
+    file: str
+    role: Role
+    start: float
+    end: float
+    rate: float
+    noise: Mapping[str, float] = field(default_factory=dict)

@@ -1,0 +1,1 @@
+"""Which effects are there: one Gram matrix of all candidates, and a posterior over structures."""

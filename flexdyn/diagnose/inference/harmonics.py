@@ -1,0 +1,79 @@
+"""Which numbers of cycles a turn a residual holds: its spectrum over position."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations import Equations
+from flexdyn.diagnose.inference.discrepancy import Autoregression
+
+Array = NDArray[np.float64]
+MOST = 200.0
+"""Harmonics that are looked for, at most [cycles per turn]."""
+PEAKS = 4
+"""Peaks of a spectrum that become grid points."""
+FINE = 0.125
+"""Between harmonics that are tried around a peak, as a share of the spectrum's resolution."""
+
+
+def peaks(equations: Equations, left: Array, runs: NDArray[np.intp], row: int, signal: str) -> list[float]:
+    """The harmonics at the highest peaks of one equation's residual over its joint's position.
+
+    The filters weaken a wave of h cycles that passes at speed u by ``exp(-(h u s)^2/2)``, s their standard deviation.
+
+    Args:
+        equations: whose residual it is.
+        left: residual of the equation (rows,).
+        runs: of its rows that say something (rows,).
+        row: place of the equation.
+        signal: ``q`` or ``theta``.
+    """
+    j, _ = equations.kinds[row]
+    x, u = _motion(equations, j, signal)
+    span = float(np.ptp(x))
+    if span <= 0.0 or not (runs >= 0).any():
+        return []
+    resolution = np.pi / span
+    grid = np.arange(max(1.0, resolution), MOST, 0.5 * resolution)
+    scale = float(np.sqrt((left[runs >= 0] ** 2).mean())) or 1.0
+    process = Autoregression.of(left / scale * 1e3, runs)  # the scale only keeps the innovations above 1
+    y = process.innovations((left / scale * 1e3)[:, None], runs)[:, 0]
+    width = _filter(equations)
+
+    def power(h: Array) -> Array:
+        fade = np.exp(-0.5 * (h * u[:, None] * width) ** 2)
+        parts = [fade * wave(h * x[:, None]) for wave in (np.cos, np.sin)]
+        C, S = (process.innovations(part, runs) for part in parts)
+        cc, ss, cs = (C * C).sum(0), (S * S).sum(0), (C * S).sum(0)
+        yc, ys = y @ C, y @ S
+        det = np.maximum(cc * ss - cs * cs, 1e-12 * np.maximum(cc * ss, 1e-300))
+        return np.asarray((yc**2 * ss - 2.0 * yc * ys * cs + ys**2 * cc) / det)
+
+    size = power(grid)
+    inner = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
+    chosen = inner[np.argsort(-size[inner])][:PEAKS]
+    around = np.arange(-4, 5) * FINE * resolution
+    found = []
+    for k in chosen:
+        near = grid[k] + around
+        near = near[near >= 1.0]
+        found.append(float(near[int(np.argmax(power(near)))]))
+    return found
+
+
+def _motion(equations: Equations, j: int, signal: str) -> tuple[Array, Array]:
+    """Position and speed of a joint at the rows."""
+    rate = {"q": "v", "theta": "omega"}[signal]
+    at = [(along, equations.filters.instants(len(along.t))) for along in equations.motions]
+    x = np.concatenate([getattr(along, signal)[where, j] for along, where in at])
+    return x, np.concatenate([getattr(along, rate)[where, j] for along, where in at])
+
+
+def _filter(equations: Equations) -> float:
+    """Standard deviation of both filters together [s]."""
+    kernels = (equations.filters.first, equations.filters.second)
+    dt = equations.data[0].dt
+    places = [np.arange(kernel.taps.shape[1]) - kernel.half for kernel in kernels]
+    variances = [float(kernel.taps[0] @ m**2) for kernel, m in zip(kernels, places, strict=True)]
+    return float(np.sqrt(sum(variances))) * dt

@@ -1,0 +1,334 @@
+"""Everything that may be missing, as columns: every effect at every place and grid point, every number set free."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.columns import of_parameter
+from flexdyn.diagnose.equations import MOTOR, TOTAL, TRANSMISSION, Equations
+from flexdyn.diagnose.hypothesis import Hypothesis, kind_and_place
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.linear import tangent_scale
+from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.diagnose.proposal import Point, Proposal
+from flexdyn.diagnose.users_laws import torque_of
+from flexdyn.effects import CommandDelay, Effect, JointEffect
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+SHARE = 0.3
+"""Prior standard deviation of an effect's torque, as a share of the joint's root mean square torque."""
+FREED = 1.0
+"""Prior standard deviation of the factor of a number whose tolerance is wrong [1]."""
+WAVES = ("torque_ripple", "kinematic_error", "encoder_eccentricity", "position_dependent_friction")
+"""Effects that come again with position."""
+LOOSE = 1e4
+"""Prior standard deviation of a parameter of which nothing is known, in units of a hundredth of its value."""
+CERTAIN = 1e-4
+"""Prior standard deviation of the size of an effect as it was fitted: its tangents say what changes [1]."""
+FIXED = 0.3
+"""Prior standard deviation of the size of an effect that enters at one grid point, about 1: the grid is that coarse."""
+
+
+@dataclass(eq=False)
+class Candidate:
+    """One effect at one place, or one number of the file whose tolerance is wrong.
+
+    Attributes:
+        kind: of the effect, or the parameter's name.
+        proposal: of the effect; None for a number.
+        number: None for an effect.
+        points: of the grid, then those that were found between them.
+        columns: of the matrix, for every point (width,) each.
+        choices: points of the grid, between which the prior is even.
+        stands: the effect that the linearisation is at, one point; None: candidates that are not in it.
+        ratio: of its joint's gear [1].
+    """
+
+    kind: str
+    proposal: Proposal | None
+    number: FileNumber | None
+    points: list[Point]
+    columns: list[Indices]
+    choices: int
+    stands: Effect | None = None
+    ratio: float = 1.0
+
+    @property
+    def place(self) -> dict[str, str]:
+        """Where it acts."""
+        if self.proposal is not None:
+            return dict(self.proposal.place)
+        assert self.number is not None
+        return {"of": self.number.of, "parameter": self.number.parameter}
+
+    @property
+    def width(self) -> int:
+        """Linear numbers."""
+        return len(self.columns[0])
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters that the grid is of, as far as they are waves'."""
+        return ("harmonic",) if self.kind in WAVES else ()
+
+    def natural(self, harmonic: float) -> list[float]:
+        """The whole number, and the whole number of motor turns, nearest to a harmonic."""
+        ratio = self.ratio
+        found = [float(round(harmonic))]
+        if ratio > 1.0 and round(harmonic / ratio) >= 1:
+            found.append(ratio * round(harmonic / ratio))
+        return sorted((h for h in found if h > 0.0), key=lambda h: abs(h - harmonic))
+
+    def effect(self, point: int, values: Array) -> Effect | None:
+        """The effect with these linear numbers; None where they make no sense, or for a number."""
+        if self.proposal is None:
+            return None
+        return self.proposal.make(self.points[point], values)
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """Columns of one candidate at one grid point.
+
+    Attributes:
+        white: derivatives of the residual, white but for the model error (rows, width).
+        std: of the coefficients' priors (width,).
+        mean: of the priors (width,).
+        positive: coefficients that may not be negative (width,).
+        size: root mean square torque of each column, as a share of its joint's (width,).
+        log_jacobian: what a law that forgets the recorded torque costs (see `Library.log_jacobian`).
+    """
+
+    white: Array
+    std: Array
+    mean: Array
+    positive: NDArray[np.bool_]
+    size: Array
+    log_jacobian: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Library:
+    """Makes the columns of candidates.
+
+    Attributes:
+        equations: of the start.
+        whiten: rows by the sensors' noise.
+        start: the file's numbers where they stand, and the effects that were found.
+        numbers: whitened columns of the file's numbers (rows, numbers).
+        offsets: whitened columns of the encoders' offsets (rows, channels).
+        offset_std: of their priors (channels,).
+        proposals: of effects that the model does not hold yet.
+        torque_noise: of the joints (n,) [N m or N].
+        first: the library at the model as given, whose torques scale the priors; None: this one.
+    """
+
+    equations: Equations
+    whiten: Callable[[Array], Array]
+    start: Hypothesis
+    numbers: Array
+    offsets: Array
+    offset_std: Array
+    proposals: tuple[Proposal, ...]
+    torque_noise: Array
+    first: Library | None = None
+
+    @lazy
+    def reference(self) -> Array:
+        """Root mean square of what each equation is about: torque, or deflection (equations,)."""
+        motions = self.equations.motions
+        tau, needed, delta = (
+            np.concatenate([getattr(along, name) for along in motions]) for name in ("tau", "inverse_dynamics", "delta")
+        )
+        torque = np.sqrt(np.maximum((tau**2).mean(axis=0), (needed**2).mean(axis=0)))
+        torque = np.maximum(torque, 1e-6 * max(float(torque.max()), 1e-300))
+        kinds = self.equations.kinds
+        return np.array([max(float(delta[:, j].std()), 1e-12) if k == TRANSMISSION else torque[j] for j, k in kinds])
+
+    def always(self) -> Column:
+        """The file's numbers, within their tolerance, and offsets of the encoders."""
+        names = tuple(self.start.factors)
+        centre = 1.0 - np.array(list(self.start.factors.values()))
+        std = np.concatenate([[max(n.tolerance, 1e-9) for n in names], self.offset_std])
+        mean = np.concatenate([centre, np.zeros(len(self.offset_std))])
+        white = np.concatenate([self.numbers, self.offsets], axis=1)
+        return Column(white, std, mean, np.zeros(len(std), bool), np.zeros(len(std)))
+
+    def freed(self, k: int) -> Column:
+        """One number of the file, not held by its tolerance."""
+        return Column(self.numbers[:, [k]], np.array([FREED]), np.zeros(1), np.zeros(1, bool), np.ones(1))
+
+    def columns(self, proposal: Proposal, point: Point) -> Column | None:
+        """Of a proposal at a grid point; None where it does nothing there, or nothing finite."""
+        raw = proposal.columns(self.equations, point)
+        width = raw.shape[1]
+        if not np.isfinite(raw).all():
+            return None
+        largest = self._size(raw)
+        white = np.asarray(self.whiten(raw))
+        if (largest == 0.0).any() or (np.einsum("ij,ij->j", white, white) == 0.0).any():
+            return None
+        if proposal.fixed:
+            cost = sum(self.log_jacobian(effect) for effect, _ in proposal.units(point))
+            return Column(white, np.full(width, FIXED), np.ones(width), np.ones(width, bool), largest, cost)
+        scale = SHARE / np.maximum(largest, self._given_size(proposal, point, largest))
+        signs = np.array([*proposal.positive, *[False] * width][:width])
+        return Column(white, scale, np.zeros(width), signs, largest)
+
+    def standing(self, effect: Effect, belief: Callable[[Effect, str], tuple[float, float]]) -> Column:
+        """An effect that the start has: what it does as it is, which is there or not, and its parameters' tangents.
+
+        A parameter that makes it large is ``N(neutral, (share of the drive)^2)``, so its tangent's coefficient has the
+        mean ``neutral - value``; any other may change by half its size.
+        """
+        others = tuple(each for each in self.start.effects if each is not effect)
+        without = self.equations.of(dataclasses.replace(self.start, effects=others).model())
+        change = self.equations.residual - without.residual
+        parts = [self.whiten(change)]
+        std, mean = [CERTAIN], [1.0]
+        for each, name in self.start.unknowns():
+            if each is not effect:
+                continue
+            value, scale = getattr(effect, name), tangent_scale(effect, name)
+            raw = scale * of_parameter(self.equations, effect, name, 0.1 * scale)
+            largest = self._size(raw[:, None])[0]
+            if not np.isfinite(largest) or largest == 0.0:
+                continue
+            off, spread = belief(effect, name)
+            parts.append(self.whiten(raw))
+            std.append(min(spread / scale, LOOSE))
+            mean.append(off / scale if np.isfinite(spread) else 0.0)
+        white = np.stack(parts, axis=1)
+        size = np.concatenate([self._size(change[:, None]), np.zeros(len(std) - 1)])
+        return Column(
+            white, np.array(std), np.array(mean), np.zeros(len(std), bool), size, self.log_jacobian(effect)
+        )
+
+    def belief(self, effect: Effect, name: str) -> tuple[float, float]:
+        """Prior of a parameter: how far its centre is from its value, and its standard deviation, in its unit.
+
+        A parameter that makes the effect large is ``N(neutral, (share of the drive)^2)``; one that the grid is of is
+        log-normal about the grid's middle, half its range wide; of others nothing is known.
+        """
+        value, nothing = getattr(effect, name), effect.neutral.get(name)
+        if nothing is not None and np.isfinite(nothing):
+            scale = tangent_scale(effect, name)
+            raw = of_parameter(self.equations, effect, name, 0.1 * scale)
+            largest = float(self._size(raw[:, None])[0])
+            return (float(nothing) - value, SHARE / largest) if 0.0 < largest < np.inf else (0.0, np.inf)
+        proposal = next(p for p in self.proposals if p.is_of(effect))
+        if name not in proposal.axes or len(proposal.grid) < 2 or value <= 0.0:
+            return 0.0, np.inf
+        grid = [point[proposal.axes.index(name)] for point in proposal.grid]
+        if min(grid) <= 0.0:
+            return 0.0, np.inf
+        low, high = float(np.log(min(grid))), float(np.log(max(grid)))
+        return -value * (float(np.log(value)) - 0.5 * (low + high)), value * max(0.5 * (high - low), 0.1)
+
+    def _ratio(self, proposal: Proposal) -> float:
+        """Gear ratio of the joint that a proposal is about."""
+        joint = proposal.place.get("joint") or proposal.place.get("channel", "").partition(".")[2]
+        joints = self.equations.true.joints
+        return abs(float(joints[joint].gear_ratio)) if joint in joints else 1.0
+
+    def _given_size(self, proposal: Proposal, point: Point, else_: Array) -> Array:
+        """Largest shares of a proposal's columns in the model as given (width,)."""
+        if self.first is None:
+            self.sizes[(tuple(sorted(proposal.place.items())), point)] = else_
+            return else_
+        return self.first.sizes.get((tuple(sorted(proposal.place.items())), point), else_)
+
+    def log_jacobian(self, effect: Effect) -> float:
+        """Logarithm of how the applied torque changes with the recorded one, summed over the rows.
+
+        The rows are measured in recorded torque. Where a law cuts it off, it may be anything beyond: its density is
+        then one over its range, not one over its noise.
+        """
+        if not isinstance(effect, JointEffect) or effect.stage != "actuator" or isinstance(effect, CommandDelay):
+            return 0.0
+        j, total = self.equations.true.index(effect.joint), 0.0
+        rows = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
+        floor = self.torque_noise[j] / self.reference[rows[0]]
+        for along in self.equations.motions:
+            at = self.equations.filters.instants(len(along.t))
+            x, u, tau, t = along.theta[at, j], along.omega[at, j], along.tau[at, j], along.t[at]
+            step = 1e-3 * float(self.reference[rows[0]])
+            ahead, behind = (torque_of(effect, x, u, t=t, tau=tau + sign * step) for sign in (1.0, -1.0))
+            slope = np.abs(ahead - behind) / (2.0 * step)
+            total += float(np.log(np.clip(slope, floor, 1.0)).sum())
+        return total
+
+    def alone(self, effect: Effect) -> Library:
+        """The library at the same numbers and no effect but one."""
+        there = dataclasses.replace(self.start, effects=(effect,))
+        return dataclasses.replace(self, equations=self.equations.of(there.model()), start=there)
+
+    @lazy
+    def sizes(self) -> dict[tuple[object, ...], Array]:
+        """Largest shares of the columns made so far."""
+        return {}
+
+    def beliefs(self, effects: tuple[Effect, ...]) -> Callable[[Effect, str], tuple[float, float]]:
+        """Priors of effects' parameters, those that need a column taken once, where the effects stand."""
+        at = self.first or self
+        known: dict[tuple[object, ...], tuple[float, float]] = {}
+        for effect in effects:
+            for entry in effect.parameters():
+                nothing = effect.neutral.get(entry.name)
+                if nothing is not None and np.isfinite(nothing):
+                    known[(*kind_and_place(effect), entry.name)] = (float(nothing), at.alone(effect).belief(effect, entry.name)[1])
+
+        def belief(effect: Effect, name: str) -> tuple[float, float]:
+            place = (*kind_and_place(effect), name)
+            if place in known:
+                return known[place][0] - getattr(effect, name), known[place][1]
+            return self.belief(effect, name)
+
+        return belief
+
+    def _size(self, raw: Array) -> Array:
+        """Largest share of what an equation is about that columns have (columns,)."""
+        table = raw.reshape(-1, len(self.reference), raw.shape[1])
+        return np.asarray((np.sqrt((table**2).mean(axis=0)) / self.reference[:, None]).max(axis=0))
+
+    def candidates(self) -> tuple[list[Candidate], list[Column]]:
+        """All of them, with the columns of their grids in the order of their places."""
+        first = self.numbers.shape[1] + self.offsets.shape[1]
+        found, columns = [], []
+        for k, number in enumerate(self.start.factors):
+            found.append(Candidate(number.parameter, None, number, [()], [np.array([first])], 1))
+            columns.append(self.freed(k))
+            first += 1
+        belief = self.beliefs(self.start.effects)
+        for effect in self.start.effects:
+            proposal = next(p for p in self.proposals if p.is_of(effect))
+            column = self.standing(effect, belief)
+            place = first + np.arange(len(column.std))
+            first += len(column.std)
+            found.append(Candidate(effect.name, proposal, None, [()], [place], len(proposal.grid), effect))
+            columns.append(column)
+        open_ = [p for p in self.proposals if not any(p.is_of(effect) for effect in self.start.effects)]
+        jobs = [(p, point) for p in open_ for point in p.grid]
+        made = iter(abreast(lambda job: self.columns(*job), jobs))
+        for proposal in open_:
+            kept = [(point, column) for point in proposal.grid if (column := next(made)) is not None]
+            if not kept:
+                continue
+            places = []
+            for _, column in kept:
+                places.append(first + np.arange(len(column.std)))
+                first += len(column.std)
+                columns.append(column)
+            kind = proposal.place["effect"]
+            ratio = self._ratio(proposal)
+            points = [point for point, _ in kept]
+            found.append(Candidate(kind, proposal, None, points, places, len(kept), ratio=ratio))
+        return found, columns

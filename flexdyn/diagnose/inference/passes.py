@@ -1,0 +1,281 @@
+"""The posterior over structures: linearise, compare, fit, and again from there until nothing changes."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.covariance import Noise
+from flexdyn.diagnose.equations import LINK, SENSOR, Equations
+from flexdyn.diagnose.estimate import fit
+from flexdyn.diagnose.filters import FIRST, Filters
+from flexdyn.diagnose.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.discrepancy import MOST_ORDER, Discrepancy, runs_of
+from flexdyn.diagnose.inference.harmonics import peaks
+from flexdyn.diagnose.inference.library import WAVES, Library
+from flexdyn.diagnose.inference.refinement import NATURAL
+from flexdyn.diagnose.inference.search import explore
+from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.whitening import Coloured
+from flexdyn.diagnose.linear import linearised
+from flexdyn.diagnose.mask import sign_mask
+from flexdyn.diagnose.noise import torque_noise
+from flexdyn.diagnose.own_effects import own_effects
+from flexdyn.diagnose.proposal import Proposal
+from flexdyn.diagnose.proposals import proposals
+from flexdyn.diagnose.workspace import Unweighted, weighed
+from flexdyn.effects import Effect, JointElasticity
+
+Array = NDArray[np.float64]
+PASSES = 8
+"""Linearisations at most."""
+ROUNDS = 5
+"""Times that model error and structure are estimated in turn, at most."""
+STRONG = 0.1
+"""Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
+WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
+"""Fits of one hypothesis, each with weights by what the last one left, until it leaves more than such a share of that."""
+STEPS = 4
+"""Gauss-Newton steps between two linearisations."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """What was compared.
+
+    Attributes:
+        space: candidates and their matrix, at the best structure and under its model error.
+        best: the most likely structure.
+        fitted: it, by Gauss-Newton.
+        noise: of the channels.
+        settled: whether the last pass changed nothing.
+    """
+
+    space: Space
+    best: Structure
+    fitted: Fit
+    noise: Noise
+    settled: bool
+
+
+def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
+    """Compare structures on the equations.
+
+    Args:
+        bare: the equations of the model as given.
+        noise: of the channels, as the records show it.
+        start: the file's numbers where they stand.
+    """
+    own = [*proposals(bare.equations), *own_effects(bare.equations)[0]]
+    own = [p for p in own if not any(p.is_of(effect) for effect in bare.equations.model.effects)]
+    here, mask = start, sign_mask(bare.equations, noise)
+    first: Library | None = None
+    compared: set[frozenset[tuple[object, ...]]] = set()
+    for k in range(PASSES):
+        at = bare.equations.of(here.model())
+        noise = dataclasses.replace(noise, tau=torque_noise(at, at.residual, mask, noise))
+        work = weighed(bare, noise, mask, _filter_error(bare.equations, here))
+        if k == 0:  # the file's numbers first
+            here = fit(here, work, steps=3).hypothesis
+            at = bare.equations.of(here.model())
+            noise = dataclasses.replace(noise, tau=torque_noise(at, at.residual, mask, noise))
+            work = weighed(bare, noise, mask)
+        runs = runs_of(mask, [at.filters.count(len(along.t)) for along in at.motions], len(at.kinds))
+        made = linearised(here, work, at=at)
+        count = len(here.factors)
+        numbers = made.regression.X[:, :count] if made.free is None else made.free.X[:, :count]
+        listed = _with_harmonics(at, own, runs)
+        columns = Library(
+            at, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise.tau, first
+        )
+        first = first or columns
+        space = Space(columns, work.whiten(at.residual))
+        stands = frozenset(
+            (c, 0) for c, each in enumerate(space.candidates) if each.stands is not None or each.number in here.freed
+        )
+        best = _compared(space, stands, runs)
+        there = hypothesis_of(space, _strong(space, best, stands, STRONG ** (k + 1)), here)
+        name = frozenset(_identity(space, each) for each in best)
+        settled = _nonlinear(space, best) == _nonlinear(space, stands) or name in compared
+        compared.add(name)
+        if settled:
+            best = explore(space, [best])
+            there = hypothesis_of(space, best, here, whole=True)
+        beliefs = columns.beliefs(there.effects)
+        for _ in range(WEIGHTINGS):
+            work = dataclasses.replace(
+                _for_fit(bare, noise, mask, runs, there, MOST_ORDER if settled else 0), beliefs=beliefs
+            )
+            fitted = _natural(fit(there, work, steps=STEPS if not settled else 8), space, work)
+            there = fitted.hypothesis
+            if fitted.reduced > WELL_WEIGHTED:
+                break
+        if os.environ.get("TRACE"):
+            print("   fitted", [(e.name, e.values) for e in fitted.hypothesis.effects], fitted.reached, fitted.chi2)
+        if settled:
+            break
+        here = fitted.hypothesis
+    return Posterior(space, best, fitted, noise, settled)
+
+
+def _for_fit(
+    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_], runs: NDArray[np.intp], there: Hypothesis, order: int
+) -> Workspace:
+    """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
+
+    What the first filter does to laws with corners is left out: where a law is still wrong it would excuse that.
+    """
+    plain = weighed(bare, noise, mask)
+    error = Discrepancy.of(plain.whiten(bare.equations.of(there.model()).residual), runs, order)
+    colour = Coloured.of(plain.whiten, error)
+    numbers, nuisance = colour.colour(plain.numbers), colour.colour(plain.nuisance)
+    return dataclasses.replace(plain, whiten=colour, numbers=numbers, nuisance=nuisance)
+
+
+def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
+    """The fit with harmonics at whole numbers, of cycles or of motor turns, that it does not rule out."""
+    std, changes = fitted.std(), {}
+    for effect in fitted.hypothesis.effects:
+        spread = std.get((effect, "harmonic"))
+        if spread is None:
+            continue
+        owner = next(each for each in space.candidates if each.proposal is not None and each.proposal.is_of(effect))
+        for value in owner.natural(effect.harmonic):
+            if value != effect.harmonic and (value - effect.harmonic) ** 2 < 2.0 * NATURAL * spread**2:
+                changes[effect] = effect.replace(harmonic=value)
+                break
+    if not changes:
+        return fitted
+    effects = tuple(changes.get(each, each) for each in fitted.hypothesis.effects)
+    return fit(dataclasses.replace(fitted.hypothesis, effects=effects), work, steps=2)
+
+
+def _compared(space: Space, stands: Structure, runs: NDArray[np.intp]) -> Structure:
+    """The best structure at a linearisation, under the model error that it leaves."""
+    space.under(Discrepancy.none(runs))
+    space.under(Discrepancy.of(space.left(None), runs))
+    best, seen = stands, set[Structure]()
+    for _ in range(ROUNDS):
+        best = explore(space, [stands, best], 0)
+        if best in seen:
+            break
+        seen.add(best)
+        space.under(Discrepancy.of(space.left(best), runs))
+    return best
+
+
+def _strong(space: Space, best: Structure, stands: Structure, least: float) -> Structure:
+    """The structure without what is new in it and weak beside the strongest of that.
+
+    Where a strong effect is not linear, its linearisation leaves what weak ones pick up; fitted, it leaves nothing.
+    """
+    value = space.value(best)
+    lost = {each: value - space.value(best - {each}) for each in sorted(best - stands)}
+    most = max((x for (c, _), x in lost.items() if c in _nonlinear(space, best)), default=0.0)
+    return best - {each for each, loss in lost.items() if loss < least * most}
+
+
+def _identity(space: Space, each: tuple[int, int]) -> tuple[object, ...]:
+    """Kind and place of a candidate, whatever its numbers are."""
+    candidate = space.candidates[each[0]]
+    return (candidate.kind, *sorted(candidate.place.items()))
+
+
+def _nonlinear(space: Space, structure: Structure) -> set[int]:
+    """Candidates of a structure but elastic joints, which stay linear in their compliance until the end."""
+    return {c for c, _ in structure if space.candidates[c].kind != JointElasticity.name}
+
+
+def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole: bool = False) -> Hypothesis:
+    """A structure with its coefficients as a hypothesis; elastic joints only in the whole one."""
+    estimate = space.estimate(structure)
+    value = dict(zip(estimate.columns.tolist(), estimate.mean.tolist(), strict=True))
+    names = list(here.factors)
+    factors = {n: here.factors[n] + value[k] for k, n in enumerate(names)}
+    freed: set[object] = set()
+    effects: list[Effect] = []
+    for c, p in sorted(structure):
+        candidate = space.candidates[c]
+        if candidate.number is not None:
+            factors[candidate.number] += value[int(candidate.columns[p][0])]
+            freed.add(candidate.number)
+        elif candidate.stands is not None:
+            effects.append(candidate.stands)
+        else:
+            x = np.array([value[int(k)] for k in candidate.columns[p]])
+            x = np.where(space.prior.positive[candidate.columns[p]], np.maximum(x, 0.0), x)
+            effect = candidate.effect(p, x) if whole or candidate.kind != JointElasticity.name else None
+            if effect is not None and not effect.is_neutral:
+                effects.append(effect)
+    factors = {n: max(f, 0.02) for n, f in factors.items()}
+    return dataclasses.replace(here, factors=factors, freed=frozenset(freed), effects=tuple(effects))
+
+
+def _filter_error(equations: Equations, here: Hypothesis) -> Array | None:
+    """Variance of the rows by what the first filter does to the found effects' laws (rows,); None: there are none.
+
+    Laws with corners see a motion that the filter has rounded. A filter of twice the variance rounds twice as much, so
+    what changes is what the narrow one did (Richardson).
+    """
+    if not here.effects:
+        return None
+    dt = equations.data[0].dt
+    first = Filters.of_rate(dt, first=math.sqrt(2.0) * max(FIRST, 1.25 * dt)).first
+    filters = dataclasses.replace(equations.filters, first=first)
+    wide = Equations(equations.model, equations.data, filters, equations.stiffness)
+    total = np.zeros(len(equations.residual))
+    for effect in here.effects:
+        without = dataclasses.replace(here, effects=tuple(each for each in here.effects if each is not effect))
+        parts = []
+        for at in (equations, wide):
+            whole = at.of(here.model()).residual - at.of(without.model()).residual
+            parts.append(_by_recording(at, whole))
+        total += np.concatenate([_difference(a, b) for a, b in zip(*parts, strict=True)]) ** 2
+    return total
+
+
+def _by_recording(at: Equations, rows: Array) -> list[tuple[Array, Array]]:
+    """Times and rows (times, equations) of every recording."""
+    table, found, first = rows.reshape(-1, len(at.kinds)), [], 0
+    for along in at.motions:
+        t = along.t[at.filters.instants(len(along.t))]
+        found.append((t, table[first : first + len(t)]))
+        first += len(t)
+    return found
+
+
+def _difference(narrow: tuple[Array, Array], wide: tuple[Array, Array]) -> Array:
+    t, rows = narrow
+    other = np.stack([np.interp(t, wide[0], column) for column in wide[1].T], axis=1)
+    inside = (t >= wide[0][0]) & (t <= wide[0][-1])
+    return np.asarray(np.where(inside[:, None], other - rows, 0.0)).ravel()
+
+
+def _with_harmonics(equations: Equations, known: list[Proposal], runs: NDArray[np.intp]) -> list[Proposal]:
+    """Proposals of waves at the harmonics that the residual holds."""
+    many = len(equations.kinds)
+    found: dict[str, list[float]] = {}
+    for row, (j, kind) in enumerate(equations.kinds):
+        joint = equations.true.joint_names[j]
+        if kind == SENSOR:
+            continue
+        signal = "q" if kind == LINK else "theta"
+        left = equations.residual.reshape(-1, many)[:, row]
+        found.setdefault(joint, []).extend(peaks(equations, left, runs[:, row], row, signal))
+    return [_at(each, found) for each in known]
+
+
+def _at(proposal: Proposal, harmonics: Mapping[str, list[float]]) -> Proposal:
+    place = proposal.place
+    if place["effect"] not in WAVES:
+        return proposal
+    joint = place.get("joint") or place.get("channel", "").partition(".")[2]
+    more = {(h,) for h in harmonics.get(joint, ())}
+    return dataclasses.replace(proposal, grid=tuple(sorted({*proposal.grid, *more})))

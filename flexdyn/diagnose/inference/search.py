@@ -1,0 +1,139 @@
+"""Structures compared: best-first search over additions, removals and swaps, all of which one scan compares."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import betaln
+
+from flexdyn.diagnose.inference.library import Candidate
+from flexdyn.diagnose.inference.refinement import refined
+from flexdyn.diagnose.inference.space import ODDS, Space, Structure
+from flexdyn.diagnose.nesting import CONTAINS
+
+Array = NDArray[np.float64]
+WINDOW = math.log(1000.0)
+"""Occam's window: structures less likely than the best by more than this factor are not explored (Madigan, 1994)."""
+EXPLORED = 30
+"""Structures whose neighbours are all compared, at most."""
+
+
+class Scan:
+    """Compares all additions to a structure at once."""
+
+    def __init__(self, space: Space) -> None:
+        self.space = space
+        self.kinds = sorted(space.places)
+        self.total = np.array([space.places[kind] for kind in self.kinds])
+        self.clash = [self._clashes(c) for c in range(len(space.candidates))]
+        self._tabled()
+
+    def _tabled(self) -> None:
+        """Grid points as tables of columns, one for each width."""
+        candidates = self.space.candidates
+        self.size = self.space.used
+        self.owner: list[tuple[int, int]] = []
+        self.tables = []
+        for width in sorted({each.width for each in candidates}):
+            rows = []
+            for c, each in enumerate(candidates):
+                if each.width == width:
+                    rows += each.columns
+                    self.owner += [(c, p) for p in range(len(each.points))]
+            self.tables.append(np.array(rows))
+        self.of = np.array([c for c, _ in self.owner])
+        cost = [self.space.cost[candidates[c].columns[p][0]] for c, p in self.owner]
+        self.grid = np.array(cost) - np.log([candidates[c].choices for c in self.of])
+        self.kind = np.array([self.kinds.index(candidates[c].kind) for c in self.of])
+
+    def _clashes(self, c: int) -> NDArray[np.intp]:
+        """Candidates that may not stand beside one: itself, and laws that contain it or that it contains."""
+        me = self.space.candidates[c]
+        found = [c]
+        for k, other in enumerate(self.space.candidates):
+            nested = other.kind in CONTAINS.get(me.kind, ()) or me.kind in CONTAINS.get(other.kind, ())
+            if k != c and nested and _where(me) == _where(other):
+                found.append(k)
+        return np.array(found)
+
+    def additions(self, structure: Structure) -> list[tuple[float, tuple[int, int]]]:
+        """Log posterior that the best grid point of each candidate would gain, best first."""
+        if self.size != self.space.used:
+            self._tabled()
+        gain = self.space.gram.additions(self.space.columns(structure), self.tables) + self.grid
+        counts = np.zeros(len(self.kinds))
+        for c, _ in structure:
+            counts[self.kinds.index(self.space.candidates[c].kind)] += 1
+        a, b = ODDS
+        left = np.maximum(self.total - counts - 1.0, 0.0)
+        price = betaln(counts + 1 + a, left + b) - betaln(counts + a, np.maximum(self.total - counts, 0.0) + b)
+        gain = gain + price[self.kind]
+        for c, _ in structure:
+            gain[np.isin(self.of, self.clash[c])] = -np.inf
+        order = np.lexsort((np.arange(len(gain)), -gain))
+        seen: set[int] = set()
+        found = []
+        for k in order.tolist():
+            if not np.isfinite(gain[k]):
+                break
+            if self.owner[k][0] not in seen:
+                seen.add(self.owner[k][0])
+                found.append((float(gain[k]), self.owner[k]))
+        return found
+
+
+def _where(candidate: Candidate) -> tuple[str | None, ...]:
+    return tuple(candidate.place.get(key) for key in ("joint", "side", "channel", "frame"))
+
+
+def explore(space: Space, starts: list[Structure], explored: int = EXPLORED) -> Structure:
+    """Compare the neighbours of the most likely structures, until none in Occam's window is left.
+
+    Returns:
+        the most likely one.
+    """
+    scan = Scan(space)
+    done: set[Structure] = set()
+    for start in starts:
+        _climb(scan, start, done)
+    for _ in range(explored):
+        bound = max(space.known.values()) - WINDOW
+        open_ = [s for s, value in space.known.items() if s not in done and value > bound]
+        if not open_:
+            break
+        _neighbours(scan, max(open_, key=lambda s: (space.known[s], sorted(s))), done)
+    return space.best()
+
+
+def _climb(scan: Scan, start: Structure, done: set[Structure]) -> None:
+    """From a structure to the best of its neighbours, its grid points refined, as long as that is better."""
+    here = start
+    scan.space.value(here)
+    while here not in done:
+        _neighbours(scan, here, done)
+        best = scan.space.best()
+        if scan.space.known[best] <= scan.space.known[here]:
+            break
+        here = refined(scan.space, best)
+
+
+def _neighbours(scan: Scan, here: Structure, done: set[Structure]) -> None:
+    """All additions, removals and swaps of one structure."""
+    done.add(here)
+    value = scan.space.value(here)
+    _add(scan, here, value)
+    for each in sorted(here):
+        without = here - {each}
+        _add(scan, without, scan.space.value(without))
+
+
+def _add(scan: Scan, base: Structure, value: float) -> None:
+    """The additions to a structure that come into the window, each known by its exact value."""
+    space = scan.space
+    best = max(space.known.values())
+    for more, point in scan.additions(base):
+        if value + more < best - WINDOW:
+            break
+        best = max(best, space.value(base | {point}))

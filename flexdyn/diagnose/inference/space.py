@@ -1,0 +1,185 @@
+"""The candidates' matrix under one model error: it grows as grid points are refined, and gives any structure's evidence."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import betaln, log_ndtr
+
+from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior
+from flexdyn.diagnose.inference.library import Candidate, Column, Library
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Structure = frozenset[tuple[int, int]]
+"""Candidates that a structure holds, each with its grid point."""
+ODDS = (0.3, 6.0)
+"""Beta prior of the share of places at which an effect is: odds of 1 to 20 alone, better where it is elsewhere already.
+
+An effect of many joints so costs less than its members apart (Scott and Berger, 2010).
+"""
+NEGLIGIBLE = 3e-3
+"""Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
+SMALLEST = 4e-3
+"""Share of its joint's torque from which an effect is one [1]. No model of a robot is right to less."""
+SPARE = 400
+"""Columns for refined grid points."""
+
+
+class Space:
+    """Candidates, their columns and the products of these under a model error.
+
+    Args:
+        library: that makes the columns.
+        rows: what the start leaves, white but for the model error (rows,).
+    """
+
+    def __init__(self, library: Library, rows: Array) -> None:
+        self.library = library
+        self.candidates, made = library.candidates()
+        standing = [column for each, column in zip(self._owners(), made, strict=True) if each.stands is not None]
+        self.rows = rows - sum((each.white[:, 0] for each in standing), np.zeros_like(rows))
+        first = [library.always(), *self._negligible(made)]
+        columns = [*first, *made]
+        self.base = sum(len(each.std) for each in first)
+        shift = self.base - len(first[0].std)
+        for candidate in self.candidates:
+            candidate.columns = [each + shift for each in candidate.columns]
+        self.used = sum(len(each.std) for each in columns)
+        capacity = self.used + SPARE
+        self.raw = np.zeros((len(rows), capacity), order="F")
+        self.size, self.cost = np.zeros(capacity), np.zeros(capacity)
+        self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
+        place = 0
+        for each in columns:
+            place = self._put(place, each)
+        self.places = self._counted(self.candidates)
+
+    def _negligible(self, made: list[Column]) -> list[Column]:
+        """Small amounts of every law without nonlinear parameters, of which no model is free and which are no findings."""
+        effects = [
+            _tangents(column) if candidate.stands else column
+            for candidate, column in zip(self._owners(), made, strict=True)
+            if candidate.proposal is not None and len(candidate.proposal.grid) == 1 and not candidate.proposal.fixed
+        ]
+        return [
+            dataclasses.replace(
+                each, std=NEGLIGIBLE * each.std, mean=np.zeros_like(each.mean), positive=each.positive & False
+            )
+            for each in effects
+        ]
+
+    def _owners(self) -> list[Candidate]:
+        """The candidate of each block of columns."""
+        return [candidate for candidate in self.candidates for _ in candidate.columns]
+
+    @staticmethod
+    def _counted(candidates: Iterable[Candidate]) -> dict[str, int]:
+        places: dict[str, int] = {}
+        for each in candidates:
+            places[each.kind] = places.get(each.kind, 0) + 1
+        return places
+
+    def _put(self, place: int, column: Column) -> int:
+        end = place + len(column.std)
+        self.raw[:, place:end] = column.white
+        self.prior.precision[place:end] = 1.0 / column.std**2
+        self.prior.mean[place:end] = column.mean
+        self.size[place:end] = column.size
+        self.cost[place] = column.log_jacobian
+        self.prior.positive[place:end] = column.positive
+        return end
+
+    def under(self, noise: Discrepancy) -> None:
+        """Take all products anew, under another model error."""
+        self.noise = noise
+        self.known: dict[Structure, float] = {}
+        self.white = np.zeros_like(self.raw)
+        self.white[:, : self.used] = noise.innovations(self.raw[:, : self.used])
+        self.y = -noise.innovations(self.rows[:, None])[:, 0]
+        self.gram = Gram(self.white, self.y, self.prior, self.base, self.used)
+
+    def grow(self, c: int, point: tuple[float, ...]) -> int | None:
+        """Another grid point of a candidate; its place, or None where it does nothing."""
+        candidate = self.candidates[c]
+        assert candidate.proposal is not None
+        if point in candidate.points:
+            return candidate.points.index(point)
+        column = self.library.columns(candidate.proposal, point)
+        if column is None or self.used + len(column.std) > self.raw.shape[1]:
+            return None
+        first, self.used = self.used, self._put(self.used, column)
+        new = slice(first, self.used)
+        self.white[:, new] = self.noise.innovations(self.raw[:, new])
+        self.gram.grow(self.used)
+        candidate.points.append(point)
+        candidate.columns.append(np.arange(first, self.used))
+        return len(candidate.points) - 1
+
+    def columns(self, structure: Structure) -> Indices:
+        """Columns of a structure's candidates (k,)."""
+        parts = [self.candidates[c].columns[p] for c, p in sorted(structure)]
+        return np.concatenate([np.zeros(0, np.intp), *parts]).astype(np.intp)
+
+    def estimate(self, structure: Structure) -> Estimate:
+        """A structure's posterior, the columns of every structure first."""
+        return self.gram.whole(self.columns(structure))
+
+    def value(self, structure: Structure) -> float:
+        """Log posterior of a structure, not normalised; remembered."""
+        if structure not in self.known:
+            own = self.gram.estimate(self.columns(structure))
+            self.known[structure] = own.log_likelihood + self.log_prior(structure) + self._log_large(structure, own)
+        return self.known[structure]
+
+    def _log_large(self, structure: Structure, own: Estimate) -> float:
+        """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes."""
+        first, total = 0, 0.0
+        for c, p in sorted(structure):
+            columns = self.candidates[c].columns[p]
+            here = slice(first, first + len(columns))
+            first += len(columns)
+            if self.candidates[c].number is not None:
+                continue
+            weight = self.size[columns]
+            share = float(np.sqrt(((weight * own.mean[here]) ** 2).sum()))
+            spread = float(np.sqrt((weight**2 * np.diag(own.covariance)[here]).sum()))
+            total += float(log_ndtr((share - SMALLEST) / max(spread, 1e-12)))
+        return total
+
+    def best(self) -> Structure:
+        """The most likely of those compared."""
+        return max(self.known, key=lambda s: (self.known[s], sorted(s)))
+
+    def log_prior(self, structure: Structure) -> float:
+        """Log prior of a structure: ``log B(m + a, n - m + b) - log B(a, n + b)`` for m of n places of each kind.
+
+        The points of a candidate's grid are equally likely.
+        """
+        chosen: dict[str, int] = {}
+        total = 0.0
+        for c, p in structure:
+            candidate = self.candidates[c]
+            chosen[candidate.kind] = chosen.get(candidate.kind, 0) + 1
+            total += float(self.cost[candidate.columns[p][0]]) - math.log(candidate.choices)
+        a, b = ODDS
+        for kind, m in chosen.items():
+            n = self.places[kind]
+            total += float(betaln(m + a, n - m + b) - betaln(a, n + b))
+        return total
+
+    def left(self, structure: Structure | None) -> Array:
+        """What a structure leaves, white but for the model error (rows,); None: all candidates at once."""
+        chosen = np.arange(self.base, self.used) if structure is None else self.columns(structure)
+        whole = self.gram.whole(chosen)
+        return np.asarray(self.rows + self.raw[:, whole.columns] @ whole.mean)
+
+
+def _tangents(column: Column) -> Column:
+    """Of an effect that stands, without what it does as it is."""
+    return Column(column.white[:, 1:], column.std[1:], column.mean[1:], column.positive[1:], column.size[1:])
