@@ -51,6 +51,7 @@ def build(family: str, seed: int, number: int, fit: float, check: float, sensors
         "arm": dataclasses.asdict(case.arm),
         "given": dataclasses.asdict(case.given),
         "sensors": dataclasses.asdict(case.sensors),
+        "tolerance": case.tolerance,
         "scale": truth_columns(case),
     }
     files = {"model.yaml": model_yaml(case.given, case.tolerance), "arm.urdf": urdf(case.given)}

@@ -57,6 +57,8 @@ def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> 
 
 def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array:
     """Change of the residual (rows,) where the model has an effect more, over `scale`."""
+    if isinstance(effect, ChannelLag) and effect.signal == "tau":
+        return _of_late_torque(equations, effect) / scale
     if isinstance(effect, SensorEffect):
         return _of_sensor(equations, effect) / scale
     if isinstance(effect, Payload):
@@ -77,6 +79,17 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return equations.of_torque(j, lambda along: ("motor", _on_the_way(equations, effect, along, j))) / scale
     with_it = equations.of_joint(j, true, [*true.all_effects, effect])
     return (with_it - equations.own(j)) / scale
+
+
+def _of_late_torque(equations: Equations, effect: ChannelLag) -> Array:
+    """A torque that was recorded late, by the torque that the model needs: the recorded one's noise is in the residual."""
+    j = equations.true.index(effect.joint)
+
+    def earlier(along: Motion) -> tuple[str, Array]:
+        needed = equations.needed(along, j)
+        return "motor", np.interp(along.t + effect.delay, along.t, needed) - needed
+
+    return equations.of_torque(j, earlier)
 
 
 def _on_the_way(equations: Equations, effect: JointEffect, along: Motion, j: int) -> Array:

@@ -101,6 +101,7 @@ def _after(base: Fit, share: float, most: float, hopeless: float) -> Fit | None:
 
 def _counted(made: Fit, space: Workspace) -> Fit:
     """The fit with the offsets of its encoders in its hypothesis."""
-    values = made.regression.values[made.regression.X.shape[1] - len(space.channels) :]
+    first = made.regression.X.shape[1] - space.nuisance.shape[1]
+    values = made.regression.values[first : first + len(space.channels)]
     counts = tuple(SensorOffset(name, offset=float(x)) for name, x in zip(space.channels, values, strict=True))
     return dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=counts))

@@ -196,6 +196,7 @@ def _sensors(equations: Equations, j: int, extent: Extent) -> Iterator[Proposal]
         if both or any(model.gravity):  # one encoder alone: gravity's shape tells, inertias would hide a gain
             yield linear({"effect": "sensor_gain", **place}, "gain", unit=1e-4)
             yield linear({"effect": "sensor_offset", **place}, "offset", unit=1e-5)
+    yield given({"effect": "channel_lag", "channel": f"tau.{joint}"}, ("delay",), [(d,) for d in DELAYS])
     if data.has_tau_s[j]:
         for name, number in (("sensor_offset", "offset"), ("sensor_gain", "gain")):
             yield linear({"effect": name, "channel": f"tau_s.{joint}"}, number, unit=1e-4)

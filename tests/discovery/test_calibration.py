@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from calibration import claims_of, reliability, table
@@ -28,5 +30,5 @@ def test_edges_belong_to_the_bin_below_and_nothing_said_is_nothing_counted() -> 
     """Probabilities of zero and one have a bin; reports without probabilities have none."""
     found = reliability([(0.0, False), (0.5, True), (1.0, True)])
     assert [(row["from"], row["to"], row["count"]) for row in found["bins"]] == [(0.0, 0.5, 2), (0.99, 1.0, 1)]
-    rows = [{"claims": [{"name": "x", "probability": None, "true": True}]}, {"points": 0.0}]
+    rows: list[dict[str, Any]] = [{"claims": [{"name": "x", "probability": None, "true": True}]}, {"points": 0.0}]
     assert reliability(claims_of(rows)) == {"findings": 0, "bins": [], "calibration_error": None}

@@ -14,6 +14,7 @@ from lacking import judged
 from layout import STATES, Array
 from make import write_case
 from published import inertial_columns, make_published
+from published_six import make_published_six
 from scipy.signal import butter, filtfilt, lfilter
 from two_link_run import Truth
 
@@ -30,7 +31,7 @@ def case() -> dict[str, Any]:
 
 def swings(seconds: float = 40.0) -> tuple[Array, Array]:
     """Times, and angles of two joints that swing at different rates."""
-    t = np.arange(round(seconds * 1000)) * 1e-3
+    t: Array = np.asarray(np.arange(round(seconds * 1000)) * 1e-3, dtype=np.float64)
     return t, np.stack([0.8 * np.sin(1.3 * t), 1.0 + 0.7 * np.sin(2.1 * t + 0.4)], axis=1)
 
 
@@ -113,6 +114,21 @@ def test_only_what_the_motion_shows_matters() -> None:
     ]
     found = judged(hidden, run, JOINTS, lambda j: np.cos(q[:, [j]]))
     assert [one["matters"] for one in found] == [True, False, False, True]
+
+
+def test_six_joints_lack_as_much() -> None:
+    """At every joint viscous and dry friction; couplings to a neighbour; the model file says how it guesses rotors."""
+    made = make_published_six(1, 0, 3.0, 1.5)
+    truth, fit = made["truth"], made["recordings"]["fit"]
+    joints = list(dict.fromkeys(one["joint"] for one in truth["hidden"]))
+    assert len(joints) == 6
+    assert sum(one["effect"] == "viscous_friction" for one in truth["hidden"]) == 6
+    for one in truth["hidden"]:
+        if one["effect"] == "joint_coupling":
+            assert abs(joints.index(one["other"]) - joints.index(one["joint"])) == 1
+    assert len(fit) == 13
+    assert np.diff(fit["t"]) == pytest.approx(truth["lab"]["every"] * 1e-3)
+    assert "'joints.*.rotor_inertia': 0.5" in made["files"]["model.yaml"]
 
 
 def test_laboratories_differ() -> None:

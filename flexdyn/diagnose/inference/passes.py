@@ -17,12 +17,15 @@ from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.filters import FIRST, Filters
 from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.apart import standing_out
 from flexdyn.diagnose.inference.discrepancy import MOST_ORDER, Discrepancy, runs_of
+from flexdyn.diagnose.inference.groups import begun
 from flexdyn.diagnose.inference.harmonics import peaks
 from flexdyn.diagnose.inference.library import WAVES, Library
 from flexdyn.diagnose.inference.refinement import NATURAL
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.unmodelled import Unmodelled, unmodelled
 from flexdyn.diagnose.inference.whitening import Coloured
 from flexdyn.diagnose.linear import linearised
 from flexdyn.diagnose.mask import sign_mask
@@ -34,9 +37,9 @@ from flexdyn.diagnose.workspace import Unweighted, weighed
 from flexdyn.effects import Effect, JointElasticity
 
 Array = NDArray[np.float64]
-PASSES = 8
+PASSES = 5
 """Linearisations at most."""
-ROUNDS = 5
+ROUNDS = 8
 """Times that model error and structure are estimated in turn, at most."""
 STRONG = 0.1
 """Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
@@ -73,19 +76,19 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         noise: of the channels, as the records show it.
         start: the file's numbers where they stand.
     """
-    own = [*proposals(bare.equations), *own_effects(bare.equations)[0]]
+    own = [*proposals(bare.equations), *own_effects(bare.equations)[0], *unmodelled(bare.equations)]
     own = [p for p in own if not any(p.is_of(effect) for effect in bare.equations.model.effects)]
-    here, mask = start, sign_mask(bare.equations, noise)
+    here, mask, recorded = start, sign_mask(bare.equations, noise), noise
     first: Library | None = None
     compared: set[frozenset[tuple[object, ...]]] = set()
     for k in range(PASSES):
         at = bare.equations.of(here.model())
-        noise = dataclasses.replace(noise, tau=torque_noise(at, at.residual, mask, noise))
+        noise = _quieter(recorded, at, mask)
         work = weighed(bare, noise, mask, _filter_error(bare.equations, here))
         if k == 0:  # the file's numbers first
             here = fit(here, work, steps=3).hypothesis
             at = bare.equations.of(here.model())
-            noise = dataclasses.replace(noise, tau=torque_noise(at, at.residual, mask, noise))
+            noise = _quieter(recorded, at, mask)
             work = weighed(bare, noise, mask)
         runs = runs_of(mask, [at.filters.count(len(along.t)) for along in at.motions], len(at.kinds))
         made = linearised(here, work, at=at)
@@ -93,7 +96,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         numbers = made.regression.X[:, :count] if made.free is None else made.free.X[:, :count]
         listed = _with_harmonics(at, own, runs)
         columns = Library(
-            at, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise.tau, first
+            at, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise.tau, mask, first
         )
         first = first or columns
         space = Space(columns, work.whiten(at.residual))
@@ -106,13 +109,14 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         settled = _nonlinear(space, best) == _nonlinear(space, stands) or name in compared
         compared.add(name)
         if settled:
+            space.known = {}
             best = explore(space, [best])
             there = hypothesis_of(space, best, here, whole=True)
         beliefs = columns.beliefs(there.effects)
         for _ in range(WEIGHTINGS):
-            work = dataclasses.replace(
-                _for_fit(bare, noise, mask, runs, there, MOST_ORDER if settled else 0), beliefs=beliefs
-            )
+            order = MOST_ORDER if settled else 0
+            work = _for_fit(bare, noise, mask, runs, there, order, _smooth(space, best, at))
+            work = dataclasses.replace(work, beliefs=beliefs)
             fitted = _natural(fit(there, work, steps=STEPS if not settled else 8), space, work)
             there = fitted.hypothesis
             if fitted.reduced > WELL_WEIGHTED:
@@ -125,18 +129,45 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
     return Posterior(space, best, fitted, noise, settled)
 
 
+def _quieter(recorded: Noise, at: Equations, mask: NDArray[np.bool_]) -> Noise:
+    """The torque's noise: what the record changes from sample to sample, or what the equations do, whichever is less.
+
+    Each holds all of the noise and something else: what is asked of the motor, or what the model lacks.
+    """
+    left = torque_noise(at, at.residual, mask, recorded)
+    return dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
+
+
+def _smooth(space: Space, structure: Structure, at: Equations) -> Array:
+    """Derivatives of the residual by a structure's unmodelled torques, over their priors (rows, features)."""
+    parts = [np.zeros((len(at.residual), 0))]
+    for c, p in sorted(structure):
+        proposal = space.candidates[c].proposal
+        if isinstance(proposal, Unmodelled):
+            parts.append(proposal.columns(at, ()) / np.sqrt(space.prior.precision[space.candidates[c].columns[p]]))
+    return np.concatenate(parts, axis=1)
+
+
 def _for_fit(
-    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_], runs: NDArray[np.intp], there: Hypothesis, order: int
-) -> Workspace:
+    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_], runs: NDArray[np.intp], there: Hypothesis, order: int,
+    smooth: Array,
+) -> Workspace:  # fmt: skip
     """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
 
-    What the first filter does to laws with corners is left out: where a law is still wrong it would excuse that.
+    Unmodelled torques are fitted along with it. What the first filter does to laws with corners is left out: where a
+    law is still wrong it would excuse that.
     """
     plain = weighed(bare, noise, mask)
-    error = Discrepancy.of(plain.whiten(bare.equations.of(there.model()).residual), runs, order)
-    colour = Coloured.of(plain.whiten, error)
-    numbers, nuisance = colour.colour(plain.numbers), colour.colour(plain.nuisance)
-    return dataclasses.replace(plain, whiten=colour, numbers=numbers, nuisance=nuisance)
+    left, extra = plain.whiten(bare.equations.of(there.model()).residual), plain.whiten(smooth)
+    if extra.shape[1]:
+        inner = np.linalg.solve(extra.T @ extra + np.eye(extra.shape[1]), extra.T @ left)
+        left = left - extra @ inner
+    colour = Coloured.of(plain.whiten, Discrepancy.of(left, runs, order))
+    nuisance = colour.colour(np.concatenate([plain.nuisance, extra], axis=1))
+    sigma = np.concatenate([plain.nuisance_sigma, np.ones(extra.shape[1])])
+    return dataclasses.replace(
+        plain, whiten=colour, numbers=colour.colour(plain.numbers), nuisance=nuisance, nuisance_sigma=sigma
+    )
 
 
 def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
@@ -160,12 +191,17 @@ def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
 def _compared(space: Space, stands: Structure, runs: NDArray[np.intp]) -> Structure:
     """The best structure at a linearisation, under the model error that it leaves."""
     space.under(Discrepancy.none(runs))
-    space.under(Discrepancy.of(space.left(None), runs))
-    best, seen = stands, set[Structure]()
+    space.under(Discrepancy.of(space.left(stands), runs))
+    best, seen = begun(space, stands, runs) if not stands else stands, set[Structure]()
+    space.under(Discrepancy.of(space.left(best), runs))
     for _ in range(ROUNDS):
         best = explore(space, [stands, best], 0)
         if best in seen:
-            break
+            kept = standing_out(space, best)
+            if kept == best:
+                break
+            space.excluded |= {c for c, _ in best - kept}
+            best, seen = kept, set()
         seen.add(best)
         space.under(Discrepancy.of(space.left(best), runs))
     return best

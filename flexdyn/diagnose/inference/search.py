@@ -54,7 +54,7 @@ class Scan:
         found = [c]
         for k, other in enumerate(self.space.candidates):
             nested = other.kind in CONTAINS.get(me.kind, ()) or me.kind in CONTAINS.get(other.kind, ())
-            if k != c and nested and _where(me) == _where(other):
+            if k != c and (nested and _where(me) == _where(other) or _undo(me, other)):
                 found.append(k)
         return np.array(found)
 
@@ -72,6 +72,7 @@ class Scan:
         gain = gain + price[self.kind]
         for c, _ in structure:
             gain[np.isin(self.of, self.clash[c])] = -np.inf
+        gain[np.isin(self.of, sorted(self.space.excluded))] = -np.inf
         order = np.lexsort((np.arange(len(gain)), -gain))
         seen: set[int] = set()
         found = []
@@ -82,6 +83,20 @@ class Scan:
                 seen.add(self.owner[k][0])
                 found.append((float(gain[k]), self.owner[k]))
         return found
+
+
+def _undo(one: Candidate, other: Candidate) -> bool:
+    """Whether two delays at one joint undo one another; those of its two encoders do not."""
+    signals = {_late(one), _late(other)}
+    joints = {each.place.get("joint") or each.place.get("channel", "").partition(".")[2] for each in (one, other)}
+    return None not in signals and len(joints) == 1 and signals != {"q", "theta"}
+
+
+def _late(candidate: Candidate) -> str | None:
+    """Which signal comes late, if any."""
+    if candidate.kind == "command_delay":
+        return "asked"
+    return candidate.place["channel"].partition(".")[0] if candidate.kind == "channel_lag" else None
 
 
 def _where(candidate: Candidate) -> tuple[str | None, ...]:

@@ -13,6 +13,9 @@ from scipy.special import betaln, log_ndtr
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior
 from flexdyn.diagnose.inference.library import Candidate, Column, Library
+from flexdyn.diagnose.nesting import CONTAINS
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.inference.unmodelled import Unmodelled
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -41,6 +44,7 @@ class Space:
 
     def __init__(self, library: Library, rows: Array) -> None:
         self.library = library
+        self.excluded: set[int] = set()
         self.candidates, made = library.candidates()
         standing = [column for each, column in zip(self._owners(), made, strict=True) if each.stands is not None]
         self.rows = rows - sum((each.white[:, 0] for each in standing), np.zeros_like(rows))
@@ -53,7 +57,7 @@ class Space:
         self.used = sum(len(each.std) for each in columns)
         capacity = self.used + SPARE
         self.raw = np.zeros((len(rows), capacity), order="F")
-        self.size, self.cost = np.zeros(capacity), np.zeros(capacity)
+        self.size, self.cost, self.gained = np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
         self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
         place = 0
         for each in columns:
@@ -65,7 +69,10 @@ class Space:
         effects = [
             _tangents(column) if candidate.stands else column
             for candidate, column in zip(self._owners(), made, strict=True)
-            if candidate.proposal is not None and len(candidate.proposal.grid) == 1 and not candidate.proposal.fixed
+            if candidate.proposal is not None
+            and len(candidate.proposal.grid) == 1
+            and not candidate.proposal.fixed
+            and not isinstance(candidate.proposal, Unmodelled)
         ]
         return [
             dataclasses.replace(
@@ -91,7 +98,7 @@ class Space:
         self.prior.precision[place:end] = 1.0 / column.std**2
         self.prior.mean[place:end] = column.mean
         self.size[place:end] = column.size
-        self.cost[place] = column.log_jacobian
+        self.cost[place], self.gained[place] = column.log_jacobian, column.gained
         self.prior.positive[place:end] = column.positive
         return end
 
@@ -134,23 +141,49 @@ class Space:
         """Log posterior of a structure, not normalised; remembered."""
         if structure not in self.known:
             own = self.gram.estimate(self.columns(structure))
-            self.known[structure] = own.log_likelihood + self.log_prior(structure) + self._log_large(structure, own)
+            self.known[structure] = own.log_likelihood + self.log_prior(structure) + self.log_large(structure, own)
         return self.known[structure]
 
-    def _log_large(self, structure: Structure, own: Estimate) -> float:
+    def log_large(self, structure: Structure, own: Estimate) -> float:
         """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes."""
         first, total = 0, 0.0
         for c, p in sorted(structure):
             columns = self.candidates[c].columns[p]
             here = slice(first, first + len(columns))
             first += len(columns)
-            if self.candidates[c].number is not None:
+            if self.candidates[c].number is not None:  # a mass, a stiffness, a level: its factor is positive
+                mean, spread = float(own.mean[here][0]), float(np.sqrt(own.covariance[here, here][0, 0]))
+                total += float(log_ndtr((1.0 + mean) / max(spread, 1e-12)))
                 continue
+            if self.gained[columns[0]] > 0.0:
+                # The rows are in applied torque: those of recorded torque have the density of (1 + gain) times as much.
+                total += self.gained[columns[0]] * math.log(max(1.0 + float(own.mean[here][0]), 0.01))
             weight = self.size[columns]
-            share = float(np.sqrt(((weight * own.mean[here]) ** 2).sum()))
+            share = float(np.sqrt(((weight * own.mean[here]) ** 2).sum())) * self._own_part(c, columns, own.mean[here])
             spread = float(np.sqrt((weight**2 * np.diag(own.covariance)[here]).sum()))
             total += float(log_ndtr((share - SMALLEST) / max(spread, 1e-12)))
         return total
+
+    def _own_part(self, c: int, columns: Indices, mean: Array) -> float:
+        """Share of an effect that the plainer one which it contains cannot do [1]: it must be large by itself."""
+        plain = self.contained.get(c, ())
+        if not plain:
+            return 1.0
+        G, there = self.gram.G, np.concatenate([self.candidates[k].columns[0] for k in plain])
+        whole = float(mean @ G[np.ix_(columns, columns)] @ mean)
+        cross = G[np.ix_(there, columns)] @ mean
+        inner = G[np.ix_(there, there)] + 1e-9 * np.diag(np.diag(G[np.ix_(there, there)]))
+        explained = float(cross @ np.linalg.solve(inner, cross))
+        return math.sqrt(min(max(1.0 - explained / max(whole, 1e-300), 0.0), 1.0))
+
+    @lazy
+    def contained(self) -> dict[int, tuple[int, ...]]:
+        """The plainer laws at the same place that each candidate contains."""
+        found = {}
+        for c, each in enumerate(self.candidates):
+            names = CONTAINS.get(each.kind, ())
+            found[c] = tuple(k for k, other in enumerate(self.candidates) if other.kind in names and _same(each, other))
+        return found
 
     def best(self) -> Structure:
         """The most likely of those compared."""
@@ -178,6 +211,12 @@ class Space:
         chosen = np.arange(self.base, self.used) if structure is None else self.columns(structure)
         whole = self.gram.whole(chosen)
         return np.asarray(self.rows + self.raw[:, whole.columns] @ whole.mean)
+
+
+def _same(one: Candidate, other: Candidate) -> bool:
+    """Whether two candidates act on the same joint and side, the other one as it is in the catalogue."""
+    places = [tuple(each.place.get(key) for key in ("joint", "side")) for each in (one, other)]
+    return places[0] == places[1] and other.stands is None
 
 
 def _tangents(column: Column) -> Column:

@@ -1,0 +1,57 @@
+"""Fits under the model error that they leave; the calibrated model: the file's numbers alone, within tolerance."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from flexdyn.diagnose.estimate import fit
+from flexdyn.diagnose.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.discrepancy import Discrepancy, runs_of
+from flexdyn.diagnose.inference.whitening import Coloured
+
+WEIGHTINGS, STEPS = 2, 4
+"""Fits, each with weights by the model error that the last one leaves, and steps of each."""
+
+
+def calibrated(plain: Workspace, start: Hypothesis) -> Fit:
+    """Fit the file's numbers, no effect added.
+
+    A gap that nothing explains bends them little, as the model error that they leave has its share of the weights.
+
+    Args:
+        plain: the equations of the model as given, with the sensors' weights.
+        start: the numbers as given.
+
+    Returns:
+        its hypothesis is kept within three tolerances; its equations are those of the hypothesis.
+    """
+    return within(reweighted(plain, start))
+
+
+def within(made: Fit) -> Fit:
+    """The fit with the file's numbers back within three tolerances; those that are freed stay."""
+    here = made.hypothesis.tolerated()
+    if here.factors == made.hypothesis.factors:
+        return made
+    return dataclasses.replace(made, hypothesis=here, equations=made.equations.of(here.model()))
+
+
+def reweighted(plain: Workspace, start: Hypothesis) -> Fit:
+    """Fit a hypothesis under the model error that it leaves.
+
+    Args:
+        plain: the equations of the model as given, with the sensors' weights.
+        start: the hypothesis.
+    """
+    at, here = plain.equations, start
+    runs = runs_of(plain.whiten.mask, [at.filters.count(len(each.t)) for each in at.motions], len(at.kinds))
+    for _ in range(WEIGHTINGS):
+        left = plain.whiten(at.of(here.model()).residual)
+        colour = Coloured.of(plain.whiten, Discrepancy.of(left, runs))
+        work = dataclasses.replace(
+            plain, whiten=colour, numbers=colour.colour(plain.numbers), nuisance=colour.colour(plain.nuisance)
+        )
+        made = fit(here, work, steps=STEPS)
+        here = made.hypothesis
+    return made

@@ -1,0 +1,93 @@
+"""From what is named to the answer: figures on the data of the fit, then, once, on the test data."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+
+from flexdyn.diagnose.answer.result import Diagnosis
+from flexdyn.diagnose.covariance import Noise
+from flexdyn.diagnose.decision.calibrated import calibrated
+from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.decision.drawn import drawn
+from flexdyn.diagnose.decision.figures import on_fit, on_test
+from flexdyn.diagnose.decision.findings import calibration, findings, names_told
+from flexdyn.diagnose.decision.naming import Name
+from flexdyn.diagnose.decision.notes import notes, stopped
+from flexdyn.diagnose.decision.split import Part
+from flexdyn.diagnose.decision.suspects import considered, structures
+from flexdyn.diagnose.decision.verdict import is_noise, verdict
+from flexdyn.diagnose.fitted import Workspace
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.passes import Posterior
+
+Parts = tuple[tuple[Part, ...], tuple[Part, ...]]
+
+
+def concluded(
+    plain: Workspace,
+    start: Hypothesis,
+    compared: Posterior,
+    found: Corrected,
+    parts: Parts,
+    say: Callable[[str, float], None],
+) -> Diagnosis:
+    """The answer.
+
+    Args:
+        plain: equations of the model as given over the data of the fit, with the sensors' weights.
+        start: the file's numbers as given.
+        compared: the posterior over structures.
+        found: the corrected model.
+        parts: of the fit, and the test data.
+        say: progress.
+    """
+    say("simulating windows", 0.0)
+    named = names_told(found)
+    first = on_fit(plain, calibrated(plain, start), found, parts[0])
+    if not named:  # a gap that nothing explains bends numbers without reason
+        found, first = first.calibration_alone(found)
+    say("opening the test data", 0.5)
+    last = on_test(plain, first, found, named, parts[1])
+    said = verdict(named=bool(named), noise=is_noise(last.shots, last.left), converged=found.converged)
+    answer = known(found, named, compared.noise, parts[0], last.gains)
+    return dataclasses.replace(
+        answer,
+        verdict=said,
+        gap_fit=first.gap,
+        gap_test=last.gap,
+        errors=last.errors,
+        where=() if said == "no_discrepancy" else first.where,
+        left=last.left,
+        data=(*answer.data, *(each.source(found.joints, last.rows.noise) for each in parts[1])),
+        notes=notes(compared),
+        residuals=drawn(plain.equations, first.after, plain.whiten),
+        write_model=not first.worse,
+        stopped=() if found.converged else stopped(found.fitted),
+    )
+
+
+def known(
+    found: Corrected, named: Sequence[Name], noise: Noise, fitted: Sequence[Part], gains: dict[int, float]
+) -> Diagnosis:
+    """What the data of the fit tell; the verdict is `interrupted` until the test data have been opened."""
+    model = found.hypothesis.given
+    return Diagnosis(
+        verdict="interrupted",
+        findings=findings(model, found, named, gains),
+        calibration=calibration(found, named),
+        gap_fit=None,
+        gap_test=None,
+        errors={},
+        where=(),
+        left=(),
+        structures=structures(model, found.candidates, found.masses),
+        data=tuple(each.source(found.joints, noise) for each in fitted),
+        model=found.hypothesis.model(),
+        considered=considered(model, found.space, found.masses),
+    )
+
+
+def interrupted(found: Corrected, noise: Noise, fitted: Sequence[Part]) -> Diagnosis:
+    """What was known when the user stopped it."""
+    return known(found, names_told(found), noise, fitted, {})

@@ -1,0 +1,146 @@
+"""The corrected model: what is named and the file's numbers, fitted, and no more."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.decision.calibrated import reweighted, within
+from flexdyn.diagnose.decision.held_out import HeldOut
+from flexdyn.diagnose.decision.left import left
+from flexdyn.diagnose.decision.masses import Masses
+from flexdyn.diagnose.decision.naming import Name, names
+from flexdyn.diagnose.decision.suspects import is_unmodelled
+from flexdyn.diagnose.estimate import fit
+from flexdyn.diagnose.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.library import Candidate
+from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
+from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.numbers import IN_TOLERANCE
+from flexdyn.effects import Effect
+
+Array = NDArray[np.float64]
+PROMISED, WORTH = 0.005, 10.0
+"""A fit has not converged where its next step promises to take such a share of its chi^2 off, and more than so much:
+the log likelihood of a name would change by five and more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Corrected:
+    """What is named, and the model with it.
+
+    Attributes:
+        fitted: the corrected model.
+        names: established ones, effects and numbers of the file, in the order of their candidates.
+        masses: of all sets of candidates.
+        candidates: that were compared.
+        space: that compared them.
+        explained: whether the equations of the fit leave no more than noise.
+    """
+
+    fitted: Fit
+    names: tuple[Name, ...]
+    masses: Masses
+    candidates: tuple[Candidate, ...]
+    space: Space
+    explained: bool
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The corrected model's numbers and effects."""
+        return self.fitted.hypothesis
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Of the model."""
+        return tuple(self.hypothesis.given.joint_names)
+
+    def effect(self, candidate: int) -> Effect | None:
+        """The corrected model's effect of a candidate; None: it has none."""
+        return effect_of(self.candidates[candidate], self.hypothesis)
+
+    def without(self, candidate: int) -> Hypothesis:
+        """The corrected model without one of its names, all other numbers as they are."""
+        here, number = self.hypothesis, self.candidates[candidate].number
+        if number is not None:
+            return dataclasses.replace(here, factors={**here.factors, number: 1.0}, freed=here.freed - {number})
+        gone = self.effect(candidate)
+        return dataclasses.replace(here, effects=tuple(each for each in here.effects if each is not gone))
+
+    @property
+    def converged(self) -> bool:
+        """Whether the fit stands at a stationary point."""
+        return converged(self.fitted)
+
+
+def corrected(found: Posterior, plain: Workspace) -> Corrected:
+    """Name what is established, and fit the model with it and no more.
+
+    What is called "A or B" stays in the model as A. Torques that no effect describes are left out of it, and its
+    numbers are then those with which it does without them. Where more than noise is left, something that has no name
+    may have bent the file's numbers: they are kept within their tolerance.
+
+    Args:
+        found: the posterior over structures.
+        plain: the equations of the model as given, with the sensors' weights.
+    """
+    space, here = found.space, found.fitted.hypothesis
+    masses = Masses.of(space.known)
+    best = frozenset(c for c, _ in found.best)
+    there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
+    named = names(masses, best, there, lambda c: _may_stand_in(space, masses, c))
+    kept = tuple(each for each in named if each.established)
+    made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
+    if any(is_unmodelled(space.candidates[c]) for c in best):
+        made = reweighted(dataclasses.replace(plain, beliefs=found.fitted.space.beliefs), made.hypothesis)
+    made = made if converged(made) else fit(made.hypothesis, made.space)
+    kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
+    explained = not left(HeldOut(plain.equations, made.equations, plain.noise, plain.whiten), {})
+    made = made if explained else within(made)
+    return Corrected(made, kept, masses, tuple(space.candidates), space, explained)
+
+
+def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
+    """Whether a candidate that may be named does something in a hypothesis."""
+    if candidate.number is not None:
+        return candidate.number in here.freed
+    effect = effect_of(candidate, here)
+    return effect is not None and not is_unmodelled(candidate) and not effect.is_neutral
+
+
+def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
+    """A hypothesis' effect of a candidate's kind and place."""
+    proposal = candidate.proposal
+    return None if proposal is None else next((each for each in here.effects if proposal.is_of(each)), None)
+
+
+def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
+    """Whether a candidate may be told as a rival: no unmodelled torque, and no number that stays in its tolerance."""
+    candidate = space.candidates[c]
+    if candidate.number is None:
+        return not is_unmodelled(candidate)
+    place = masses.place([c])
+    if place is None:
+        return False
+    factor = hypothesis_of(space, masses.structures[place], space.library.start).factors[candidate.number]
+    return abs(factor - 1.0) > IN_TOLERANCE * candidate.number.tolerance
+
+
+def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
+    """The fit with what is kept."""
+    here = found.hypothesis
+    effects = tuple(each for each in here.effects if any(effect_of(own, here) is each for own in kept))
+    freed = frozenset(own.number for own in kept if own.number is not None)
+    if effects == here.effects and freed == here.freed:
+        return found
+    return fit(dataclasses.replace(here, effects=effects, freed=freed), found.space)
+
+
+def converged(made: Fit) -> bool:
+    """Whether a fit's next step promises nothing that matters."""
+    promised = made.reached - made.chi2
+    return not (promised > WORTH and promised > PROMISED * made.chi2)

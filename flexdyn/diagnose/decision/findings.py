@@ -1,0 +1,123 @@
+"""What is named, with its numbers and the evidence for it; numbers of the file that were calibrated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from scipy.special import ndtr
+
+from flexdyn.diagnose.answer.measures import Calibration
+from flexdyn.diagnose.answer.suspects import ESTABLISHED, Finding, Number, Suspect
+from flexdyn.diagnose.decision.corrected import Corrected, effect_of
+from flexdyn.diagnose.decision.naming import Name
+from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
+from flexdyn.diagnose.inference.passes import hypothesis_of
+from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber
+from flexdyn.model import FlexibleJointModel
+
+
+def findings(
+    model: FlexibleJointModel, found: Corrected, named: Sequence[Name], gains: Mapping[int, float]
+) -> tuple[Finding, ...]:
+    """Named effects and numbers that are out of their tolerance, the one that explains most first.
+
+    Args:
+        model: as given.
+        found: the corrected model.
+        named: what is told, see `names_told`.
+        gains: by candidate, share of the gap on the test data that goes with it.
+    """
+    made = [_finding(model, found, each, gains) for each in named]
+    return tuple(sorted(made, key=lambda each: -each.test_gain if math.isfinite(each.test_gain) else 0.0))
+
+
+def names_told(found: Corrected) -> list[Name]:
+    """Names without numbers that came back into their tolerance, and with those that are surely beyond it unnamed.
+
+    The latter only where no more than noise is left: else a number may do the work of something that has no name.
+    """
+    own = [each for each in found.names if (n := found.candidates[each.candidate].number) is None or _beyond(found, n)]
+    if not found.explained:
+        return own
+    named = {each.candidate for each in found.names}
+    for c, candidate in enumerate(found.candidates):
+        if candidate.number is not None and c not in named:
+            probability = _surely_beyond(found, candidate.number)
+            if probability >= ESTABLISHED:
+                own.append(Name(c, (), probability))
+    return own
+
+
+def _beyond(found: Corrected, number: FileNumber) -> bool:
+    """Whether a number is out of its tolerance."""
+    return abs(found.hypothesis.factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
+
+
+def _surely_beyond(found: Corrected, number: FileNumber) -> float:
+    """Probability that a number is out of its tolerance, by its standard deviation alone."""
+    off = abs(found.hypothesis.factors[number] - 1.0) - IN_TOLERANCE * number.tolerance
+    return float(ndtr(off / max(found.fitted.factor_std()[number], 1e-300)))
+
+
+def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float]) -> Finding:
+    masses, c = found.masses, name.candidate
+    compared = c in masses.candidates
+    alone = masses.of_any([c]) if name.rivals else name.probability
+    suspect = suspect_of(model, found.candidates[c], alone, _numbers(model, found, c))
+    rivals = tuple(
+        suspect_of(model, found.candidates[r], masses.of_any([r]), _rough_numbers(model, found, r, c))
+        for r in name.rivals
+    )
+    factor = masses.log_bayes_factor(c) if compared else math.nan
+    told = _experiment(suspect, rivals) if rivals else ""
+    return Finding(suspect, name.probability, factor, gains.get(c, math.nan), rivals, told)
+
+
+def _numbers(model: FlexibleJointModel, found: Corrected, c: int) -> dict[str, Number]:
+    """Of a candidate that the corrected model holds."""
+    number = found.candidates[c].number
+    if number is not None:
+        return {"factor": Number(found.hypothesis.factors[number], found.fitted.factor_std()[number], "1")}
+    effect = found.effect(c)
+    return {} if effect is None else numbers_of(model, effect, found.fitted.std())
+
+
+def _rough_numbers(model: FlexibleJointModel, found: Corrected, rival: int, instead_of: int) -> dict[str, Number]:
+    """Of a rival, in the best structure that has it in place of another, from the linear equations."""
+    masses = found.masses
+    place = masses.place([rival], [instead_of])
+    if place is None:
+        return {}
+    here = hypothesis_of(found.space, masses.structures[place], found.space.library.start, whole=True)
+    number = found.candidates[rival].number
+    if number is not None:
+        return {"factor": Number(here.factors[number], math.nan, "1")}
+    effect = effect_of(found.candidates[rival], here)
+    return {} if effect is None else numbers_of(model, effect, None)
+
+
+def calibration(found: Corrected, named: Sequence[Name]) -> tuple[Calibration, ...]:
+    """Numbers of the file that are no findings.
+
+    Args:
+        found: the corrected model.
+        named: what is told as a finding.
+    """
+    told = {found.candidates[each.candidate].number for each in named}
+    std = found.fitted.factor_std()
+    return tuple(
+        Calibration(number.of, number.parameter, float(factor), std[number], number.tolerance)
+        for number, factor in found.hypothesis.factors.items()
+        if number not in told
+    )
+
+
+def _experiment(suspect: Suspect, others: Sequence[Suspect]) -> str:
+    """What would be seen differently; the regimes in which laws part."""
+    names = " or ".join(dict.fromkeys(each.effect.replace("_", " ") for each in (suspect, *others)))
+    joint = suspect.joint or "the arm"
+    return (
+        f"to tell {names} apart, move {joint} slowly through its range at several constant speeds in both directions, "
+        "stop and reverse often, and repeat it with another load"
+    )

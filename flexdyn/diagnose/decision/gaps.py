@@ -1,0 +1,77 @@
+"""Open-loop simulation over windows: the gap, and the error of every joint's position."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose import windows as cutting
+from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.answer.measures import Gap
+from flexdyn.diagnose.covariance import Noise
+from flexdyn.diagnose.decision.held_out import rms
+from flexdyn.diagnose.decision.split import Part
+from flexdyn.diagnose.gap import Shot, shoot
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.windows import Windows
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+ENOUGH = 40
+"""Windows of the fit's data that are simulated, spread evenly: 20 s tell the gap within some percent. All of the test
+data's are."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shots:
+    """Windows simulated by the model as given, calibrated and corrected.
+
+    Attributes:
+        before: of the model as given.
+        calibrated: of the numbers alone.
+        after: of the corrected model.
+    """
+
+    before: Shot
+    calibrated: Shot
+    after: Shot
+
+    @lazy
+    def gap(self) -> Gap:
+        """Of all windows."""
+        return Gap(self.before.gap, self.calibrated.gap, self.after.gap, self.after.floor())
+
+    def position(self, joint: str) -> tuple[float, float]:
+        """Error of a joint's measured positions, root mean square, before and after."""
+        channels = self.after.windows.channels
+        own = [k for k, name in enumerate(channels) if name.partition(".")[2] == joint]
+        before, after = (rms(shot.residual[:, :, own][shot.used[:, :, own]]) for shot in (self.before, self.after))
+        return before, after
+
+
+def windows_of(
+    model: FlexibleJointModel, parts: Sequence[Part], noise: Noise, most: int | None = None
+) -> Windows | None:
+    """Windows of what is fitted or tested; None where the data are too short for one.
+
+    Args:
+        model: as given.
+        parts: spans of recordings.
+        noise: of the channels.
+        most: number of windows; None: as many as there are.
+    """
+    levels = cutting.Noise(np.maximum(noise.q, 1e-12), np.maximum(noise.theta, 1e-12), noise.tau)
+    try:
+        cut = Windows.of(model, [each.recording for each in parts], levels)
+    except InputError:
+        return None
+    return cut if most is None else cut.thinned(most)
+
+
+def shots(models: Sequence[FlexibleJointModel], windows: Windows) -> list[Shot]:
+    """The windows under each model."""
+    return abreast(lambda model: shoot(model, windows), models)

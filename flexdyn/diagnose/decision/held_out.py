@@ -1,0 +1,111 @@
+"""The equations over data, as a rule the test data, under the model as given and corrected."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.covariance import Noise, Whitener, whitener
+from flexdyn.diagnose.equations import LINK, MOTOR, TOTAL, Equations
+from flexdyn.diagnose.filters import Filters
+from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.mask import sign_mask
+from flexdyn.diagnose.measured import JITTER, Measured
+from flexdyn.diagnose.noise import encoder_noise, recorded_torque_noise, torque_noise
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """Rows of the equations over data that took no part in a fit.
+
+    Attributes:
+        given: of the model as given.
+        after: of the corrected model.
+        noise: of the channels, as these data show it.
+        whiten: by that noise, under the corrected model.
+    """
+
+    given: Equations
+    after: Equations
+    noise: Noise
+    whiten: Whitener
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Rows that say something (rows of an equation, equations)."""
+        return ~self.whiten.mask.reshape(-1, len(self.after.kinds))
+
+    @property
+    def variance(self) -> Array:
+        """What noise makes of the rows (rows of an equation, equations)."""
+        factor = self.whiten.factor
+        total = np.zeros(factor.shape[1])
+        for lag, line in enumerate(factor):
+            total[lag:] += line[: len(total) - lag] ** 2
+        return total.reshape(self.seen.shape)
+
+    def white(self, hypothesis: Hypothesis | None = None) -> Array:
+        """White rows of a hypothesis; None: of the corrected model (rows of an equation, equations)."""
+        at = self.after if hypothesis is None else self.given.of(hypothesis.seen())
+        return self.whiten(at.residual).reshape(self.seen.shape)
+
+    def torque(self, j: int) -> tuple[Array, Array, Array]:
+        """Torque that the inverse dynamics do not explain, before and after, and the recorded one (rows,).
+
+        Of an elastic joint with both encoders it is the sum of the motor's equation and the link's: the spring's torque
+        stands in both and drops out. Rows that say nothing are left out.
+        """
+        own = [k for k, (i, kind) in enumerate(self.after.kinds) if i == j and kind in (MOTOR, LINK, TOTAL)]
+        clear = self.seen[:, own].all(axis=1)
+        before, after = (self._summed(at, j, own)[clear] for at in (self.given, self.after))
+        recorded = [along.tau[at.filters.instants(len(along.t)), j] for at in (self.after,) for along in at.motions]
+        return before, after, np.concatenate(recorded)[clear]
+
+    def _summed(self, at: Equations, j: int, own: Sequence[int]) -> Array:
+        rows = at.residual.reshape(self.seen.shape)
+        units = {LINK: at.softness[j] / at.gains[j]}
+        return np.asarray(sum(rows[:, k] * units.get(at.kinds[k][1], 1.0) for k in own))
+
+
+def held_out(equations: Equations, hypothesis: Hypothesis, data: tuple[Measured, ...]) -> HeldOut:
+    """The equations over test data.
+
+    Args:
+        equations: of the model as given over the data of the fit, whose filters are taken.
+        hypothesis: the corrected model.
+        data: to test it on.
+    """
+    given = Equations(equations.model, data, _filters(equations, data[0].dt), equations.stiffness)
+    after = given.of(hypothesis.seen())
+    recorded = recorded_noise(data)
+    mask = sign_mask(given, recorded) | sign_mask(after, recorded)
+    left = torque_noise(after, after.residual, mask, recorded)
+    noise = dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
+    return HeldOut(given, after, noise, whitener(after, noise, mask))
+
+
+def recorded_noise(data: tuple[Measured, ...]) -> Noise:
+    """Of the channels, as the record shows it."""
+    torque = np.maximum(recorded_torque_noise(data), 1e-12)
+    return Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
+
+
+def _filters(equations: Equations, dt: float) -> Filters:
+    """Those of the fit; at another rate some of the same width."""
+    own = equations.data[0].dt
+    if abs(dt - own) <= JITTER * own:
+        return equations.filters
+    taps = equations.filters.second.taps[0]
+    offset = np.arange(len(taps)) - 0.5 * (len(taps) - 1)
+    return Filters.of_rate(dt, second=own * float(np.sqrt((taps * offset**2).sum() / taps.sum())))
+
+
+def rms(x: Array) -> float:
+    """Root mean square; NaN of nothing."""
+    return float(np.sqrt((x**2).mean())) if x.size else float("nan")

@@ -1,0 +1,63 @@
+"""The posterior over sets of candidates: of every set its best grid points, all sets that were compared together."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.inference.space import Structure
+
+Array = NDArray[np.float64]
+Set = frozenset[int]
+
+
+@dataclass(frozen=True, eq=False)
+class Masses:
+    """Sets of candidates, the most probable first.
+
+    Attributes:
+        sets: of places of candidates.
+        structures: the best one of each set: its candidates with their grid points.
+        log: of their posteriors, not normalised (sets,).
+        probability: the same normalised over all of them (sets,).
+    """
+
+    sets: tuple[Set, ...]
+    structures: tuple[Structure, ...]
+    log: Array
+    probability: Array
+
+    @classmethod
+    def of(cls, known: Mapping[Structure, float]) -> Masses:
+        """Of log posteriors of structures, each a set of candidates with their grid points."""
+        best: dict[Set, tuple[float, Structure]] = {}
+        for structure, value in sorted(known.items(), key=lambda each: (-each[1], sorted(each[0]))):
+            best.setdefault(frozenset(c for c, _ in structure), (value, structure))
+        log = np.array([value for value, _ in best.values()])
+        weight = np.exp(log - log[0])
+        return cls(tuple(best), tuple(structure for _, structure in best.values()), log, weight / weight.sum())
+
+    def place(self, holds: Collection[int], without: Collection[int] = ()) -> int | None:
+        """Of the most probable set that holds some candidates and none of some others; None: there is none."""
+        fits = (k for k, mine in enumerate(self.sets) if mine.issuperset(holds) and mine.isdisjoint(without))
+        return next(fits, None)
+
+    def of_any(self, candidates: Collection[int]) -> float:
+        """Probability that at least one of some candidates is there."""
+        holds = [not mine.isdisjoint(candidates) for mine in self.sets]
+        return min(1.0, float(self.probability[holds].sum()))
+
+    def log_bayes_factor(self, candidate: int) -> float:
+        """Log posterior of the best set with a candidate less that of the best without it; infinite: there is none."""
+        there, absent = self.place([candidate]), self.place((), [candidate])
+        if there is None or absent is None:
+            return np.inf if absent is None else -np.inf
+        return float(self.log[there] - self.log[absent])
+
+    @property
+    def candidates(self) -> list[int]:
+        """All that stand in some set."""
+        return sorted(frozenset().union(*self.sets))

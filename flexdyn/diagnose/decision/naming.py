@@ -1,0 +1,69 @@
+"""Names: candidates whose probability, or that of "A or B" together, is high enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+
+from flexdyn.diagnose.answer.suspects import ESTABLISHED
+from flexdyn.diagnose.decision.masses import Masses, Set
+
+LEAST = 0.02
+"""Probability from which a candidate is told as a rival of another [1]."""
+
+
+@dataclass(frozen=True)
+class Name:
+    """A candidate of the best set and those that stand in for it elsewhere.
+
+    Attributes:
+        candidate: its place.
+        rivals: places of those that other sets hold in its place, the most probable first.
+        probability: that it or one of the rivals is there [1].
+    """
+
+    candidate: int
+    rivals: tuple[int, ...]
+    probability: float
+
+    @property
+    def established(self) -> bool:
+        """Whether that is probable enough to be told."""
+        return self.probability >= ESTABLISHED
+
+
+def names(
+    masses: Masses, best: Set, of: Collection[int] | None = None, stands_in: Callable[[int], bool] = lambda _: True
+) -> list[Name]:
+    """What the candidates of the best set are called, in the order of their places.
+
+    Args:
+        masses: of all sets.
+        best: the set.
+        of: candidates of it to be named; None: all.
+        stands_in: whether a candidate may be a rival.
+    """
+    return [_named(masses, best, c, stands_in) for c in sorted(best if of is None else of)]
+
+
+def _named(masses: Masses, best: Set, candidate: int, stands_in: Callable[[int], bool]) -> Name:
+    """One candidate, with rivals until together they are established, or there are none left."""
+    rivals: list[int] = []
+    together = masses.of_any([candidate])
+    while together < ESTABLISHED:
+        more = _standing_in(masses, best, {candidate, *rivals}, stands_in)
+        if not more:
+            break
+        rivals.append(min(more, key=lambda c: (-more[c], c)))
+        together = masses.of_any([candidate, *rivals])
+    return Name(candidate, tuple(rivals), together)
+
+
+def _standing_in(masses: Masses, best: Set, named: set[int], stands_in: Callable[[int], bool]) -> dict[int, float]:
+    """Probability of every further rival in the sets that hold nothing that is named yet."""
+    found: dict[int, float] = {}
+    for mine, probability in zip(masses.sets, masses.probability.tolist(), strict=True):
+        if mine.isdisjoint(named):
+            for c in mine - best:
+                found[c] = found.get(c, 0.0) + probability
+    return {c: mass for c, mass in found.items() if mass >= LEAST and stands_in(c)}

@@ -1,0 +1,48 @@
+"""What the data cannot tell, and what stopped short."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from flexdyn.diagnose.fitted import Fit
+from flexdyn.diagnose.inference.passes import Posterior
+
+FARTHEST = 3
+"""Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""
+
+
+def notes(compared: Posterior) -> tuple[str, ...]:
+    """A sentence each: encoders that are missing, and a search that had not come to rest."""
+    return (*_of_channels(compared), *_of_search(compared))
+
+
+def _of_channels(compared: Posterior) -> Iterator[str]:
+    equations = compared.space.library.equations
+    data, model = equations.data[0], compared.fitted.hypothesis.given
+    for j, joint in enumerate(model.joint_names):
+        if model.elastic[j] and not data.has_q[j]:
+            yield f"{joint}: no link encoder, so friction on link and motor are told apart by the spring alone"
+        if model.elastic[j] and not data.has_theta[j]:
+            yield f"{joint}: no motor encoder, so what happens at the rotor is seen through the spring alone"
+
+
+def _of_search(compared: Posterior) -> Iterator[str]:
+    if not compared.settled:
+        yield "The search was stopped while its last linearisation still changed the most probable structure."
+
+
+def stopped(made: Fit) -> tuple[str, ...]:
+    """Numbers that the next step of a fit would move farthest, such as ``damping of elbow``."""
+    here = made.hypothesis
+    words = [f"{number.parameter} of {number.of}" for number in here.factors]
+    for effect, name in here.unknowns():
+        place = getattr(effect, "joint", None) or getattr(effect, "channel", None)
+        words.append(f"{name} of {effect.name.replace('_', ' ')}{f' of {place}' if place else ''}")
+    spread = [
+        *made.factor_std().values(),
+        *(s / scale for s, scale in zip(made.std().values(), made.scales, strict=True)),
+    ]
+    far = np.abs(made.step[: len(words)]) / np.maximum(spread, 1e-300)
+    return tuple(words[k] for k in np.argsort(-far, kind="stable")[:FARTHEST])

@@ -1,0 +1,66 @@
+"""fd.diagnose: compare structures, name what is established, and test it on data that took no part."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Callable, Sequence
+
+from flexdyn.diagnose.answer.result import Diagnosis, Interrupted
+from flexdyn.diagnose.decision.conclusion import concluded, interrupted
+from flexdyn.diagnose.decision.corrected import Corrected, corrected
+from flexdyn.diagnose.decision.split import parts
+from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.sanity import check_recordings
+from flexdyn.diagnose.workspace import prepared, weighed
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording
+
+Progress = Callable[[str, float], None]
+
+
+def diagnose(
+    model: FlexibleJointModel,
+    fit: Sequence[Recording],
+    check: Sequence[Recording] = (),
+    *,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Find where a model and measurements disagree, name the missing effects, and add them.
+
+    Args:
+        model: as it is believed to be, with its tolerance.
+        fit: recordings to learn from.
+        check: test data, which only the final figures and the verdict read; none: the last fifth of what moves in every
+            recording of `fit`.
+        progress: called with the stage and the share of it that is done.
+
+    Returns:
+        The verdict, the findings, the corrected model.
+
+    Raises:
+        InputError: recordings that do not fit the model or cannot answer.
+        Interrupted: Ctrl-C, with what was known by then.
+    """
+    began = time.monotonic()
+    say = progress or (lambda stage, share: None)
+    say("reading the equations", 0.0)
+    fitted, test = parts(model, fit, check)
+    data = tuple(each.data for each in fitted)
+    notes = check_recordings(model, data)
+    found: Corrected | None = None
+    try:
+        bare, noise, start = prepared(model, data)
+        say("comparing structures", 0.0)
+        compared = posterior(bare, noise, start)
+        plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
+        found = corrected(compared, plain)
+        answer = concluded(plain, start, compared, found, (fitted, test), say)
+    except KeyboardInterrupt:
+        known = None if found is None else interrupted(found, compared.noise, fitted)
+        raise Interrupted(known and _finished(known, notes, began)) from None
+    return _finished(answer, notes, began)
+
+
+def _finished(found: Diagnosis, notes: tuple[str, ...], began: float) -> Diagnosis:
+    return dataclasses.replace(found, notes=(*notes, *found.notes), seconds=time.monotonic() - began)

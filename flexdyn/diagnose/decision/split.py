@@ -1,0 +1,116 @@
+"""Which samples are fitted and which are test data, that nothing but the final figures and the verdict reads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.answer.measures import Role, Source
+from flexdyn.diagnose.covariance import Noise
+from flexdyn.diagnose.measured import Measured, measured
+from flexdyn.diagnose.noise import encoder_noise
+from flexdyn.model import FlexibleJointModel
+from flexdyn.records import Recording
+
+Array = NDArray[np.float64]
+TEST_SHARE = 0.2
+"""Share of what moves in every recording that is test data where no other is given [1] (SPEC 8)."""
+SHORTEST = 1.0
+"""Least length of such test data [s]: two windows of 0.5 s."""
+SPAN = 0.2
+"""Time over which a joint must change its position to count as moving [s]."""
+STILL = 10.0
+"""A joint rests where its position ranges over fewer standard deviations of its encoder's noise: over some hundred
+samples noise alone ranges over five or six."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A span of a recording and what it is used for.
+
+    Attributes:
+        recording: its samples, as recorded.
+        data: the same on a uniform clock; time goes on counting from the start of the whole recording.
+        role: fit or test.
+    """
+
+    recording: Recording
+    data: Measured
+    role: Role
+
+    def source(self, joints: Sequence[str], noise: Noise) -> Source:
+        """As the report tells it.
+
+        Args:
+            joints: of the model.
+            noise: of the channels.
+        """
+        data, t = self.data, self.recording.t
+        there = {"q": data.has_q, "theta": data.has_theta, "tau": np.ones_like(data.has_q)}
+        levels = {
+            f"{signal}.{joint}": float(getattr(noise, signal)[j])
+            for signal, has in there.items()
+            for j, joint in enumerate(joints)
+            if has[j]
+        }
+        return Source(self.recording.name, self.role, float(t[0]), float(t[-1]), 1.0 / data.dt, levels)
+
+
+def parts(
+    model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[Recording] = ()
+) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
+    """What is fitted, and the test data.
+
+    Args:
+        model: that names the joints.
+        fit: recordings to learn from.
+        check: test data; none: the last fifth of what moves in every recording of `fit`.
+
+    Raises:
+        InputError: a recording that does not fit the model.
+    """
+    whole = [(each, measured(model, each)) for each in fit]
+    if check:
+        tests = tuple(Part(each, measured(model, each), "test") for each in check)
+        return tuple(Part(*each, "fit") for each in whole), tests
+    halves = [_halves(*each) for each in whole]
+    return tuple(first for first, _ in halves), tuple(last for _, last in halves)
+
+
+def _halves(recording: Recording, data: Measured) -> tuple[Part, Part]:
+    """A recording before and after the instant from which the test share of what moves lies."""
+    at = _cut(data)
+    row = int(np.searchsorted(recording.t, recording.t[0] + data.t[at] - 0.5 * data.dt))
+    first = Part(_rows(recording, slice(0, row)), data.part(0, at), "fit")
+    return first, Part(_rows(recording, slice(row, None)), data.part(at, len(data.t)), "test")
+
+
+def _rows(recording: Recording, rows: slice) -> Recording:
+    channels = {name: values[rows] for name, values in recording.channels.items()}
+    return Recording(recording.t[rows], channels, meta=recording.meta, name=recording.name)
+
+
+def _cut(data: Measured) -> int:
+    """First sample of the test data."""
+    moves = np.flatnonzero(moving(data))
+    if not len(moves):
+        moves = np.arange(len(data.t))
+    at = int(moves[int((1.0 - TEST_SHARE) * len(moves))])
+    return min(at, len(data.t) - 1 - round(SHORTEST / data.dt))
+
+
+def moving(data: Measured) -> NDArray[np.bool_]:
+    """Samples (samples,) about which some measured position changes by more than noise."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    width = max(2, round(SPAN / data.dt))
+    moves = np.zeros(len(data.t), bool)
+    for signal, there in (("q", data.has_q), ("theta", data.has_theta)):
+        sigma = encoder_noise((data,), signal)
+        for j in np.flatnonzero(there):
+            x = data.channel(signal)[:, j]
+            moves |= maximum_filter1d(x, width) - minimum_filter1d(x, width) > STILL * sigma[j]
+    return moves

@@ -1,0 +1,121 @@
+"""Candidates of the search in the words of the report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from flexdyn.diagnose.answer.suspects import Considered, Number, Structure, Suspect
+from flexdyn.diagnose.decision.masses import Masses
+from flexdyn.diagnose.inference.library import Candidate
+from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.inference.unmodelled import PREFIX
+from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.effects import Effect, unit_for
+from flexdyn.effects.model_error import effect_place
+from flexdyn.model import FlexibleJointModel
+
+PLACES = ("channel", "other", "frame", "of", "parameter")
+SIDES = {"rotor_inertia": "motor", "stiffness": "transmission", "damping": "transmission"}
+RANKED = 20
+"""Structures that are told."""
+UNNAMED = "A smooth torque that no effect of the catalogue describes: it competes with every name and is no finding."
+
+FAR = "It was compared as an addition to the most probable structure alone, where it was far too improbable to go on."
+
+
+def is_unmodelled(candidate: Candidate) -> bool:
+    """Whether it is a torque that the catalogue does not describe, which is no finding."""
+    return candidate.kind.startswith(PREFIX)
+
+
+def suspect_of(
+    model: FlexibleJointModel,
+    candidate: Candidate,
+    probability: float = math.nan,
+    numbers: Mapping[str, Number] | None = None,
+) -> Suspect:
+    """A candidate where it acts.
+
+    Args:
+        model: as given.
+        candidate: of the search.
+        probability: its own.
+        numbers: its parameters; None: they were not estimated.
+    """
+    if candidate.number is not None:
+        number = candidate.number
+        place = {"of": number.of, "parameter": number.parameter}
+        return Suspect("parameter_error", number.joint, side_of(model, number), numbers or {}, place, probability)
+    kind = candidate.kind
+    if is_unmodelled(candidate):
+        kind = kind.replace(f"{PREFIX}_", f"{PREFIX}_torque_of_", 1)
+    place = {key: value for key, value in candidate.place.items() if key in PLACES}
+    effect = candidate.stands
+    if effect is None and candidate.proposal is not None:
+        units = candidate.proposal.units(candidate.points[0])
+        effect = units[0][0] if units else None
+    joint, side = (getattr(effect, key, candidate.place.get(key)) for key in ("joint", "side"))
+    return Suspect(kind, joint, side, numbers or {}, place, probability)
+
+
+def side_of(model: FlexibleJointModel, number: FileNumber) -> str | None:
+    """Where a number acts: a joint's by its kind, an effect's own side."""
+    place = effect_place(number.of)
+    return SIDES.get(number.parameter) if place is None else getattr(model.effects[place], "side", None)
+
+
+def numbers_of(
+    model: FlexibleJointModel, effect: Effect, std: Mapping[tuple[Effect, str], float] | None
+) -> dict[str, Number]:
+    """An effect's parameters with their units.
+
+    Args:
+        model: that says whether its joint turns or slides.
+        effect: whose.
+        std: standard deviations of those that were estimated, others were chosen; None: they are not known.
+    """
+    joint = getattr(effect, "joint", None)
+    prismatic = joint is not None and model.robot.kinds[model.index(joint)] == "prismatic"
+    return {
+        entry.name: Number(
+            float(getattr(effect, entry.name)),
+            math.nan if std is None else std.get((effect, entry.name), 0.0),
+            unit_for(str(entry.metadata["unit"]), prismatic=prismatic),
+        )
+        for entry in effect.parameters()
+    }
+
+
+def considered(model: FlexibleJointModel, space: Space, masses: Masses) -> tuple[Considered, ...]:
+    """Every candidate that was compared, the most probable first.
+
+    Those that no set within Occam's window holds were compared as additions to the most probable one.
+
+    Args:
+        model: as given.
+        space: that compared them.
+        masses: of the sets.
+    """
+    found = []
+    for c in masses.candidates:
+        probability = masses.of_any([c])
+        note = UNNAMED if is_unmodelled(space.candidates[c]) else ""
+        suspect = suspect_of(model, space.candidates[c], probability)
+        found.append(Considered(suspect, probability, masses.log_bayes_factor(c), note))
+    for gain, (c, _) in Scan(space).additions(masses.structures[0]):
+        if c not in masses.candidates:
+            probability = float(masses.probability[0]) * math.exp(min(gain, 0.0))
+            suspect = suspect_of(model, space.candidates[c], probability)
+            found.append(Considered(suspect, probability, gain, FAR))
+    order = sorted(range(len(found)), key=lambda k: (-found[k].probability, -found[k].log_bayes_factor, k))
+    return tuple(found[k] for k in order)
+
+
+def structures(model: FlexibleJointModel, candidates: Sequence[Candidate], masses: Masses) -> tuple[Structure, ...]:
+    """The most probable sets."""
+    return tuple(
+        Structure(tuple(suspect_of(model, candidates[c]) for c in sorted(mine)), float(probability), float(log))
+        for mine, probability, log in list(zip(masses.sets, masses.probability, masses.log, strict=True))[:RANKED]
+    )

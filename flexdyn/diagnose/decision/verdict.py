@@ -1,0 +1,46 @@
+"""The verdict: what is left on the test data, and whether it was named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexdyn.diagnose.answer.measures import Left
+from flexdyn.diagnose.answer.result import Verdict
+from flexdyn.diagnose.decision.gaps import Shots
+
+NOISE = 1.3
+"""A median window that is off by no more than so many times the floor is noise [1]: a window of one joint holds some
+twenty independent errors, whose root mean square strays by 16 %."""
+
+
+def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
+    """Whether what is left on the test data is noise.
+
+    The median window is as near as a perfect model's, and no joint's equations leave more than 1 % of its torque. The
+    median, as one window on the wrong side of a stick says little.
+
+    Args:
+        shots: windows; None: the data are too short for one, and the equations alone tell.
+        left: what the equations of the corrected model leave, joints with 1 % of their torque or more.
+    """
+    if shots is None:
+        return not left
+    near = float(np.median(shots.after.by_window)) <= NOISE * max(shots.gap.floor, 1.0)
+    return near and not left
+
+
+def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:
+    """What the report says.
+
+    Args:
+        named: whether there are findings; all of them are established.
+        noise: whether what is left is noise.
+        converged: whether the final fit stands at a stationary point.
+    """
+    if not converged:
+        return "not_converged"
+    if noise:
+        return "explained" if named else "no_discrepancy"
+    return "partly_explained" if named else "unexplained"

@@ -1,0 +1,80 @@
+"""Names from a posterior over structures, made by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from flexdyn.diagnose.decision.masses import Masses
+from flexdyn.diagnose.decision.naming import Name, names
+from flexdyn.diagnose.inference.space import Structure
+
+
+def _masses(shares: dict[tuple[int, ...], float]) -> Masses:
+    """Of sets of candidates, all at the first point of their grids."""
+    return Masses.of({frozenset((c, 0) for c in mine): math.log(share) for mine, share in shares.items()})
+
+
+def test_a_set_counts_with_its_best_grid_point() -> None:
+    """Two points of one candidate's grid are one set."""
+    known: dict[Structure, float] = {
+        frozenset(): 0.0,
+        frozenset({(3, 0)}): math.log(3.0),
+        frozenset({(3, 5)}): math.log(2.0),
+    }
+    masses = Masses.of(known)
+    assert masses.sets == (frozenset({3}), frozenset())
+    assert masses.structures[0] == frozenset({(3, 0)})
+    assert masses.probability.tolist() == pytest.approx([0.75, 0.25])
+    assert masses.log_bayes_factor(3) == pytest.approx(math.log(3.0))
+
+
+def test_what_every_set_holds_is_certain() -> None:
+    """Whatever stands beside it."""
+    masses = _masses({(1,): 0.6, (1, 2): 0.4})
+    (name,) = names(masses, frozenset({1}))
+    assert name == Name(1, (), 1.0)
+    assert name.established
+
+
+def test_what_shares_the_probability_is_a_rival() -> None:
+    """The rival with most mass first, and no more of them than are needed."""
+    masses = _masses({(1, 9): 0.6, (2, 9): 0.3, (3, 9): 0.07, (9,): 0.03})
+    one, nine = names(masses, frozenset({1, 9}))
+    assert (one.candidate, one.rivals) == (1, (2, 3))
+    assert one.probability == pytest.approx(0.97)
+    assert (nine.candidate, nine.rivals) == (9, ())
+    assert nine.probability == pytest.approx(1.0)
+    two_will_do = _masses({(1, 9): 0.7, (2, 9): 0.26, (3, 9): 0.04})
+    assert names(two_will_do, frozenset({1, 9}))[0].rivals == (2,)
+
+
+def test_what_may_be_nothing_at_all_is_not_established() -> None:
+    """Sets that hold nothing in its place have a tenth of the mass."""
+    (name,) = names(_masses({(1,): 0.9, (): 0.1}), frozenset({1}))
+    assert not name.established
+    assert not name.rivals
+    assert name.probability == pytest.approx(0.9)
+
+
+def test_rare_and_unfit_rivals_do_not_count() -> None:
+    """Below 2 % nobody is told; nor is what the caller rules out."""
+    rare = _masses({(1,): 0.93, **{(k,): 0.01 for k in range(2, 9)}})
+    (name,) = names(rare, frozenset({1}))
+    assert not name.rivals
+    assert name.probability == pytest.approx(0.93)
+    ruled_out = _masses({(1,): 0.8, (2,): 0.2})
+    (name,) = names(ruled_out, frozenset({1}), stands_in=lambda c: c != 2)
+    assert not name.established
+
+
+def test_what_also_stands_in_the_best_set_is_no_rival() -> None:
+    """Candidate 2 is in all sets; in place of 1 stands nothing."""
+    assert not names(_masses({(1, 2): 0.8, (2,): 0.2}), frozenset({1, 2}))[0].established
+
+
+def test_the_order_of_comparison_does_not_matter() -> None:
+    """Equal posteriors are ranked by their candidates."""
+    shares: dict[tuple[int, ...], float] = {(2,): 0.5, (1,): 0.5}
+    assert _masses(shares).sets == _masses(dict(reversed(shares.items()))).sets
