@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +11,7 @@ from flexdyn.diagnose.made_up import NOT_PLAIN
 from flexdyn.diagnose.measured import Measured
 from flexdyn.diagnose.motion import Motion
 from flexdyn.diagnose.sensors import true_channel
-from flexdyn.diagnose.terms import adds_up, applied_torque, of_joint, own_torque
+from flexdyn.diagnose.terms import adds_up, own_torque
 from flexdyn.effects import (
     ChannelLag,
     Effect,
@@ -23,7 +21,6 @@ from flexdyn.effects import (
     Payload,
     SensorEffect,
     TorqueConstantError,
-    TorqueSpeedLimit,
 )
 from flexdyn.errors import InputError
 from flexdyn.plant import LinkSide
@@ -57,8 +54,6 @@ def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> 
 
 def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array:
     """Change of the residual (rows,) where the model has an effect more, over `scale`."""
-    if isinstance(effect, ChannelLag) and effect.signal == "tau":
-        return _of_late_torque(equations, effect) / scale
     if isinstance(effect, SensorEffect):
         return _of_sensor(equations, effect) / scale
     if isinstance(effect, Payload):
@@ -75,33 +70,8 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return equations.of_torque(j, lambda along: ("motor", effect.gain * equations.needed(along, j))) / scale
     if stands_alone(equations, effect):
         return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
-    if effect.stage == "actuator" and not isinstance(effect, TorqueSpeedLimit):  # what it cuts off is not needed
-        return equations.of_torque(j, lambda along: ("motor", _on_the_way(equations, effect, along, j))) / scale
     with_it = equations.of_joint(j, true, [*true.all_effects, effect])
     return (with_it - equations.own(j)) / scale
-
-
-def _of_late_torque(equations: Equations, effect: ChannelLag) -> Array:
-    """A torque that was recorded late, by the torque that the model needs: the recorded one's noise is in the residual."""
-    j = equations.true.index(effect.joint)
-
-    def earlier(along: Motion) -> tuple[str, Array]:
-        needed = equations.needed(along, j)
-        return "motor", np.interp(along.t + effect.delay, along.t, needed) - needed
-
-    return equations.of_torque(j, earlier)
-
-
-def _on_the_way(equations: Equations, effect: JointEffect, along: Motion, j: int) -> Array:
-    """What an effect does to a torque on its way to the rotor (samples,).
-
-    The torque is the one that the model needs: the recorded one's noise is in the residual as well.
-    """
-    tau = along.tau.copy()
-    tau[:, j] = equations.needed(along, j)
-    asked = replace(along, tau=tau)
-    acting = of_joint(equations.true.all_effects, effect.joint)
-    return applied_torque([*acting, effect], asked, j) - applied_torque(acting, asked, j)
 
 
 def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -> Array:

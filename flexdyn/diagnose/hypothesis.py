@@ -15,9 +15,9 @@ from flexdyn.effects import Effect, PreslidingFriction, SensorOffset
 from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-DISCRETE = ("exponent",)
+DISCRETE = ("harmonic", "exponent")
 """Parameters that are counted and not measured."""
-POSITIVE = ("velocity", "harmonic", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
+POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
 """Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
 ROUNDING = 1e-9
 """Share of a step that is none."""
@@ -35,6 +35,7 @@ class Hypothesis:
         freed: numbers that their tolerance does not hold.
         effects: added.
         counts: offsets of the encoders of about a count, as nobody knows whether they round or cut; not reported.
+        measured: parameters that are estimated although they are counted as a rule.
     """
 
     given: FlexibleJointModel
@@ -42,6 +43,7 @@ class Hypothesis:
     freed: frozenset[FileNumber] = frozenset()
     effects: tuple[Effect, ...] = ()
     counts: tuple[SensorOffset, ...] = ()
+    measured: frozenset[str] = frozenset()
 
     def model(self) -> FlexibleJointModel:
         """The model that this makes."""
@@ -69,7 +71,7 @@ class Hypothesis:
             (effect, entry.name)
             for effect in self.effects
             for entry in effect.parameters()
-            if entry.name not in DISCRETE and math.isfinite(getattr(effect, entry.name))
+            if (entry.name not in DISCRETE or entry.name in self.measured) and math.isfinite(getattr(effect, entry.name))
         ]
 
 

@@ -18,9 +18,6 @@ Array = NDArray[np.float64]
 SLOW_HARMONICS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
 """Cycles per turn of the joint; those of the motor's turns are added."""
 
-DELAYS = (0.0005, 0.001, 0.002, 0.004, 0.008)
-"""Of commands and of channels [s]."""
-
 
 def proposals(equations: Equations) -> list[Proposal]:
     """Every effect of the catalogue at every place."""
@@ -134,7 +131,7 @@ def _actuator(joint: str, extent: Extent) -> Iterator[Proposal]:
     slow = SLOW_HARMONICS if extent.turns else ()
     turns = (*slow, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0)))
     yield wave({"effect": "torque_ripple", **motor}, turns, extent.torque)
-    yield given({"effect": "command_delay", **motor}, ("delay",), [(d,) for d in DELAYS])
+    yield given({"effect": "command_delay", **motor}, ("delay",), [(d,) for d in (0.0005, 0.001, 0.002, 0.004, 0.008)])
     shares, speeds = (0.3, 0.45, 0.6, 0.75, 0.9, 1.2), (1.1, 1.5, 2.0, 3.0, 10.0)
     lines = [(a * extent.torque, b * extent.speed) for a, b in product(shares, speeds)]
     yield given({"effect": "torque_speed_limit", **motor}, ("stall_torque", "no_load_speed"), lines)
@@ -190,13 +187,12 @@ def _sensors(equations: Equations, j: int, extent: Extent) -> Iterator[Proposal]
         if not there:
             continue
         place = {"channel": f"{signal}.{joint}"}
-        yield given({"effect": "channel_lag", **place}, ("delay",), [(d,) for d in DELAYS])
+        yield linear({"effect": "channel_lag", **place}, "delay", unit=1e-4)
         turns = (1.0, 2.0) if signal == "q" else (1.0, 2.0, extent.ratio, 2.0 * extent.ratio)
         yield wave({"effect": "encoder_eccentricity", **place}, turns, 1e-6)
         if both or any(model.gravity):  # one encoder alone: gravity's shape tells, inertias would hide a gain
             yield linear({"effect": "sensor_gain", **place}, "gain", unit=1e-4)
             yield linear({"effect": "sensor_offset", **place}, "offset", unit=1e-5)
-    yield given({"effect": "channel_lag", "channel": f"tau.{joint}"}, ("delay",), [(d,) for d in DELAYS])
     if data.has_tau_s[j]:
         for name, number in (("sensor_offset", "offset"), ("sensor_gain", "gain")):
             yield linear({"effect": name, "channel": f"tau_s.{joint}"}, number, unit=1e-4)

@@ -33,6 +33,9 @@ def standing_out(space: Space, structure: Structure) -> Structure:
     numbers = space.library.numbers.shape[1]
     found = set(structure) - set(named)
     for each in named:
+        if space.candidates[each[0]].number is not None:  # its tolerance says how large it must be
+            found.add(each)
+            continue
         own = _own_part(space, named, each, value, numbers)
         power = (own**2 * valid).reshape(-1, many).sum(axis=0)
         if power.sum() >= LARGER * float(np.maximum(excess, 0.0)[power > 0.01 * power.max()].sum()):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.columns import of_parameter
 from flexdyn.diagnose.equations import MOTOR, TOTAL, TRANSMISSION, Equations
+from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.hypothesis import Hypothesis, kind_and_place
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.linear import tangent_scale
@@ -183,7 +184,7 @@ class Library:
 
     def columns(self, proposal: Proposal, point: Point) -> Column | None:
         """Of a proposal at a grid point; None where it does nothing there, or nothing finite."""
-        raw = proposal.columns(self.equations, point)
+        raw = columns_of(self.equations, proposal, point)
         width = raw.shape[1]
         if not np.isfinite(raw).all():
             return None

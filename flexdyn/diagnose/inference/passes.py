@@ -18,6 +18,7 @@ from flexdyn.diagnose.filters import FIRST, Filters
 from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.apart import standing_out
+from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import MOST_ORDER, Discrepancy, runs_of
 from flexdyn.diagnose.inference.groups import begun
 from flexdyn.diagnose.inference.harmonics import peaks
@@ -25,14 +26,12 @@ from flexdyn.diagnose.inference.library import WAVES, Library
 from flexdyn.diagnose.inference.refinement import NATURAL
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.diagnose.inference.unmodelled import Unmodelled, unmodelled
+from flexdyn.diagnose.inference.unmodelled import Unmodelled
 from flexdyn.diagnose.inference.whitening import Coloured
 from flexdyn.diagnose.linear import linearised
 from flexdyn.diagnose.mask import sign_mask
 from flexdyn.diagnose.noise import torque_noise
-from flexdyn.diagnose.own_effects import own_effects
 from flexdyn.diagnose.proposal import Proposal
-from flexdyn.diagnose.proposals import proposals
 from flexdyn.diagnose.workspace import Unweighted, weighed
 from flexdyn.effects import Effect, JointElasticity
 
@@ -76,8 +75,8 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         noise: of the channels, as the records show it.
         start: the file's numbers where they stand.
     """
-    own = [*proposals(bare.equations), *own_effects(bare.equations)[0], *unmodelled(bare.equations)]
-    own = [p for p in own if not any(p.is_of(effect) for effect in bare.equations.model.effects)]
+    own = everything(bare.equations)
+    start = dataclasses.replace(start, measured=frozenset({"harmonic"}))
     here, mask, recorded = start, sign_mask(bare.equations, noise), noise
     first: Library | None = None
     compared: set[frozenset[tuple[object, ...]]] = set()
@@ -191,9 +190,8 @@ def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
 def _compared(space: Space, stands: Structure, runs: NDArray[np.intp]) -> Structure:
     """The best structure at a linearisation, under the model error that it leaves."""
     space.under(Discrepancy.none(runs))
-    space.under(Discrepancy.of(space.left(stands), runs))
-    best, seen = begun(space, stands, runs) if not stands else stands, set[Structure]()
-    space.under(Discrepancy.of(space.left(best), runs))
+    space.under(Discrepancy.of(space.left(None), runs))
+    best, seen = stands, set[Structure]()
     for _ in range(ROUNDS):
         best = explore(space, [stands, best], 0)
         if best in seen:

@@ -13,7 +13,6 @@ from scipy.special import betaln, log_ndtr
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior
 from flexdyn.diagnose.inference.library import Candidate, Column, Library
-from flexdyn.diagnose.nesting import CONTAINS
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.inference.unmodelled import Unmodelled
 
@@ -28,6 +27,13 @@ An effect of many joints so costs less than its members apart (Scott and Berger,
 """
 NEGLIGIBLE = 3e-3
 """Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
+PLAINER = {
+    "asymmetric_friction": ("coulomb_friction",),
+    "presliding_friction": ("coulomb_friction",),
+    "position_dependent_friction": ("coulomb_friction",),
+    "warm_up_friction": ("viscous_friction",),
+}
+"""What a law becomes where its further parameters do nothing: only what these add speaks for it."""
 SMALLEST = 4e-3
 """Share of its joint's torque from which an effect is one [1]. No model of a robot is right to less."""
 SPARE = 400
@@ -181,7 +187,7 @@ class Space:
         """The plainer laws at the same place that each candidate contains."""
         found = {}
         for c, each in enumerate(self.candidates):
-            names = CONTAINS.get(each.kind, ())
+            names = PLAINER.get(each.kind, ())
             found[c] = tuple(k for k, other in enumerate(self.candidates) if other.kind in names and _same(each, other))
         return found
 

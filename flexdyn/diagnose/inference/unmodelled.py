@@ -76,12 +76,6 @@ def unmodelled(equations: Equations) -> Iterator[Proposal]:
                     place, lambda point, x: None, lambda point: [], numbers=FEATURES, side=side, joint=j,
                     features=features, depends_on=depends_on,
                 )  # fmt: skip
-        if true.elastic[j] and equations.data[0].both[j]:
-            place = {"effect": f"{PREFIX}_transmission", "joint": name, "side": "transmission"}
-            yield Unmodelled(
-                place, lambda point, x: None, lambda point: [], numbers=FEATURES, side="transmission", joint=j,
-                features=_by_deflection(equations, j), depends_on=("theta - q",),
-            )  # fmt: skip
 
 
 def _waves(low: Array, high: Array, count: int, seed: int) -> Callable[[Array], Array]:
@@ -129,17 +123,6 @@ def _by_speed(equations: Equations, x: str, u: str, j: int) -> Callable[[Motion]
     X, F = (np.concatenate(part) for part in zip(*whole, strict=True))
     taken = np.linalg.lstsq(X, F, rcond=None)[0]
     return lambda along: features(along) - plain(along) @ taken
-
-
-def _by_deflection(equations: Equations, j: int) -> Callable[[Motion], Array]:
-    """Of the deflection, and of its rate."""
-
-    def both(along: Motion) -> Array:
-        return np.stack([along.delta[:, j], along.ddelta[:, j]], axis=1)
-
-    low, high = _bounds(equations, both)
-    wound, rate = _waves(low[:1], high[:1], FEATURES // 2, 6), _waves(low[1:], high[1:], FEATURES // 2, 7)
-    return lambda along: np.concatenate([wound(both(along)[:, :1]), rate(both(along)[:, 1:])], axis=1)
 
 
 def _by_time(equations: Equations, u: str, j: int) -> Callable[[Motion], Array]:

@@ -1,0 +1,79 @@
+"""What may be missing, as the posterior takes it, and its columns without the noise of the recorded torque."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose import columns
+from flexdyn.diagnose.equations import Equations
+from flexdyn.diagnose.inference.unmodelled import Unmodelled, unmodelled
+from flexdyn.diagnose.motion import Motion
+from flexdyn.diagnose.own_effects import own_effects
+from flexdyn.diagnose.proposal import Point, Proposal, given
+from flexdyn.diagnose.proposals import proposals
+from flexdyn.diagnose.terms import applied_torque, of_joint
+from flexdyn.effects import ChannelLag, Effect, JointEffect, TorqueSpeedLimit
+
+Array = NDArray[np.float64]
+DELAYS = (0.0005, 0.001, 0.002, 0.004, 0.008)
+"""Grid of delays of channels [s]: a sample of a fast drive to that of a slow bus."""
+
+
+def everything(equations: Equations) -> list[Proposal]:
+    """Every effect of the catalogue and of users that the model does not hold yet, and unmodelled torques.
+
+    A lag is no small change where a spring is stiff, so it is taken on a grid; the recorded torque may lag as well.
+    """
+    true = equations.true
+    plain = [each for each in proposals(equations) if each.place["effect"] != ChannelLag.name]
+    there = {"q": equations.data[0].has_q, "theta": equations.data[0].has_theta}
+    channels = [f"{s}.{name}" for j, name in enumerate(true.joint_names) for s in there if there[s][j]]
+    channels += [f"tau.{name}" for name in true.joint_names]
+    lags = [given({"effect": ChannelLag.name, "channel": c}, ("delay",), [(d,) for d in DELAYS]) for c in channels]
+    found = [*plain, *lags, *own_effects(equations)[0], *unmodelled(equations)]
+    return [each for each in found if not any(each.is_of(effect) for effect in equations.model.effects)]
+
+
+def columns_of(equations: Equations, proposal: Proposal, point: Point) -> Array:
+    """Derivatives of the residual (rows, linear numbers) of a proposal at a grid point."""
+    if isinstance(proposal, Unmodelled):
+        return proposal.columns(equations, point)
+    return np.stack([_of_effect(equations, unit, scale) for unit, scale in proposal.units(point)], axis=1)
+
+
+def _of_effect(equations: Equations, effect: Effect, scale: float) -> Array:
+    """Change of the residual (rows,) where the model has an effect more, over `scale`.
+
+    What acts on the torque acts on the one that the model needs: the recorded one's noise is in the residual as well
+    (errors in variables). A limit is the exception: what it cuts off is not needed.
+    """
+    if isinstance(effect, ChannelLag) and effect.signal == "tau":
+        return _of_late_torque(equations, effect) / scale
+    on_the_way = isinstance(effect, JointEffect) and effect.stage == "actuator"
+    if not on_the_way or isinstance(effect, TorqueSpeedLimit):
+        return columns.of_effect(equations, effect, scale)
+    effect = columns.on_joint(effect)
+    j = equations.true.index(effect.joint)
+    return equations.of_torque(j, lambda along: ("motor", _on_the_way(equations, effect, along, j))) / scale
+
+
+def _of_late_torque(equations: Equations, effect: ChannelLag) -> Array:
+    j = equations.true.index(effect.joint)
+
+    def earlier(along: Motion) -> tuple[str, Array]:
+        needed = equations.needed(along, j)
+        return "motor", np.interp(along.t + effect.delay, along.t, needed) - needed
+
+    return equations.of_torque(j, earlier)
+
+
+def _on_the_way(equations: Equations, effect: JointEffect, along: Motion, j: int) -> Array:
+    """What an effect does to a torque on its way to the rotor (samples,)."""
+    tau = along.tau.copy()
+    tau[:, j] = equations.needed(along, j)
+    asked = replace(along, tau=tau)
+    acting = of_joint(equations.true.all_effects, effect.joint)
+    return applied_torque([*acting, effect], asked, j) - applied_torque(acting, asked, j)
