@@ -49,9 +49,7 @@ class Whitener:
         return np.asarray(white).reshape(rows.shape)
 
 
-def whitener(
-    equations: Equations, noise: Noise, mask: NDArray[np.bool_], extra: Array | None = None
-) -> Whitener:
+def whitener(equations: Equations, noise: Noise, mask: NDArray[np.bool_], extra: Array | None = None) -> Whitener:
     """The whitening of the equations' rows.
 
     Noise passes the same filters as the motion; a residual is ``sum_c sum_o C_co(t) d^o/dt^o n_c``, its covariance

@@ -71,7 +71,8 @@ class Hypothesis:
             (effect, entry.name)
             for effect in self.effects
             for entry in effect.parameters()
-            if (entry.name not in DISCRETE or entry.name in self.measured) and math.isfinite(getattr(effect, entry.name))
+            if (entry.name not in DISCRETE or entry.name in self.measured)
+            and math.isfinite(getattr(effect, entry.name))
         ]
 
 

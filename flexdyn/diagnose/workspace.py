@@ -85,7 +85,9 @@ def workspace(
     return space, start, noise
 
 
-def prepared(model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None) -> tuple[Unweighted, Noise, Hypothesis]:
+def prepared(
+    model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
+) -> tuple[Unweighted, Noise, Hypothesis]:
     """Equations without weights, and the noise of their channels as the records show it.
 
     Raises:

@@ -4,8 +4,8 @@
     log p(y | S) = -(y^T y + mu^T lambda mu)/2 + c^T A^-1 c/2 - log|A|/2 + log|lambda|/2
     A = G_SS + lambda_S,   c = X_S^T y + lambda_S mu_S
 
-(Bishop, 2006, 3.5.) G = X^T X and X^T y are computed once. Columns that every structure has are eliminated once (Schur's
-complement), so that a structure takes a Cholesky factor of its own columns alone.
+(Bishop, 2006, 3.5.) G = X^T X and X^T y are computed once. Columns that every structure has are eliminated
+once (Schur's complement), so that a structure takes a Cholesky factor of its own columns alone.
 """
 
 from __future__ import annotations

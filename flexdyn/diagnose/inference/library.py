@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
-
-import dataclasses
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +12,13 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.columns import of_parameter
 from flexdyn.diagnose.equations import MOTOR, TOTAL, TRANSMISSION, Equations
-from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.hypothesis import Hypothesis, kind_and_place
+from flexdyn.diagnose.inference.catalogue import columns_of
+from flexdyn.diagnose.inference.unmodelled import Unmodelled
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.linear import tangent_scale
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.proposal import Point, Proposal
-from flexdyn.diagnose.inference.unmodelled import Unmodelled
 from flexdyn.diagnose.users_laws import torque_of
 from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError
 
@@ -78,8 +77,7 @@ class Candidate:
         """Where it acts."""
         if self.proposal is not None:
             return dict(self.proposal.place)
-        assert self.number is not None
-        return {"of": self.number.of, "parameter": self.number.parameter}
+        return {} if self.number is None else {"of": self.number.of, "parameter": self.number.parameter}
 
     @property
     def width(self) -> int:
@@ -217,7 +215,7 @@ class Library:
         for each, name in self.start.unknowns():
             if each is not effect:
                 continue
-            value, scale = getattr(effect, name), tangent_scale(effect, name)
+            scale = tangent_scale(effect, name)
             raw = scale * of_parameter(self.equations, effect, name, 0.1 * scale)
             largest = self._size(raw[:, None])[0]
             if not np.isfinite(largest) or largest == 0.0:
@@ -228,9 +226,7 @@ class Library:
             mean.append(off / scale if np.isfinite(spread) else 0.0)
         white = np.stack(parts, axis=1)
         size = np.concatenate([self._size(change[:, None]), np.zeros(len(std) - 1)])
-        return Column(
-            white, np.array(std), np.array(mean), np.zeros(len(std), bool), size, self.log_jacobian(effect)
-        )
+        return Column(white, np.array(std), np.array(mean), np.zeros(len(std), bool), size, self.log_jacobian(effect))
 
     def belief(self, effect: Effect, name: str) -> tuple[float, float]:
         """Prior of a parameter: how far its centre is from its value, and its standard deviation, in its unit.
@@ -316,7 +312,10 @@ class Library:
             for entry in effect.parameters():
                 nothing = effect.neutral.get(entry.name)
                 if nothing is not None and np.isfinite(nothing):
-                    known[(*kind_and_place(effect), entry.name)] = (float(nothing), at.alone(effect).belief(effect, entry.name)[1])
+                    known[(*kind_and_place(effect), entry.name)] = (
+                        float(nothing),
+                        at.alone(effect).belief(effect, entry.name)[1],
+                    )
 
         def belief(effect: Effect, name: str) -> tuple[float, float]:
             place = (*kind_and_place(effect), name)
@@ -351,7 +350,8 @@ class Library:
         jobs = [(p, point) for p in open_ for point in p.grid]
         made = iter(abreast(lambda job: self.columns(*job), jobs))
         for proposal in open_:
-            kept = [(point, column) for point in proposal.grid if (column := next(made)) is not None]
+            pairs = [(point, next(made)) for point in proposal.grid]
+            kept = [(point, each) for point, each in pairs if each is not None]
             if not kept:
                 continue
             places = []

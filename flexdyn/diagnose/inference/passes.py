@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,7 +19,6 @@ from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.apart import standing_out
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import MOST_ORDER, Discrepancy, runs_of
-from flexdyn.diagnose.inference.groups import begun
 from flexdyn.diagnose.inference.harmonics import peaks
 from flexdyn.diagnose.inference.library import WAVES, Library
 from flexdyn.diagnose.inference.refinement import NATURAL
@@ -31,6 +29,7 @@ from flexdyn.diagnose.inference.whitening import Coloured
 from flexdyn.diagnose.linear import linearised
 from flexdyn.diagnose.mask import sign_mask
 from flexdyn.diagnose.noise import torque_noise
+from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.diagnose.proposal import Proposal
 from flexdyn.diagnose.workspace import Unweighted, weighed
 from flexdyn.effects import Effect, JointElasticity
@@ -43,7 +42,7 @@ ROUNDS = 8
 STRONG = 0.1
 """Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
 WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
-"""Fits of one hypothesis, each with weights by what the last one left, until it leaves more than such a share of that."""
+"""Fits of one hypothesis, each weighted by what the last one left, until it leaves more than such a share of that."""
 STEPS = 4
 """Gauss-Newton steps between two linearisations."""
 
@@ -120,8 +119,6 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
             there = fitted.hypothesis
             if fitted.reduced > WELL_WEIGHTED:
                 break
-        if os.environ.get("TRACE"):
-            print("   fitted", [(e.name, e.values) for e in fitted.hypothesis.effects], fitted.reached, fitted.chi2)
         if settled:
             break
         here = fitted.hypothesis
@@ -177,8 +174,9 @@ def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
         if spread is None:
             continue
         owner = next(each for each in space.candidates if each.proposal is not None and each.proposal.is_of(effect))
-        for value in owner.natural(effect.harmonic):
-            if value != effect.harmonic and (value - effect.harmonic) ** 2 < 2.0 * NATURAL * spread**2:
+        now = float(getattr(effect, "harmonic"))  # noqa: B009 - not every effect has one
+        for value in owner.natural(now):
+            if value != now and (value - now) ** 2 < 2.0 * NATURAL * spread**2:
                 changes[effect] = effect.replace(harmonic=value)
                 break
     if not changes:
@@ -233,7 +231,7 @@ def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole
     value = dict(zip(estimate.columns.tolist(), estimate.mean.tolist(), strict=True))
     names = list(here.factors)
     factors = {n: here.factors[n] + value[k] for k, n in enumerate(names)}
-    freed: set[object] = set()
+    freed: set[FileNumber] = set()
     effects: list[Effect] = []
     for c, p in sorted(structure):
         candidate = space.candidates[c]

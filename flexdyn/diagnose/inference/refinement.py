@@ -33,50 +33,78 @@ def refined(space: Space, structure: Structure) -> Structure:
 
 
 def _along(space: Space, here: Structure, c: int, axis: int) -> Structure:
-    """The best point along one parameter: golden steps between the neighbours that the grid has, then parabolas."""
-    candidate = space.candidates[c]
-    others = here - {each for each in here if each[0] == c}
-    (now,) = (p for owner, p in here if owner == c)
-    centre = candidate.points[now]
-    low, high = _bracket([point[axis] for point in candidate.points[: candidate.choices]], centre[axis])
-    low = max(low, 1.0) if "harmonic" in candidate.names else low
-    tried = {centre[axis]: (space.value(here), here)}
-    if low == high:
+    """The best point along one parameter: steps between the neighbours that the grid has, halved, and parabolas."""
+    line = _Line(space, here, c, axis)
+    if line.low == line.high:
         return here
-
-    def ask(x: float) -> None:
-        point = (*centre[:axis], x, *centre[axis + 1 :])
-        place = space.grow(c, point)
-        if place is not None:
-            structure = others | {(c, place)}
-            tried[x] = (space.value(structure), structure)
-
-    step_down, step_up = 0.5 * (centre[axis] - low), 0.5 * (high - centre[axis])
+    down, up = 0.5 * (line.centre - line.low), 0.5 * (line.high - line.centre)
     for _ in range(TRIES // 2):
-        best = max(tried, key=lambda x: tried[x][0])
-        before = tried[best][0]
-        for x in (best - step_down, best + step_up):
-            if low < x < high and x not in tried:
-                ask(x)
-        after = max(value for value, _ in tried.values())
-        if max(tried, key=lambda x: tried[x][0]) == best:
-            vertex = _vertex(best, {x: value for x, (value, _) in tried.items()})
-            if vertex is not None and low < vertex < high and vertex not in tried:
-                ask(vertex)
-            step_down, step_up = 0.5 * step_down, 0.5 * step_up
-            worst = min((before - tried[x][0] for x in tried if x != best), default=0.0)
-            if worst < SETTLED:
+        best, before = line.best, line.value(line.best)
+        for x in (best - down, best + up):
+            line.ask(x)
+        if line.best != best:
+            if line.value(line.best) - before < SETTLED:
                 break
-        elif after - before < SETTLED:
+            continue
+        line.ask(_vertex(best, line.values()))
+        down, up = 0.5 * down, 0.5 * up
+        if min((before - y for x, y in line.values().items() if x != best), default=0.0) < SETTLED:
             break
-    best = max(tried, key=lambda x: tried[x][0])
-    if "harmonic" in candidate.names:
-        for x in candidate.natural(best):
-            if x not in tried:
-                ask(x)
-            if x in tried and tried[x][0] > tried[best][0] - NATURAL:
-                return tried[x][1]
-    return tried[best][1]
+    return line.natural()
+
+
+class _Line:
+    """A candidate's points along one parameter, and the structures with them.
+
+    Args:
+        space: of the candidates.
+        here: structure that holds it.
+        c: the candidate.
+        axis: the parameter.
+    """
+
+    def __init__(self, space: Space, here: Structure, c: int, axis: int) -> None:
+        self.space, self.c, self.axis = space, c, axis
+        self.candidate = space.candidates[c]
+        (now,) = (p for owner, p in here if owner == c)
+        self.others = here - {(c, now)}
+        self.point = self.candidate.points[now]
+        self.centre = self.point[axis]
+        grid = [point[axis] for point in self.candidate.points[: self.candidate.choices]]
+        low, self.high = _bracket(grid, self.centre)
+        self.low = max(low, 1.0) if "harmonic" in self.candidate.names else low
+        self.tried = {self.centre: (space.value(here), here)}
+
+    @property
+    def best(self) -> float:
+        """The most likely value of the parameter so far."""
+        return max(self.tried, key=lambda x: self.tried[x][0])
+
+    def value(self, x: float) -> float:
+        """Log posterior at one that was tried."""
+        return self.tried[x][0]
+
+    def values(self) -> dict[float, float]:
+        """Log posterior at all that were tried."""
+        return {x: value for x, (value, _) in self.tried.items()}
+
+    def ask(self, x: float | None, *, outside: bool = False) -> None:
+        """Try a value, if it lies between the grid's neighbours and is new."""
+        if x is None or x in self.tried or not (outside or self.low < x < self.high):
+            return
+        place = self.space.grow(self.c, (*self.point[: self.axis], float(x), *self.point[self.axis + 1 :]))
+        if place is not None:
+            structure = self.others | {(self.c, place)}
+            self.tried[x] = (self.space.value(structure), structure)
+
+    def natural(self) -> Structure:
+        """The structure at the best value, or at a harmonic that is natural and nearly as likely."""
+        best = self.best
+        for x in self.candidate.natural(best) if "harmonic" in self.candidate.names else ():
+            self.ask(x, outside=True)
+            if x in self.tried and self.value(x) > self.value(best) - NATURAL:
+                return self.tried[x][1]
+        return self.tried[best][1]
 
 
 def _bracket(grid: list[float], centre: float) -> tuple[float, float]:

@@ -54,7 +54,7 @@ class Scan:
         found = [c]
         for k, other in enumerate(self.space.candidates):
             nested = other.kind in CONTAINS.get(me.kind, ()) or me.kind in CONTAINS.get(other.kind, ())
-            if k != c and (nested and _where(me) == _where(other) or _undo(me, other)):
+            if k != c and ((nested and _where(me) == _where(other)) or _undo(me, other)):
                 found.append(k)
         return np.array(found)
 

@@ -1,4 +1,4 @@
-"""The candidates' matrix under one model error: it grows as grid points are refined, and gives any structure's evidence."""
+"""The candidates' matrix under one model error, which grows as grid points are refined: evidence of any structure."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from scipy.special import betaln, log_ndtr
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior
 from flexdyn.diagnose.inference.library import Candidate, Column, Library
-from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.inference.unmodelled import Unmodelled
+from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -71,7 +71,7 @@ class Space:
         self.places = self._counted(self.candidates)
 
     def _negligible(self, made: list[Column]) -> list[Column]:
-        """Small amounts of every law without nonlinear parameters, of which no model is free and which are no findings."""
+        """Small amounts of every law without nonlinear parameters: no model is free of them; they are no findings."""
         effects = [
             _tangents(column) if candidate.stands else column
             for candidate, column in zip(self._owners(), made, strict=True)
@@ -120,7 +120,8 @@ class Space:
     def grow(self, c: int, point: tuple[float, ...]) -> int | None:
         """Another grid point of a candidate; its place, or None where it does nothing."""
         candidate = self.candidates[c]
-        assert candidate.proposal is not None
+        if candidate.proposal is None:
+            return None
         if point in candidate.points:
             return candidate.points.index(point)
         column = self.library.columns(candidate.proposal, point)
