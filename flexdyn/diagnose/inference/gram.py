@@ -20,7 +20,6 @@ from scipy.special import log_ndtr
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-LOG_2 = float(np.log(2.0))
 BEYOND = 4.0
 """Standard deviations below zero from which a coefficient that may not be negative makes no sense."""
 
@@ -106,7 +105,7 @@ class Gram:
         value += 0.5 * float(np.log(lam).sum()) - 0.5 * float(mu @ (lam * mu))
         bounded = self.prior.positive[columns]
         ratio = mean[bounded] / np.sqrt(np.maximum(np.diag(covariance)[bounded], 1e-300))
-        value += float((log_ndtr(ratio) + LOG_2).sum())
+        value += float((log_ndtr(ratio) - log_ndtr(mu[bounded] * np.sqrt(lam[bounded]))).sum())
         return Estimate(columns, value, mean, covariance)
 
     def whole(self, columns: Indices) -> Estimate:
@@ -158,7 +157,7 @@ class Gram:
         value -= 0.5 * (lam * mu**2).sum(axis=1)
         ratio = mean / np.sqrt(np.maximum(inverse[:, place, place], 1e-300))
         bounded = self.prior.positive[table]
-        value += np.where(bounded, log_ndtr(ratio) + LOG_2, 0.0).sum(axis=1)
+        value += np.where(bounded, log_ndtr(ratio) - log_ndtr(mu * np.sqrt(lam)), 0.0).sum(axis=1)
         good &= ~(bounded & (ratio < -BEYOND)).any(axis=1)
         return np.where(good, value, -np.inf)
 

@@ -13,6 +13,8 @@ MOST = 200.0
 """Harmonics that are looked for, at most [cycles per turn]."""
 PEAKS = 4
 """Peaks of a spectrum that become grid points."""
+BLOCK = 64
+"""Harmonics whose waves are held at once."""
 FINE = 0.125
 """Between harmonics that are tried around a peak, as a share of the spectrum's resolution."""
 
@@ -50,7 +52,7 @@ def peaks(equations: Equations, left: Array, runs: NDArray[np.intp], row: int, s
         det = np.maximum(cc * ss - cs * cs, 1e-12 * np.maximum(cc * ss, 1e-300))
         return np.asarray((yc**2 * ss - 2.0 * yc * ys * cs + ys**2 * cc) / det)
 
-    size = power(grid)
+    size = np.concatenate([power(block) for block in np.array_split(grid, max(1, len(grid) // BLOCK))])
     inner = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
     chosen = inner[np.argsort(-size[inner])][:PEAKS]
     around = np.arange(-4, 5) * FINE * resolution

@@ -21,9 +21,8 @@ from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import MOST_ORDER, Discrepancy, runs_of
 from flexdyn.diagnose.inference.harmonics import peaks
 from flexdyn.diagnose.inference.library import WAVES, Library
-from flexdyn.diagnose.inference.refinement import NATURAL
 from flexdyn.diagnose.inference.search import explore
-from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
 from flexdyn.diagnose.inference.unmodelled import Unmodelled
 from flexdyn.diagnose.inference.whitening import Coloured
 from flexdyn.diagnose.linear import linearised
@@ -191,7 +190,8 @@ def _compared(space: Space, stands: Structure, runs: NDArray[np.intp]) -> Struct
     space.under(Discrepancy.of(space.left(None), runs))
     best, seen = stands, set[Structure]()
     for _ in range(ROUNDS):
-        best = explore(space, [stands, best], 0)
+        allowed = frozenset(each for each in stands if each[0] not in space.excluded)
+        best = explore(space, [allowed, best], 0)
         if best in seen:
             kept = standing_out(space, best)
             if kept == best:

@@ -10,8 +10,6 @@ TRIES = 14
 """Points that are tried for each nonlinear parameter, at most."""
 SWEEPS = 4
 """Times that all parameters are moved in turn, at most: they depend on one another."""
-NATURAL = 5.0
-"""Log odds of a harmonic that is a whole number, or a whole number of motor turns, to one that is not."""
 SETTLED = 0.05
 """Change of the log posterior that is none."""
 
@@ -98,13 +96,11 @@ class _Line:
             self.tried[x] = (self.space.value(structure), structure)
 
     def natural(self) -> Structure:
-        """The structure at the best value, or at a harmonic that is natural and nearly as likely."""
+        """The structure at the best value, those of harmonics that are natural among them."""
         best = self.best
         for x in self.candidate.natural(best) if "harmonic" in self.candidate.names else ():
             self.ask(x, outside=True)
-            if x in self.tried and self.value(x) > self.value(best) - NATURAL:
-                return self.tried[x][1]
-        return self.tried[best][1]
+        return self.tried[self.best][1]
 
 
 def _bracket(grid: list[float], centre: float) -> tuple[float, float]:

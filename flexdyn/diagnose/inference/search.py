@@ -10,7 +10,7 @@ from scipy.special import betaln
 
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.refinement import refined
-from flexdyn.diagnose.inference.space import ODDS, Space, Structure
+from flexdyn.diagnose.inference.space import NATURAL, ODDS, Space, Structure
 from flexdyn.diagnose.nesting import CONTAINS
 
 Array = NDArray[np.float64]
@@ -46,6 +46,13 @@ class Scan:
         self.of = np.array([c for c, _ in self.owner])
         cost = [self.space.cost[candidates[c].columns[p][0]] for c, p in self.owner]
         self.grid = np.array(cost) - np.log([candidates[c].choices for c in self.of])
+        waves = [(k, candidates[c], candidates[c].points[p]) for k, (c, p) in enumerate(self.owner)]
+        odd = [
+            k
+            for k, each, x in waves
+            if each.stands is None and "harmonic" in each.names and x[0] not in each.natural(x[0])
+        ]
+        self.grid[odd] -= NATURAL
         self.kind = np.array([self.kinds.index(candidates[c].kind) for c in self.of])
 
     def _clashes(self, c: int) -> NDArray[np.intp]:

@@ -27,6 +27,8 @@ An effect of many joints so costs less than its members apart (Scott and Berger,
 """
 NEGLIGIBLE = 3e-3
 """Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
+NATURAL = 5.0
+"""Log odds of a harmonic that is a whole number, or a whole number of motor turns, to one that is not."""
 PLAINER = {
     "asymmetric_friction": ("coulomb_friction",),
     "presliding_friction": ("coulomb_friction",),
@@ -158,9 +160,11 @@ class Space:
             columns = self.candidates[c].columns[p]
             here = slice(first, first + len(columns))
             first += len(columns)
-            if self.candidates[c].number is not None:  # a mass, a stiffness, a level: its factor is positive
+            number = self.candidates[c].number
+            if number is not None:  # a mass, a stiffness, a level: its factor is positive
                 mean, spread = float(own.mean[here][0]), float(np.sqrt(own.covariance[here, here][0, 0]))
-                total += float(log_ndtr((1.0 + mean) / max(spread, 1e-12)))
+                factor = self.library.start.factors[number] + mean
+                total += float(log_ndtr(factor / max(spread, 1e-12)))
                 continue
             if self.gained[columns[0]] > 0.0:
                 # The rows are in applied torque: those of recorded torque have the density of (1 + gain) times as much.
@@ -207,6 +211,8 @@ class Space:
             candidate = self.candidates[c]
             chosen[candidate.kind] = chosen.get(candidate.kind, 0) + 1
             total += float(self.cost[candidate.columns[p][0]]) - math.log(candidate.choices)
+            if "harmonic" in candidate.names and candidate.stands is None:
+                total -= 0.0 if candidate.points[p][0] in candidate.natural(candidate.points[p][0]) else NATURAL
         a, b = ODDS
         for kind, m in chosen.items():
             n = self.places[kind]
