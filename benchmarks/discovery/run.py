@@ -4,7 +4,7 @@
 
 DIR/<family> and DIR/<family>.truth hold the cases, DIR/<family>.reports what the diagnosis wrote, DIR/result.json the
 scores. What is there already is not made or diagnosed again; --only-score does neither. --engine posterior diagnoses
-the same cases by posterior.py, into DIR/<family>.posterior.reports and DIR/result.posterior.json.
+the same cases by ../posterior.py, into DIR/<family>.posterior.reports and DIR/result.posterior.json.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def command_of(engine: str, output: Path) -> list[str]:
     """What diagnoses the case of the working folder: the program as a user runs it, or the engine beside it."""
     target = ["-o", str(output.resolve())]
     if engine == POSTERIOR:
-        script = Path(__file__).resolve().with_name("posterior.py")
+        script = Path(__file__).resolve().parents[1] / "posterior.py"
         return [sys.executable, str(script), "model.yaml", "fit.npz", "check.npz", *target]
     program = str(Path(sys.executable).with_name("flexdyn"))
     return [program, "diagnose", "model.yaml", "fit.npz", "--check", "check.npz", *target]
@@ -84,7 +84,7 @@ def main() -> int:
     parser.add_argument("--fit", type=float, default=FIT, help="[s]")
     parser.add_argument("--check", type=float, default=CHECK, help="[s]")
     parser.add_argument("--wide", action="store_true", help="draw from wider ranges (wide.py); the family is called so")
-    parser.add_argument("--engine", choices=list(OF_ENGINE), default=PRESENT, help="posterior: by posterior.py")
+    parser.add_argument("--engine", choices=list(OF_ENGINE), default=PRESENT, help="posterior: by ../posterior.py")
     parser.add_argument("--only-score", action="store_true")
     parser.add_argument("-o", "--output", type=Path, required=True)
     o = parser.parse_args()

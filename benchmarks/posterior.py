@@ -1,6 +1,6 @@
 """One case diagnosed by the posterior over structures, which is built beside the present engine.
 
-python benchmarks/discovery/posterior.py model.yaml fit.npz check.npz -o DIR
+python benchmarks/posterior.py model.yaml fit.npz check.npz -o DIR
 """
 
 from __future__ import annotations
