@@ -17,7 +17,9 @@ from flexdyn.robot.rewrite import corrected_urdf
 from flexdyn.yamlfile import dump_yaml
 
 MODEL = "model.yaml"
-HEAD = "# {}, corrected by flexdyn diagnose. SI units; rotor_inertia on the motor side, everything else reflected.\n"
+MARK = "corrected by flexdyn diagnose"
+"""Stands in the first line of every model file that a diagnosis wrote."""
+HEAD = f"# {{}}, {MARK}. SI units; rotor_inertia on the motor side, everything else reflected.\n"
 EFFECT_PATH = re.compile(r"effects\[(\d+)\](\..*)")
 
 

@@ -68,15 +68,8 @@ def workspace(
     Raises:
         InputError: no equation says anything at any time.
     """
-    start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
-    torque = np.maximum(recorded_torque_noise(data), 1e-12)
-    noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
-    bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
+    bare, noise, start = prepared(model, data, start)
     space = weighed(bare, noise)
-    if space.whiten.mask.all():
-        problem = "joints rest, or may rest, so often that no equation says anything"
-        remedy = "let all joints move at once for seconds: while one sticks, nobody knows what friction holds"
-        raise InputError(problem, file=data[0].name, key="t", remedy=remedy)
     for _ in range(2):
         made = fit(start, space, steps=3)
         left, mask = made.equations.residual, space.whiten.mask

@@ -6,10 +6,10 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
-from flexdyn.diagnose.answer.corrected import MARK, MODEL, corrected_files
 from flexdyn.diagnose.answer.document import report_json
 from flexdyn.diagnose.answer.page import page
 from flexdyn.diagnose.answer.result import Diagnosis
+from flexdyn.diagnose.corrected import MARK, MODEL, corrected_files
 from flexdyn.errors import InputError
 from flexdyn.files import replacing
 
