@@ -7,8 +7,8 @@ import dataclasses
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.discrepancy import Discrepancy, runs_of
-from flexdyn.diagnose.inference.whitening import Coloured
+from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.passes import rows_of, tempered
 
 WEIGHTINGS, STEPS = 2, 4
 """Fits, each with weights by the model error that the last one leaves, and steps of each."""
@@ -45,13 +45,10 @@ def reweighted(plain: Workspace, start: Hypothesis) -> Fit:
         start: the hypothesis.
     """
     at, here = plain.equations, start
-    runs = runs_of(plain.whiten.mask, [at.filters.count(len(each.t)) for each in at.motions], len(at.kinds))
+    seen = rows_of(at, plain.whiten.mask)
     for _ in range(WEIGHTINGS):
         left = plain.whiten(at.of(here.model()).residual)
-        colour = Coloured.of(plain.whiten, Discrepancy.of(left, runs))
-        work = dataclasses.replace(
-            plain, whiten=colour, numbers=colour.colour(plain.numbers), nuisance=colour.colour(plain.nuisance)
-        )
+        work = tempered(plain, Discrepancy.of(left, seen))
         made = fit(here, work, steps=STEPS)
         here = made.hypothesis
     return made

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.decision.calibrated import reweighted, within
+from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.held_out import HeldOut
 from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name, names
-from flexdyn.diagnose.decision.suspects import is_unmodelled
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis
@@ -80,9 +79,8 @@ class Corrected:
 def corrected(found: Posterior, plain: Workspace) -> Corrected:
     """Name what is established, and fit the model with it and no more.
 
-    What is called "A or B" stays in the model as A. Torques that no effect describes are left out of it, and its
-    numbers are then those with which it does without them. Where more than noise is left, something that has no name
-    may have bent the file's numbers: they are kept within their tolerance.
+    What is called "A or B" stays in the model as A. Where more than noise is left, something that has no name may have
+    bent the file's numbers: they are kept within their tolerance.
 
     Args:
         found: the posterior over structures.
@@ -95,8 +93,6 @@ def corrected(found: Posterior, plain: Workspace) -> Corrected:
     named = names(masses, best, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
-    if any(is_unmodelled(space.candidates[c]) for c in best):
-        made = reweighted(dataclasses.replace(plain, beliefs=found.fitted.space.beliefs), made.hypothesis)
     made = made if converged(made) else fit(made.hypothesis, made.space)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = not left(HeldOut(plain.equations, made.equations, plain.noise, plain.whiten), {})
@@ -109,7 +105,7 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
     if candidate.number is not None:
         return candidate.number in here.freed
     effect = effect_of(candidate, here)
-    return effect is not None and not is_unmodelled(candidate) and not effect.is_neutral
+    return effect is not None and not effect.is_neutral
 
 
 def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
@@ -119,10 +115,10 @@ def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
 
 
 def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
-    """Whether a candidate may be told as a rival: no unmodelled torque, and no number that stays in its tolerance."""
+    """Whether a candidate may be told as a rival: no number that stays in its tolerance."""
     candidate = space.candidates[c]
     if candidate.number is None:
-        return not is_unmodelled(candidate)
+        return True
     place = masses.place([c])
     if place is None:
         return False

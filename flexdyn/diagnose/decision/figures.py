@@ -136,7 +136,7 @@ def on_test(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Na
     over = None
     if windows is not None:
         over = Shots(*shots([here.given, first.calibrated.seen(), here.seen()], windows))
-    depends_on = dependence(found.candidates, sorted(found.masses.sets[0]), first.left)
+    depends_on = dependence(first.left)
     return OnTest(rows, over, _errors(rows, over), left(rows, depends_on), gains(rows, first.calibrated, found, named))
 
 

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.answer.measures import Left, Place
 from flexdyn.diagnose.decision.held_out import HeldOut, rms
 from flexdyn.diagnose.equations import LINK, TRANSMISSION
-from flexdyn.diagnose.inference.library import Candidate
-from flexdyn.diagnose.inference.unmodelled import Unmodelled
 
 Array = NDArray[np.float64]
 LEAST = 0.01
@@ -66,27 +64,13 @@ def _alike(white: Array, clear: NDArray[np.bool_]) -> int:
     return max(1, len(white) // 4)
 
 
-def dependence(
-    candidates: Sequence[Candidate], best: Sequence[int], places: Sequence[Place]
-) -> dict[str, tuple[str, ...]]:
-    """Quantities that the rest of every joint changes with.
-
-    Those of the unmodelled torques in the best structure; without one, those in whose range the residual stands out.
+def dependence(places: Sequence[Place]) -> dict[str, tuple[str, ...]]:
+    """Quantities that the rest of every joint changes with: those in whose range the residual stands out.
 
     Args:
-        candidates: of the search.
-        best: those of the best structure.
         places: where the residual of the corrected model stands out.
     """
-    found: dict[str, list[str]] = {}
-    for c in sorted(best):
-        proposal = candidates[c].proposal
-        if isinstance(proposal, Unmodelled):
-            found.setdefault(proposal.place["joint"], []).extend(proposal.depends_on)
-    for place in places:
-        if place.joint not in found:
-            found[place.joint] = quantities(place.regime)
-    return {joint: tuple(dict.fromkeys(names)) for joint, names in found.items()}
+    return {place.joint: tuple(dict.fromkeys(quantities(place.regime))) for place in reversed(places)}
 
 
 def quantities(regime: str) -> list[str]:

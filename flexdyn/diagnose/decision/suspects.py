@@ -10,7 +10,6 @@ from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space
-from flexdyn.diagnose.inference.unmodelled import PREFIX
 from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.effects import Effect, unit_for
 from flexdyn.effects.model_error import effect_place
@@ -20,14 +19,7 @@ PLACES = ("channel", "other", "frame", "of", "parameter")
 SIDES = {"rotor_inertia": "motor", "stiffness": "transmission", "damping": "transmission"}
 RANKED = 20
 """Structures that are told."""
-UNNAMED = "A smooth torque that no effect of the catalogue describes: it competes with every name and is no finding."
-
 FAR = "It was compared as an addition to the most probable structure alone, where it was far too improbable to go on."
-
-
-def is_unmodelled(candidate: Candidate) -> bool:
-    """Whether it is a torque that the catalogue does not describe, which is no finding."""
-    return candidate.kind.startswith(PREFIX)
 
 
 def suspect_of(
@@ -49,8 +41,6 @@ def suspect_of(
         place = {"of": number.of, "parameter": number.parameter}
         return Suspect("parameter_error", number.joint, side_of(model, number), numbers or {}, place, probability)
     kind = candidate.kind
-    if is_unmodelled(candidate):
-        kind = kind.replace(f"{PREFIX}_", f"{PREFIX}_torque_of_", 1)
     place = {key: value for key, value in candidate.place.items() if key in PLACES}
     effect = candidate.stands
     if effect is None and candidate.proposal is not None:
@@ -101,9 +91,8 @@ def considered(model: FlexibleJointModel, space: Space, masses: Masses) -> tuple
     found = []
     for c in masses.candidates:
         probability = masses.of_any([c])
-        note = UNNAMED if is_unmodelled(space.candidates[c]) else ""
         suspect = suspect_of(model, space.candidates[c], probability)
-        found.append(Considered(suspect, probability, masses.log_bayes_factor(c), note))
+        found.append(Considered(suspect, probability, masses.log_bayes_factor(c), ""))
     for gain, (c, _) in Scan(space).additions(masses.structures[0]):
         if c not in masses.candidates:
             probability = float(masses.probability[0]) * math.exp(min(gain, 0.0))

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose import columns
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.inference.unmodelled import Unmodelled, unmodelled
 from flexdyn.diagnose.motion import Motion
 from flexdyn.diagnose.own_effects import own_effects
 from flexdyn.diagnose.proposal import Point, Proposal, given
@@ -23,7 +22,7 @@ DELAYS = (0.0005, 0.001, 0.002, 0.004, 0.008)
 
 
 def everything(equations: Equations) -> list[Proposal]:
-    """Every effect of the catalogue and of users that the model does not hold yet, and unmodelled torques.
+    """Every effect of the catalogue and of users that the model does not hold yet.
 
     A lag is no small change where a spring is stiff, so it is taken on a grid; the recorded torque may lag as well.
     """
@@ -33,14 +32,12 @@ def everything(equations: Equations) -> list[Proposal]:
     channels = [f"{s}.{name}" for j, name in enumerate(true.joint_names) for s in there if there[s][j]]
     channels += [f"tau.{name}" for name in true.joint_names]
     lags = [given({"effect": ChannelLag.name, "channel": c}, ("delay",), [(d,) for d in DELAYS]) for c in channels]
-    found = [*plain, *lags, *own_effects(equations)[0], *unmodelled(equations)]
+    found = [*plain, *lags, *own_effects(equations)[0]]
     return [each for each in found if not any(each.is_of(effect) for effect in equations.model.effects)]
 
 
 def columns_of(equations: Equations, proposal: Proposal, point: Point) -> Array:
     """Derivatives of the residual (rows, linear numbers) of a proposal at a grid point."""
-    if isinstance(proposal, Unmodelled):
-        return proposal.columns(equations, point)
     return np.stack([_of_effect(equations, unit, scale) for unit, scale in proposal.units(point)], axis=1)
 
 

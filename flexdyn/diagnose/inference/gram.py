@@ -1,11 +1,11 @@
-"""Marginal likelihood of any structure from one Gram matrix.
+"""Marginal likelihood of any structure from the products of all columns.
 
-    y = X beta + e,   e ~ N(0, I),   beta ~ N(mu, diag(lambda)^-1)
-    log p(y | S) = -(y^T y + mu^T lambda mu)/2 + c^T A^-1 c/2 - log|A|/2 + log|lambda|/2
-    A = G_SS + lambda_S,   c = X_S^T y + lambda_S mu_S
+    y = X beta + e,   beta ~ N(mu, diag(lambda)^-1)
 
-(Bishop, 2006, 3.5.) G = X^T X and X^T y are computed once. Columns that every structure has are eliminated
-once (Schur's complement), so that a structure takes a Cholesky factor of its own columns alone.
+The rows of equation k have the weight w_k. With A = X^T W X + lambda and c = X^T W y + lambda mu, the coefficients are
+A^-1 c (Bishop, 2006, 3.5). Products are computed once for each equation; weights only add them up. Columns that every
+structure has are eliminated once (Schur's complement), so that a structure takes a Cholesky factor of its own columns
+alone.
 """
 
 from __future__ import annotations
@@ -45,80 +45,142 @@ class Estimate:
 
     Attributes:
         columns: of the matrix, in the order of what follows (k,).
-        log_likelihood: marginal, its positive coefficients' truncation included.
+        log_volume: of the posterior over that of the prior; truncation of positive coefficients included.
         mean: of the coefficients (k,).
         covariance: of the coefficients (k, k).
     """
 
     columns: Indices
-    log_likelihood: float
+    log_volume: float
     mean: Array
     covariance: Array
 
 
-class Gram:
-    """All columns' products, those of every structure eliminated.
+class Products:
+    """The columns of one equation that are not zero there, and their products.
 
     Args:
-        X: white columns (rows, columns); those from `used` on are empty.
-        y: white rows (rows,).
+        y: rows of the equation.
+        capacity: columns of all equations, at most.
+    """
+
+    def __init__(self, y: Array, capacity: int) -> None:
+        self.y, self.yy = y, float(y @ y)
+        self.place = np.full(capacity, -1, np.intp)
+        self.columns = np.zeros(0, np.intp)
+        self.X, self.G, self.b = np.zeros((len(y), 0), order="F"), np.zeros((0, 0)), np.zeros(0)
+
+    def add(self, columns: Indices, table: Array, spare: int = 0) -> None:
+        """Take columns in (rows, columns), with room for some more."""
+        there = np.flatnonzero(table.any(axis=0))
+        first, last = len(self.columns), len(self.columns) + len(there)
+        if last > self.X.shape[1]:
+            self._make_room(last + spare)
+        self.X[:, first:last] = table[:, there]
+        self.columns = np.concatenate([self.columns, columns[there]])
+        self.place[columns[there]] = np.arange(first, last)
+        new = self.X[:, first:last]
+        products = self.X[:, :last].T @ new
+        self.G[:last, first:last], self.G[first:last, :last] = products, products.T
+        self.b[first:last] = new.T @ self.y
+
+    def _make_room(self, size: int) -> None:
+        now = self.X.shape[1]
+        X, G, b = np.zeros((len(self.y), size), order="F"), np.zeros((size, size)), np.zeros(size)
+        X[:, :now], G[:now, :now], b[:now] = self.X, self.G, self.b
+        self.X, self.G, self.b = X, G, b
+
+    def _here(self, columns: Indices) -> tuple[Indices, NDArray[np.bool_]]:
+        place = self.place[columns]
+        return place[place >= 0], place >= 0
+
+    def squares(self, columns: Indices, values: Array) -> float:
+        """Sum of the squares of y - X beta."""
+        here, there = self._here(columns)
+        x = values[there]
+        return max(self.yy - 2.0 * float(self.b[here] @ x) + float(x @ self.G[np.ix_(here, here)] @ x), 0.0)
+
+    def sum(self, columns: Indices, values: Array) -> Array:
+        """X beta (rows,)."""
+        here, there = self._here(columns)
+        return np.asarray(self.X[:, here] @ values[there])
+
+
+class Gram:
+    """All columns' products under weights of the equations, those of every structure eliminated.
+
+    Args:
+        equations: their products.
+        weights: of the equations' squared rows.
         prior: of the coefficients.
         base: the first so many columns are in every structure.
         used: columns that are there.
     """
 
-    def __init__(self, X: Array, y: Array, prior: Prior, base: int, used: int) -> None:
-        self.X, self.y, self.prior, self.base, self.used = X, y, prior, base, used
-        first = X[:, :base]
+    def __init__(self, equations: Sequence[Products], weights: Array, prior: Prior, base: int, used: int) -> None:
+        self.equations, self.weights, self.prior, self.base, self.used = equations, weights, prior, base, used
+        capacity = len(prior.mean)
+        self.G, self.b, self.V = np.zeros((capacity,) * 2), np.zeros(capacity), np.zeros((base, capacity))
+        for w, each in zip(weights, equations, strict=True):
+            count = len(each.columns)
+            self.G[np.ix_(each.columns, each.columns)] += w * each.G[:count, :count]
+            self.b[each.columns] += w * each.b[:count]
         lam, mu = prior.precision[:base], prior.mean[:base]
-        self.factor = lower_factor(first.T @ first + np.diag(lam))
-        c = first.T @ y + lam * mu
-        self.z = solve_triangular(self.factor, c, lower=True)
-        self.constant = 0.5 * float(self.z @ self.z) - float(np.log(np.diag(self.factor)).sum())
-        self.constant += 0.5 * float(np.log(lam).sum()) - 0.5 * (float(y @ y) + float(mu @ (lam * mu)))
-        self.V = np.zeros((base, X.shape[1]))
-        self.G, self.b = np.zeros((X.shape[1],) * 2), np.zeros(X.shape[1])
-        self._fill(slice(base, used))
+        self.factor = lower_factor(self.G[:base, :base] + np.diag(lam))
+        self.z = solve_triangular(self.factor, self.b[:base] + lam * mu, lower=True)
+        self.log_volume = 0.5 * float(np.log(lam).sum()) - float(np.log(np.diag(self.factor)).sum())
+        self.inverse = solve_triangular(self.factor, np.eye(base), lower=True)
+        self._eliminate(slice(base, used))
 
-    def _fill(self, new: slice) -> None:
-        """Products of new columns with all that are there, less what the base explains."""
-        X = self.X[:, new]
-        self.V[:, new] = solve_triangular(self.factor, self.X[:, : self.base].T @ X, lower=True)
+    def _eliminate(self, new: slice) -> None:
+        """Take what the base explains off the products of new columns with all that are there."""
+        V = self.inverse @ self.G[: self.base, new]
+        self.V[:, new] = V
         known = slice(self.base, new.stop)
-        products = self.X[:, known].T @ X - self.V[:, known].T @ self.V[:, new]
+        products = self.G[known, new] - self.V[:, known].T @ V
         self.G[known, new], self.G[new, known] = products, products.T
-        self.b[new] = X.T @ self.y - self.V[:, new].T @ self.z
+        self.b[new] -= V.T @ self.z
 
     def grow(self, used: int) -> None:
         """More columns are there now."""
-        self._fill(slice(self.used, used))
+        new = np.arange(self.used, used)
+        for w, each in zip(self.weights, self.equations, strict=True):
+            mine = each.place[new]
+            mine, there = mine[mine >= 0], new[mine >= 0]
+            if len(there):
+                count = len(each.columns)
+                self.G[np.ix_(each.columns, there)] += w * each.G[:count, mine]
+                self.b[there] += w * each.b[mine]
+        self._eliminate(slice(self.used, used))
         self.used = used
 
     def estimate(self, columns: Indices) -> Estimate:
         """The posterior of one structure, of its own columns alone."""
         lam, mu = self.prior.precision[columns], self.prior.mean[columns]
         factor = lower_factor(self.G[np.ix_(columns, columns)] + np.diag(lam))
-        c = self.b[columns] + lam * mu
-        mean = cho_solve((factor, True), c)
+        mean = cho_solve((factor, True), self.b[columns] + lam * mu)
         covariance = cho_solve((factor, True), np.eye(len(columns)))
-        value = self.constant + 0.5 * float(c @ mean) - float(np.log(np.diag(factor)).sum())
-        value += 0.5 * float(np.log(lam).sum()) - 0.5 * float(mu @ (lam * mu))
+        volume = self.log_volume + 0.5 * float(np.log(lam).sum()) - float(np.log(np.diag(factor)).sum())
         bounded = self.prior.positive[columns]
         ratio = mean[bounded] / np.sqrt(np.maximum(np.diag(covariance)[bounded], 1e-300))
-        value += float((log_ndtr(ratio) - log_ndtr(mu[bounded] * np.sqrt(lam[bounded]))).sum())
-        return Estimate(columns, value, mean, covariance)
+        volume += float((log_ndtr(ratio) - log_ndtr(mu[bounded] * np.sqrt(lam[bounded]))).sum())
+        return Estimate(columns, volume, mean, covariance)
+
+    def with_base(self, own: Estimate) -> tuple[Indices, Array]:
+        """Columns of a structure with those of every structure before them, and the coefficients of all."""
+        first = self.inverse.T @ (self.z - self.V[:, own.columns] @ own.mean)
+        order = np.concatenate([np.arange(self.base), own.columns]).astype(np.intp)
+        return order, np.concatenate([first, own.mean])
 
     def whole(self, columns: Indices) -> Estimate:
-        """The same with the columns of every structure before its own."""
+        """The posterior of one structure, the columns of every structure before its own."""
         own = self.estimate(columns)
         V = self.V[:, columns]
-        inverse = solve_triangular(self.factor, np.eye(self.base), lower=True)
-        first = inverse.T @ (self.z - V @ own.mean)
-        cross = -inverse.T @ V @ own.covariance
-        corner = inverse.T @ inverse + inverse.T @ V @ own.covariance @ V.T @ inverse
+        cross = -self.inverse.T @ V @ own.covariance
+        corner = self.inverse.T @ (np.eye(self.base) + V @ own.covariance @ V.T) @ self.inverse
         covariance = np.block([[corner, cross], [cross.T, own.covariance]])
-        order = np.concatenate([np.arange(self.base), columns]).astype(np.intp)
-        return Estimate(order, own.log_likelihood, np.concatenate([first, own.mean]), covariance)
+        order, mean = self.with_base(own)
+        return Estimate(order, own.log_volume, mean, covariance)
 
     def additions(self, columns: Indices, groups: Sequence[Indices]) -> Array:
         """What each group of columns would add to the log marginal likelihood of a structure.

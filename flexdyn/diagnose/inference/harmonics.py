@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.inference.discrepancy import Autoregression
+from flexdyn.diagnose.inference.autoregression import Autoregression
 
 Array = NDArray[np.float64]
 MOST = 200.0

@@ -14,7 +14,6 @@ from flexdyn.diagnose.columns import of_parameter
 from flexdyn.diagnose.equations import MOTOR, TOTAL, TRANSMISSION, Equations
 from flexdyn.diagnose.hypothesis import Hypothesis, kind_and_place
 from flexdyn.diagnose.inference.catalogue import columns_of
-from flexdyn.diagnose.inference.unmodelled import Unmodelled
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.linear import tangent_scale
 from flexdyn.diagnose.numbers import FileNumber
@@ -196,8 +195,6 @@ class Library:
         scale = SHARE / np.maximum(largest, self._given_size(proposal, point, largest))
         scale = np.minimum(scale, NATURAL_SIZE.get(proposal.place["effect"], np.inf))
         signs = np.array([*proposal.positive, *[False] * width][:width])
-        if isinstance(proposal, Unmodelled):
-            scale = scale / np.sqrt(width)
         gained = self._rows_of(proposal.place["joint"]) if proposal.place["effect"] == TorqueConstantError.name else 0
         return Column(white, scale, np.zeros(width), signs, largest, gained=gained)
 
@@ -269,8 +266,6 @@ class Library:
         Elsewhere the column of a gain is made of the torque that the model needs, which has no noise of the record.
         """
         j = self.equations.true.index(joint)
-        if not self.equations.made_up[j]:
-            return 0
         which = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
         return int((~self.mask.reshape(-1, len(self.equations.kinds))[:, which]).sum())
 

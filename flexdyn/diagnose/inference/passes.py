@@ -16,15 +16,14 @@ from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.filters import FIRST, Filters
 from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.apart import standing_out
+from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.catalogue import everything
-from flexdyn.diagnose.inference.discrepancy import MOST_ORDER, Discrepancy, runs_of
+from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.harmonics import peaks
 from flexdyn.diagnose.inference.library import WAVES, Library
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
-from flexdyn.diagnose.inference.unmodelled import Unmodelled
-from flexdyn.diagnose.inference.whitening import Coloured
+from flexdyn.diagnose.inference.whitening import Tempered
 from flexdyn.diagnose.linear import linearised
 from flexdyn.diagnose.mask import sign_mask
 from flexdyn.diagnose.noise import torque_noise
@@ -36,7 +35,7 @@ from flexdyn.effects import Effect, JointElasticity
 Array = NDArray[np.float64]
 PASSES = 5
 """Linearisations at most."""
-ROUNDS = 8
+ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
 STRONG = 0.1
 """Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
@@ -87,7 +86,8 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
             at = bare.equations.of(here.model())
             noise = _quieter(recorded, at, mask)
             work = weighed(bare, noise, mask)
-        runs = runs_of(mask, [at.filters.count(len(along.t)) for along in at.motions], len(at.kinds))
+        seen = rows_of(at, mask)
+        runs = runs_of(mask, list(seen.lengths), len(at.kinds))
         made = linearised(here, work, at=at)
         count = len(here.factors)
         numbers = made.regression.X[:, :count] if made.free is None else made.free.X[:, :count]
@@ -96,11 +96,11 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
             at, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise.tau, mask, first
         )
         first = first or columns
-        space = Space(columns, work.whiten(at.residual))
+        space = Space(columns, work.whiten(at.residual), seen)
         stands = frozenset(
             (c, 0) for c, each in enumerate(space.candidates) if each.stands is not None or each.number in here.freed
         )
-        best = _compared(space, stands, runs)
+        best = _compared(space, stands)
         there = hypothesis_of(space, _strong(space, best, stands, STRONG ** (k + 1)), here)
         name = frozenset(_identity(space, each) for each in best)
         settled = _nonlinear(space, best) == _nonlinear(space, stands) or name in compared
@@ -111,8 +111,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
             there = hypothesis_of(space, best, here, whole=True)
         beliefs = columns.beliefs(there.effects)
         for _ in range(WEIGHTINGS):
-            order = MOST_ORDER if settled else 0
-            work = _for_fit(bare, noise, mask, runs, there, order, _smooth(space, best, at))
+            work = _for_fit(bare, noise, mask, seen, there)
             work = dataclasses.replace(work, beliefs=beliefs)
             fitted = _natural(fit(there, work, steps=STEPS if not settled else 8), space, work)
             there = fitted.hypothesis
@@ -133,36 +132,32 @@ def _quieter(recorded: Noise, at: Equations, mask: NDArray[np.bool_]) -> Noise:
     return dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
 
 
-def _smooth(space: Space, structure: Structure, at: Equations) -> Array:
-    """Derivatives of the residual by a structure's unmodelled torques, over their priors (rows, features)."""
-    parts = [np.zeros((len(at.residual), 0))]
-    for c, p in sorted(structure):
-        proposal = space.candidates[c].proposal
-        if isinstance(proposal, Unmodelled):
-            parts.append(proposal.columns(at, ()) / np.sqrt(space.prior.precision[space.candidates[c].columns[p]]))
-    return np.concatenate(parts, axis=1)
-
-
 def _for_fit(
-    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_], runs: NDArray[np.intp], there: Hypothesis, order: int,
-    smooth: Array,
+    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_], seen: Seen, there: Hypothesis
 ) -> Workspace:  # fmt: skip
     """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
 
-    Unmodelled torques are fitted along with it. What the first filter does to laws with corners is left out: where a
-    law is still wrong it would excuse that.
+    What the first filter does to laws with corners is left out: where a law is still wrong it would excuse that.
     """
     plain = weighed(bare, noise, mask)
-    left, extra = plain.whiten(bare.equations.of(there.model()).residual), plain.whiten(smooth)
-    if extra.shape[1]:
-        inner = np.linalg.solve(extra.T @ extra + np.eye(extra.shape[1]), extra.T @ left)
-        left = left - extra @ inner
-    colour = Coloured.of(plain.whiten, Discrepancy.of(left, runs, order))
-    nuisance = colour.colour(np.concatenate([plain.nuisance, extra], axis=1))
-    sigma = np.concatenate([plain.nuisance_sigma, np.ones(extra.shape[1])])
+    error = Discrepancy.of(plain.whiten(bare.equations.of(there.model()).residual), seen)
+    return tempered(plain, error)
+
+
+def tempered(plain: Workspace, error: Discrepancy) -> Workspace:
+    """Weights by the sensors' noise and a model error together."""
     return dataclasses.replace(
-        plain, whiten=colour, numbers=colour.colour(plain.numbers), nuisance=nuisance, nuisance_sigma=sigma
+        plain,
+        whiten=Tempered.of(plain.whiten, error),
+        numbers=error.whiten(plain.numbers),
+        nuisance=error.whiten(plain.nuisance),
     )
+
+
+def rows_of(at: Equations, mask: NDArray[np.bool_]) -> Seen:
+    """Which rows of the equations say something."""
+    lengths = tuple(at.filters.count(len(along.t)) for along in at.motions)
+    return Seen(~mask.reshape(-1, len(at.kinds)), lengths)
 
 
 def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
@@ -184,23 +179,24 @@ def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
     return fit(dataclasses.replace(fitted.hypothesis, effects=effects), work, steps=2)
 
 
-def _compared(space: Space, stands: Structure, runs: NDArray[np.intp]) -> Structure:
+def _compared(space: Space, stands: Structure) -> Structure:
     """The best structure at a linearisation, under the model error that it leaves."""
-    space.under(Discrepancy.none(runs))
-    space.under(Discrepancy.of(space.left(None), runs))
+    space.under(_nothing(space))
+    space.under(Discrepancy.of(space.left(stands), space.seen))
     best, seen = stands, set[Structure]()
     for _ in range(ROUNDS):
-        allowed = frozenset(each for each in stands if each[0] not in space.excluded)
-        best = explore(space, [allowed, best], 0)
+        best = explore(space, [best], 0)
         if best in seen:
-            kept = standing_out(space, best)
-            if kept == best:
-                break
-            space.excluded |= {c for c, _ in best - kept}
-            best, seen = kept, set()
+            break
         seen.add(best)
-        space.under(Discrepancy.of(space.left(best), runs))
+        space.under(Discrepancy.of(space.left(best), space.seen))
     return best
+
+
+def _nothing(space: Space) -> Discrepancy:
+    """No model error: what is left is the sensors' noise."""
+    one = np.ones(len(space.equations))
+    return Discrepancy(one, one, space.seen.count)
 
 
 def _strong(space: Space, best: Structure, stands: Structure, least: float) -> Structure:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betaln
 
+from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.space import NATURAL, ODDS, Space, Structure
@@ -44,7 +45,7 @@ class Scan:
                     self.owner += [(c, p) for p in range(len(each.points))]
             self.tables.append(np.array(rows))
         self.of = np.array([c for c, _ in self.owner])
-        cost = [self.space.cost[candidates[c].columns[p][0]] for c, p in self.owner]
+        cost = [self.space.costs(c, p) for c, p in self.owner]
         self.grid = np.array(cost) - np.log([candidates[c].choices for c in self.of])
         waves = [(k, candidates[c], candidates[c].points[p]) for k, (c, p) in enumerate(self.owner)]
         odd = [
@@ -134,6 +135,7 @@ def _climb(scan: Scan, start: Structure, done: set[Structure]) -> None:
     here = start
     scan.space.value(here)
     while here not in done:
+        scan.space.weigh(Discrepancy.of(scan.space.left(here), scan.space.seen))
         _neighbours(scan, here, done)
         best = scan.space.best()
         if scan.space.known[best] <= scan.space.known[here]:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betaln, log_ndtr
 
-from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior
+from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
+from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior, Products
 from flexdyn.diagnose.inference.library import Candidate, Column, Library
-from flexdyn.diagnose.inference.unmodelled import Unmodelled
 from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
@@ -48,14 +47,15 @@ class Space:
     Args:
         library: that makes the columns.
         rows: what the start leaves, white but for the model error (rows,).
+        seen: rows that say something.
     """
 
-    def __init__(self, library: Library, rows: Array) -> None:
-        self.library = library
+    def __init__(self, library: Library, rows: Array, seen: Seen) -> None:
+        self.library, self.seen = library, seen
         self.excluded: set[int] = set()
         self.candidates, made = library.candidates()
         standing = [column for each, column in zip(self._owners(), made, strict=True) if each.stands is not None]
-        self.rows = rows - sum((each.white[:, 0] for each in standing), np.zeros_like(rows))
+        rows = rows - sum((each.white[:, 0] for each in standing), np.zeros_like(rows))
         first = [library.always(), *self._negligible(made)]
         columns = [*first, *made]
         self.base = sum(len(each.std) for each in first)
@@ -64,12 +64,13 @@ class Space:
             candidate.columns = [each + shift for each in candidate.columns]
         self.used = sum(len(each.std) for each in columns)
         capacity = self.used + SPARE
-        self.raw = np.zeros((len(rows), capacity), order="F")
+        many = len(seen.count)
+        y = -rows.reshape(-1, many)
+        self.equations = [Products(y[:, k], capacity) for k in range(many)]
         self.size, self.cost, self.gained = np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
+        self.of = np.zeros(capacity, np.intp)
         self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
-        place = 0
-        for each in columns:
-            place = self._put(place, each)
+        self._put(0, columns, SPARE)
         self.places = self._counted(self.candidates)
 
     def _negligible(self, made: list[Column]) -> list[Column]:
@@ -77,10 +78,7 @@ class Space:
         effects = [
             _tangents(column) if candidate.stands else column
             for candidate, column in zip(self._owners(), made, strict=True)
-            if candidate.proposal is not None
-            and len(candidate.proposal.grid) == 1
-            and not candidate.proposal.fixed
-            and not isinstance(candidate.proposal, Unmodelled)
+            if candidate.proposal is not None and len(candidate.proposal.grid) == 1 and not candidate.proposal.fixed
         ]
         return [
             dataclasses.replace(
@@ -100,24 +98,38 @@ class Space:
             places[each.kind] = places.get(each.kind, 0) + 1
         return places
 
-    def _put(self, place: int, column: Column) -> int:
-        end = place + len(column.std)
-        self.raw[:, place:end] = column.white
-        self.prior.precision[place:end] = 1.0 / column.std**2
-        self.prior.mean[place:end] = column.mean
-        self.size[place:end] = column.size
-        self.cost[place], self.gained[place] = column.log_jacobian, column.gained
-        self.prior.positive[place:end] = column.positive
-        return end
+    def _put(self, place: int, columns: Sequence[Column], spare: int = 0) -> int:
+        """Take blocks of columns in from a place on; the end of them."""
+        table = np.concatenate([each.white for each in columns], axis=1)
+        end = place + table.shape[1]
+        table = table.reshape(len(self.seen.valid), -1, end - place)
+        for k, equation in enumerate(self.equations):
+            equation.add(np.arange(place, end), table[:, k], spare)
+        self.of[place:end] = np.einsum("tkc,tkc->kc", table, table).argmax(axis=0)
+        for each in columns:
+            end = int(place + len(each.std))
+            self.prior.precision[place:end] = 1.0 / each.std**2
+            self.prior.mean[place:end] = each.mean
+            self.size[place:end] = each.size
+            self.cost[place], self.gained[place] = each.log_jacobian, each.gained
+            self.prior.positive[place:end] = each.positive
+            place = end
+        return int(end)
 
     def under(self, noise: Discrepancy) -> None:
-        """Take all products anew, under another model error."""
+        """Compare under a model error from now on."""
         self.noise = noise
         self.known: dict[Structure, float] = {}
-        self.white = np.zeros_like(self.raw)
-        self.white[:, : self.used] = noise.innovations(self.raw[:, : self.used])
-        self.y = -noise.innovations(self.rows[:, None])[:, 0]
-        self.gram = Gram(self.white, self.y, self.prior, self.base, self.used)
+        self.weigh(noise)
+
+    def weigh(self, noise: Discrepancy) -> None:
+        """Take coefficients under the weights of another model error; how many rows tell one thing stays."""
+        weights = 1.0 / (noise.scale**2 * self.noise.times)
+        self.gram = Gram(self.equations, weights, self.prior, self.base, self.used)
+
+    def tempered(self, column: int) -> float:
+        """Independent pieces of evidence in a row of the equation that a column is about most [1]."""
+        return 1.0 / float(self.noise.times[self.of[column]])
 
     def grow(self, c: int, point: tuple[float, ...]) -> int | None:
         """Another grid point of a candidate; its place, or None where it does nothing."""
@@ -127,11 +139,9 @@ class Space:
         if point in candidate.points:
             return candidate.points.index(point)
         column = self.library.columns(candidate.proposal, point)
-        if column is None or self.used + len(column.std) > self.raw.shape[1]:
+        if column is None or self.used + len(column.std) > len(self.size):
             return None
-        first, self.used = self.used, self._put(self.used, column)
-        new = slice(first, self.used)
-        self.white[:, new] = self.noise.innovations(self.raw[:, new])
+        first, self.used = self.used, self._put(self.used, [column])
         self.gram.grow(self.used)
         candidate.points.append(point)
         candidate.columns.append(np.arange(first, self.used))
@@ -147,10 +157,15 @@ class Space:
         return self.gram.whole(self.columns(structure))
 
     def value(self, structure: Structure) -> float:
-        """Log posterior of a structure, not normalised; remembered."""
+        """Log posterior of a structure, not normalised, the size of its model error the most likely one; remembered."""
         if structure not in self.known:
             own = self.gram.estimate(self.columns(structure))
-            self.known[structure] = own.log_likelihood + self.log_prior(structure) + self.log_large(structure, own)
+            columns, mean = self.gram.with_base(own)
+            squares = np.array([each.squares(columns, mean) for each in self.equations])
+            off = mean - self.prior.mean[columns]
+            value = self.noise.log_likelihood(squares) - 0.5 * float(off @ (self.prior.precision[columns] * off))
+            value += own.log_volume + self.log_prior(structure) + self.log_large(structure, own)
+            self.known[structure] = value
         return self.known[structure]
 
     def log_large(self, structure: Structure, own: Estimate) -> float:
@@ -168,7 +183,8 @@ class Space:
                 continue
             if self.gained[columns[0]] > 0.0:
                 # The rows are in applied torque: those of recorded torque have the density of (1 + gain) times as much.
-                total += self.gained[columns[0]] * math.log(max(1.0 + float(own.mean[here][0]), 0.01))
+                rows = self.gained[columns[0]] * self.tempered(columns[0])
+                total += rows * math.log(max(1.0 + float(own.mean[here][0]), 0.01))
             weight = self.size[columns]
             share = float(np.sqrt(((weight * own.mean[here]) ** 2).sum())) * self._own_part(c, columns, own.mean[here])
             spread = float(np.sqrt((weight**2 * np.diag(own.covariance)[here]).sum()))
@@ -210,7 +226,7 @@ class Space:
         for c, p in structure:
             candidate = self.candidates[c]
             chosen[candidate.kind] = chosen.get(candidate.kind, 0) + 1
-            total += float(self.cost[candidate.columns[p][0]]) - math.log(candidate.choices)
+            total += self.costs(c, p) - math.log(candidate.choices)
             if "harmonic" in candidate.names and candidate.stands is None:
                 total -= 0.0 if candidate.points[p][0] in candidate.natural(candidate.points[p][0]) else NATURAL
         a, b = ODDS
@@ -219,11 +235,16 @@ class Space:
             total += float(betaln(m + a, n - m + b) - betaln(a, n + b))
         return total
 
+    def costs(self, c: int, p: int) -> float:
+        """What a law that forgets the recorded torque costs."""
+        column = int(self.candidates[c].columns[p][0])
+        return float(self.cost[column]) * self.tempered(column)
+
     def left(self, structure: Structure | None) -> Array:
         """What a structure leaves, white but for the model error (rows,); None: all candidates at once."""
         chosen = np.arange(self.base, self.used) if structure is None else self.columns(structure)
-        whole = self.gram.whole(chosen)
-        return np.asarray(self.rows + self.raw[:, whole.columns] @ whole.mean)
+        columns, mean = self.gram.with_base(self.gram.estimate(chosen))
+        return -np.stack([each.y - each.sum(columns, mean) for each in self.equations], axis=1).ravel()
 
 
 def _same(one: Candidate, other: Candidate) -> bool:

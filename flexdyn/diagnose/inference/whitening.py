@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Coloured(Whitener):
-    """A whitener whose rows are then those of a model error.
+class Tempered(Whitener):
+    """A whitener whose rows then count as a model error lets them.
 
     Attributes:
         error: the model error.
@@ -24,15 +24,10 @@ class Coloured(Whitener):
     error: Discrepancy
 
     @classmethod
-    def of(cls, sensors: Whitener, error: Discrepancy) -> Coloured:
+    def of(cls, sensors: Whitener, error: Discrepancy) -> Tempered:
         """After a whitening by the sensors' noise."""
         return cls(sensors.factor, sensors.mask, error)
 
     def __call__(self, rows: Array) -> Array:
         """White rows of unit variance (rows, ...); zero where masked."""
-        return self.colour(super().__call__(rows))
-
-    def colour(self, white: Array) -> Array:
-        """The same of rows that are white but for the model error."""
-        table = white.reshape(len(white), -1)
-        return np.asarray(self.error.innovations(table)).reshape(white.shape)
+        return self.error.whiten(super().__call__(rows))
