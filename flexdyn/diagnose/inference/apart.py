@@ -1,4 +1,13 @@
-"""Effects that stand out of what is left unexplained: one no larger than that cannot be told from it."""
+"""Whether an effect is what its name says, or an imitation of something that the catalogue lacks.
+
+What is left unexplained shows that something without a name is there. The nearest law of the catalogue takes some
+share of it, and then stands out of the rest. With R the power of an effect's own part over that of what is left, an
+imitation takes a share 1/(1 + 1/R) of what it imitates. If all shares are equally likely, one as large or larger has
+the probability 1/(1 + R). With prior odds c that a drive has the effect rather than something unknown that looks like
+it,
+
+    p(genuine) = c (1 + R) / (1 + c (1 + R))
+"""
 
 from __future__ import annotations
 
@@ -8,8 +17,31 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.inference.space import Space, Structure
 
 Array = NDArray[np.float64]
-LARGER = 1.0
-"""Power of an effect's own part over that of what is left at its joint, from which it stands out [1]."""
+EVERYWHERE, OFTEN, SELDOM = 100.0, 20.0, 1.0
+"""Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest."""
+COMMON = {
+    "viscous_friction": EVERYWHERE,
+    "coulomb_friction": EVERYWHERE,
+    "stribeck_friction": OFTEN,
+    "asymmetric_friction": OFTEN,
+    "load_dependent_friction": OFTEN,
+    "joint_coupling": OFTEN,
+    "joint_elasticity": OFTEN,
+    "channel_lag": OFTEN,
+    "command_delay": OFTEN,
+    "rotor_inertia": OFTEN,
+}
+
+
+def genuine(kind: str, share: float) -> float:
+    """Probability that an effect is what its name says.
+
+    Args:
+        kind: of the effect.
+        share: power of its own part over that of what is left [1].
+    """
+    odds = COMMON.get(kind, SELDOM) * (1.0 + min(share, 1e12))
+    return odds / (1.0 + odds)
 
 
 def shares(space: Space, structure: Structure) -> dict[int, float]:
@@ -24,9 +56,6 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
     excess = np.maximum(squares - space.seen.count, 0.0)
     found = {}
     for each in sorted(structure):
-        candidate = space.candidates[each[0]]
-        if candidate.number is not None:
-            continue  # of a number, its tolerance says how large it must be
         power = _own_power(space, structure, each, value)
         found[each[0]] = float(power.sum()) / max(float(excess[power > 0.01 * power.max()].sum()), 1e-300)
     return found
@@ -36,9 +65,11 @@ def _own_power(space: Space, structure: Structure, each: tuple[int, int], value:
     """Squares of what an effect does that all others, and the file's numbers, cannot do (equations,)."""
     numbers = space.library.numbers.shape[1]
     mine = space.candidates[each[0]].columns[each[1]]
+    if space.candidates[each[0]].number is not None:  # its column within the tolerance, and that of what is beyond
+        mine = np.array([each[0], *mine], np.intp)
     others = [k for other in structure if other != each for k in space.candidates[other[0]].columns[other[1]].tolist()]
     plain = [k for c in space.contained[each[0]] for k in space.candidates[c].columns[0].tolist()]
-    columns = np.array([*range(numbers), *others, *plain], np.intp)
+    columns = np.setdiff1d(np.array([*range(numbers), *others, *plain], np.intp), mine)
     does = np.array([value[int(k)] for k in mine])
     rows = np.stack([equation.sum(mine, does) for equation in space.equations], axis=1)
     scale = 1.0 / np.sqrt(space.prior.precision[columns])
