@@ -40,6 +40,7 @@ class Corrected:
         candidates: that were compared.
         space: that compared them.
         explained: whether the equations of the fit leave no more than noise.
+        genuine: by candidate, probability that it is no imitation of something that the catalogue lacks [1].
     """
 
     fitted: Fit
@@ -48,6 +49,7 @@ class Corrected:
     candidates: tuple[Candidate, ...]
     space: Space
     explained: bool
+    genuine: dict[int, float]
 
     @property
     def hypothesis(self) -> Hypothesis:
@@ -92,7 +94,7 @@ def corrected(found: Posterior, plain: Workspace) -> Corrected:
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     share = shares(space, found.best)
-    own = {c: genuine(space.candidates[c].kind, share[c]) for c in best}
+    own = {c: genuine(space.candidates[c].kind, each) for c, each in share.items()}
     named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
@@ -100,7 +102,7 @@ def corrected(found: Posterior, plain: Workspace) -> Corrected:
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = not left(HeldOut(plain.equations, made.equations, plain.noise, plain.whiten), {})
     made = made if explained else within(made)
-    return Corrected(made, kept, masses, tuple(space.candidates), space, explained)
+    return Corrected(made, kept, masses, tuple(space.candidates), space, explained, own)
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:

@@ -1,0 +1,192 @@
+"""How far effects stand out of what is left, against columns that are orthogonal and least squares."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.inference.apart import COMMON, SELDOM, genuine, shares
+from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.space import Structure
+from flexdyn.diagnose.numbers import FileNumber
+from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column
+
+Array = NDArray[np.float64]
+ROWS = TIMES * EQUATIONS
+NUMBER = FileNumber("a", "rotor_inertia", 0.1, 0.1, "a")
+
+
+def _orthogonal(many: int, size: float, seed: int = 0) -> Array:
+    """Forms of the first equation (many, rows) that are orthogonal, each of such a root of its sum of squares."""
+    table = np.zeros((many, TIMES, EQUATIONS))
+    table[:, :, 0] = size * np.linalg.qr(np.random.default_rng(seed).standard_normal((TIMES, many)))[0].T
+    return np.asarray(table.reshape(many, ROWS))
+
+
+def _effect(kind: str, *forms: Array, joint: str = "a", std: float = 0.4) -> Given:
+    return Given(kind, joint, (column(np.stack(forms, axis=1), std),))
+
+
+def _numbers(*forms: Array, std: float = 1e-6) -> tuple[Given, ...]:
+    """The file's numbers, each set free."""
+    return tuple(Given("rotor_inertia", "a", (column(each[:, None], 1.0),), number=NUMBER) for each in forms)
+
+
+def _case(effects: tuple[Given, ...], rows: Array, *numbers: Array, std: float = 1e-6) -> Case:
+    return Case((*_numbers(*numbers), *effects), column(np.stack(numbers, axis=1), std), rows)
+
+
+def _oracle(case: Case, structure: Structure, noise: Discrepancy) -> dict[int, float]:
+    """Own parts by least squares on all rows, those of the priors below them."""
+    at, found = case.dense(structure, noise), {}
+    root = np.tile(1.0 / (noise.scale * np.sqrt(noise.times)), TIMES)[:, None]
+    excess = np.maximum(at.squares - case.seen.count, 0.0)
+    for k, (c, _) in enumerate(sorted(structure)):
+        me = case.given[c]
+        others = [block for i, block in enumerate(at.blocks) if i != k]
+        always = [j for j in range(len(case.always.std)) if me.number is None or j != c]
+        does = at.blocks[k].white @ at.mean[at.own[k]]
+        if me.number is not None:
+            does = does + case.always.white[:, c] * at.mean[c]
+        if me.kind == "asymmetric_friction":
+            plain = [each for each in case.given if each.kind == "coulomb_friction" and each.joint == me.joint]
+            others += [each.columns[0] for each in plain]
+        X = np.concatenate([case.always.white[:, always], *(each.white for each in others)], axis=1)
+        std = np.concatenate([case.always.std[always], *(each.std for each in others)])
+        right = np.concatenate([root[:, 0] * does, np.zeros(len(std))])
+        best = np.linalg.lstsq(np.concatenate([root * X, np.diag(1.0 / std)]), right, rcond=None)[0]
+        power = ((does - X @ best).reshape(-1, EQUATIONS) ** 2).sum(axis=0)
+        found[c] = float(power.sum() / excess[power > 0.01 * power.max()].sum())
+    return found
+
+
+def test_an_orthogonal_effect_has_all_that_it_does() -> None:
+    """Own power over what is left beyond the sensors' noise, by the sums of squares of forms that are known."""
+    number, one, two, rest = _orthogonal(4, 100.0)
+    case = _case((_effect("viscous_friction", one), _effect("backlash", two)), -one - 0.5 * two + 0.2 * rest, number)
+    found = shares(case.space(), frozenset({(1, 0), (2, 0)}))
+    excess = (0.2 * 100.0) ** 2 - TIMES
+    # The prior's mean of zero takes some 1/(1 + 40^2) of each coefficient.
+    assert found == {1: pytest.approx(1e4 / excess, rel=5e-3), 2: pytest.approx(0.25e4 / excess, rel=5e-3)}
+
+
+def test_what_is_left_at_other_equations_does_not_matter() -> None:
+    """Of an effect that acts on the first equation alone."""
+    number, one, rest = _orthogonal(3, 100.0)
+    other = np.zeros((TIMES, EQUATIONS))
+    other[:, 1] = 50.0
+    rows = -one + 0.2 * rest
+    found = [
+        shares(_case((_effect("viscous_friction", one),), left, number).space(), frozenset({(1, 0)}))[1]
+        for left in (rows, rows + other.ravel())
+    ]
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+
+
+def test_without_anything_left_every_effect_stands_out() -> None:
+    """However small it is."""
+    number, one, two = _orthogonal(3, 100.0)
+    case = _case((_effect("viscous_friction", one), _effect("backlash", two)), -one - 0.01 * two, number)
+    assert min(shares(case.space(), frozenset({(1, 0), (2, 0)})).values()) > 1e6
+
+
+def test_a_copy_of_another_effect_has_none() -> None:
+    """Both do the same: neither has a part of its own; without the other one, each has all of it."""
+    number, one, rest = _orthogonal(3, 100.0)
+    case = _case((_effect("viscous_friction", one), _effect("backlash", one)), -one + 0.2 * rest, number)
+    space = case.space()
+    both = shares(space, frozenset({(1, 0), (2, 0)}))
+    assert max(both.values()) < 1e-4
+    for c in (1, 2):
+        assert shares(space, frozenset({(c, 0)}))[c] > 20.0
+
+
+@pytest.mark.parametrize("joint", ["a", "b"])
+def test_a_law_counts_what_the_plainer_one_that_it_contains_cannot_do(joint: str) -> None:
+    """Asymmetric friction is Coulomb friction and a difference; at another joint Coulomb friction does not matter."""
+    number, plain, difference, rest = _orthogonal(4, 100.0)
+    law = _effect("asymmetric_friction", plain + difference, plain - difference)
+    rows = -(0.9 * plain + 0.3 * difference) + 0.2 * rest
+    case = _case((law, _effect("coulomb_friction", plain, joint=joint)), rows, number)
+    found = shares(case.space(), frozenset({(1, 0)}))[1]
+    own = 0.3**2 if joint == "a" else 0.9**2 + 0.3**2
+    assert found == pytest.approx(own * 1e4 / (0.2**2 * 1e4 - TIMES), rel=2e-2)
+
+
+@pytest.mark.parametrize(("tolerance", "left"), [(1e-5, 1.0), (1e-2, 0.25), (10.0, 0.0)])
+def test_a_number_takes_what_its_tolerance_allows(tolerance: float, left: float) -> None:
+    """An effect that a number of the file could be: by ridge regression ``1/(1 + tolerance^2 |x|^2)`` is left of it."""
+    one, rest = _orthogonal(2, 100.0)
+    case = _case((_effect("viscous_friction", one),), -one + 0.2 * rest, one, std=tolerance)
+    mean = case.dense(frozenset({(1, 0)}), case.noise()).mean[-1]
+    found = shares(case.space(), frozenset({(1, 0)}))[1] / (mean**2 * 1e4 / (0.2**2 * 1e4 - TIMES))
+    assert found == pytest.approx((1.0 + tolerance**2 * 1e4) ** -2, rel=1e-2, abs=1e-6)
+    assert found == pytest.approx(left, abs=0.01)
+
+
+def test_a_number_that_is_wrong_stands_out_by_all_that_it_does() -> None:
+    """Within its tolerance and beyond it; other numbers take what they could do."""
+    one, two, rest = _orthogonal(3, 100.0)
+    for tolerance in (1e-5, 1e-2, 0.3):
+        case = _case((), -0.5 * (one + two) + 0.2 * rest, one, two, std=tolerance)
+        found = shares(case.space(), frozenset({(0, 0)}))
+        # The second number is held by its tolerance, so what it is wrong by is left.
+        missing = 0.5 / (1.0 + tolerance**2 * 1e4)
+        excess = 1e4 * (0.2**2 + missing**2) - TIMES
+        assert found == {0: pytest.approx(0.25e4 / excess, rel=1e-2)}
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    seed=st.integers(0, 10_000),
+    scale=st.tuples(st.floats(1.0, 10.0), st.floats(1.0, 10.0)),
+    times=st.tuples(st.floats(1.0, 30.0), st.floats(1.0, 30.0)),
+    chosen=st.sets(st.integers(0, 5), min_size=1),
+)
+def test_shares_are_those_of_least_squares(
+    seed: int, scale: tuple[float, float], times: tuple[float, float], chosen: set[int]
+) -> None:
+    """Of any structure, its columns alike and in both equations, under any model error."""
+    draw = np.random.default_rng(seed)
+    forms = draw.standard_normal((8, ROWS)) + 0.7 * draw.standard_normal(ROWS)
+    forms[3, ::EQUATIONS] = 0.0
+    effects = (
+        _effect("viscous_friction", forms[2]),
+        _effect("backlash", forms[3], forms[4]),
+        _effect("asymmetric_friction", forms[5], forms[6]),
+        _effect("coulomb_friction", forms[5] + 0.3 * forms[7]),
+    )
+    case = _case(effects, 5.0 * draw.standard_normal(ROWS) + draw.standard_normal(8) @ forms, *forms[:2], std=0.05)
+    # Coulomb friction does not stand beside the law that contains it.
+    structure = frozenset((c, 0) for c in chosen if c != 5 or 4 not in chosen)
+    noise = case.noise(scale, times)
+    found, wanted = shares(case.space(noise), structure), _oracle(case, structure, noise)
+    assert found.keys() == wanted.keys()
+    for c, each in found.items():
+        assert each == pytest.approx(wanted[c], rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["viscous_friction", "stribeck_friction", "backlash"])
+@pytest.mark.parametrize("ratio", [0.0, 0.5, 4.0])
+def test_a_genuine_effect_is_more_likely_than_an_imitation(kind: str, ratio: float) -> None:
+    """By Bayes' rule, the imitation's probability by drawing shares of what it imitates."""
+    drawn = np.random.default_rng(1).random(400_000)
+    stands_out = drawn / (1.0 - drawn)  # a share s is R = s/(1 - s) over the rest
+    imitation = float((stands_out >= ratio).mean())
+    odds = COMMON.get(kind, SELDOM)
+    assert genuine(kind, ratio) == pytest.approx(odds / (odds + imitation), rel=5e-3)
+
+
+def test_genuine_is_a_probability_that_grows_with_what_stands_out() -> None:
+    """Up to certainty where nothing is left."""
+    values = [genuine("backlash", float(r)) for r in (0.0, 0.1, 1.0, 10.0, 1e6)]
+    assert np.all(np.diff(values) > 0.0)
+    assert values[0] == pytest.approx(0.5)
+    assert genuine("backlash", np.inf) == pytest.approx(1.0)
+    case = _case((), np.zeros(ROWS), *_orthogonal(2, 1.0))
+    assert shares(replace(case).space(), frozenset()) == {}
