@@ -205,6 +205,7 @@ def test_what_stands_is_there_or_not() -> None:
     space = bare.space()
     np.testing.assert_allclose(space.left(frozenset({(0, 0)})), bare.rows, atol=1e-6)
     np.testing.assert_allclose(space.left(EMPTY), bare.rows - block.white[:, 0], atol=1e-6)
+    assert space.base == 3  # two numbers and a little of its one tangent, none of what it does as it is
 
 
 def test_the_best_is_the_most_likely_of_those_asked_for() -> None:

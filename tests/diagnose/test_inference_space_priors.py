@@ -14,6 +14,7 @@ from scipy.stats import norm
 from flexdyn.diagnose.inference.library import SMALLEST, Column
 from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, Structure
 from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.effects import CoulombFriction
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column, share
 
 Array = NDArray[np.float64]
@@ -160,16 +161,22 @@ def test_a_gain_of_the_torque_changes_the_density_of_its_rows(gain: float) -> No
     assert found[0] - found[1] == pytest.approx(30 / 4.0 * math.log1p(gain), rel=1e-4)
 
 
-@pytest.mark.parametrize("plain_at", ["a", "b"])
+@pytest.mark.parametrize("plain_at", ["a", "b", "a, where it stands"])
 @pytest.mark.parametrize("both", [0.0, 0.7, 1.0])
 def test_a_law_is_large_by_what_a_plainer_one_cannot_do(both: float, plain_at: str) -> None:
-    """Asymmetric friction that is Coulomb friction of the same joint is none; elsewhere that does not matter."""
+    """Asymmetric friction that is Coulomb friction of the same joint is none; elsewhere that does not matter.
+
+    Nor does it where Coulomb friction is no law of the catalogue but one that has been found.
+    """
     one, other = 1e4 * np.linalg.qr(_draw(2, 4))[0].T
     form = both * one + math.sqrt(1.0 - both**2) * other
     asymmetric = Given("asymmetric_friction", "a", (column(form[:, None]),))
-    coulomb = Given("coulomb_friction", plain_at, (column(one[:, None]),))
+    coulomb = Given("coulomb_friction", plain_at[0], (column(one[:, None]),))
     # The size is four times the least one, of which the plainer law leaves sqrt(1 - both^2).
     case = Case((asymmetric, coulomb), column(_draw(), 1e-6), -4.0 * SMALLEST * form)
+    if len(plain_at) > 1:
+        found = CoulombFriction("a", side="motor", level=1.0)
+        case = replace(case, given=(asymmetric, replace(coulomb, stands=found)), rows=case.rows + one)
     wanted = 0.0
     if both == 1.0 and plain_at == "a":  # of nothing, as sure as the negligible amounts of both laws let it be
         wanted = float(norm.logcdf(-SMALLEST / (math.sqrt(2.0) * NEGLIGIBLE * 0.4)))

@@ -98,6 +98,9 @@ def corrected(found: Posterior, plain: Workspace) -> Corrected:
     named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
+    large = tuple(each for each in kept if _is_large(space, space.candidates[each.candidate], made))
+    if large != kept:  # what the linear equations promised is not there
+        kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
     made = made if converged(made) else fit(made.hypothesis, made.space)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = not left(HeldOut(plain.equations, made.equations, plain.noise, plain.whiten), {})
@@ -111,6 +114,17 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
         return candidate.number in here.freed
     effect = effect_of(candidate, here)
     return effect is not None and not effect.is_neutral
+
+
+def _is_large(space: Space, candidate: Candidate, made: Fit) -> bool:
+    """Whether the effect of a candidate is as large as one must be, where the fit has it."""
+    here, effect = made.hypothesis, effect_of(candidate, made.hypothesis)
+    if effect is None:
+        return candidate.number is not None
+    without = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
+    change = made.equations.residual - made.equations.of(without.model()).residual
+    share, least = space.library.size_of(effect, change)
+    return share >= least
 
 
 def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:

@@ -236,9 +236,8 @@ class Library:
             std.append(min(spread / scale, LOOSE))
             mean.append(off / scale if np.isfinite(spread) else 0.0)
         white = np.stack(parts, axis=1)
-        size = np.concatenate([self._size(change[:, None]), np.zeros(len(std) - 1)])
-        angle = abs(float(getattr(effect, ANGLES.get(effect.name, ""), np.inf)))
-        least = max(SMALLEST, self._resolution(proposal.place) / max(angle, 1e-300) * float(size[0]))
+        share, least = self.size_of(effect, change)
+        size = np.array([share, *np.zeros(len(std) - 1)])
         signs = np.zeros(len(std), bool)
         return Column(white, np.array(std), np.array(mean), signs, size, self.log_jacobian(effect), smallest=least)
 
@@ -263,6 +262,18 @@ class Library:
             return 0.0, np.inf
         low, high = float(np.log(min(grid))), float(np.log(max(grid)))
         return -value * (float(np.log(value)) - 0.5 * (low + high)), value * max(0.5 * (high - low), 0.1)
+
+    def size_of(self, effect: Effect, change: Array) -> tuple[float, float]:
+        """Share of its joint's torque that an effect has, and the one from which it is one [1].
+
+        Args:
+            effect: of which.
+            change: of the residual by it (rows,).
+        """
+        share = float(self._size(change[:, None])[0])
+        angle = abs(float(getattr(effect, ANGLES.get(effect.name, ""), np.inf)))
+        place = {key: str(getattr(effect, key)) for key in ("joint", "channel") if hasattr(effect, key)}
+        return share, max(SMALLEST, self._resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
 
     def _resolution(self, place: Mapping[str, str]) -> float:
         """Step of the encoders [rad or m] for effects on positions: what is smaller may be rounding; 0 for others."""
@@ -291,6 +302,8 @@ class Library:
         Elsewhere the column of a gain is made of the torque that the model needs, which has no noise of the record.
         """
         j = self.equations.true.index(joint)
+        if not self.equations.made_up[j]:
+            return 0
         which = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
         return int((~self.mask.reshape(-1, len(self.equations.kinds))[:, which]).sum())
 

@@ -140,8 +140,14 @@ def _for_fit(
     What the first filter does to laws with corners is left out: where a law is still wrong it would excuse that.
     """
     plain = weighed(bare, noise, mask)
-    error = Discrepancy.of(plain.whiten(bare.equations.of(there.model()).residual), seen)
-    return tempered(plain, error)
+    return tempered(plain, error_of(plain, bare.equations.of(there.model()).residual, seen))
+
+
+def error_of(plain: Workspace, residual: Array, seen: Seen) -> Discrepancy:
+    """The model error in a residual (rows,), the encoders' offsets that fit it best taken off."""
+    white, offsets = plain.whiten(residual), plain.nuisance
+    loose = np.diag(1.0 / plain.nuisance_sigma**2)
+    return Discrepancy.of(white - offsets @ np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white), seen)
 
 
 def tempered(plain: Workspace, error: Discrepancy) -> Workspace:
