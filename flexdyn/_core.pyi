@@ -91,6 +91,7 @@ def solver_settings(
     atol: float = 0.0,
     max_step: float = 0.0,
     smoothing: float = 0.0,
+    most: int = 0,
 ) -> SolverSettings: ...
 def job(
     plant: Plant,

@@ -68,7 +68,12 @@ def fastest_rate(plant: _core.Plant, x0: NDArray[np.float64]) -> float:
 
 
 @lru_cache(maxsize=64)
-def core_settings(solver: Solver) -> _core.SolverSettings:
-    """A solver's settings for the core."""
+def core_settings(solver: Solver, most: int = 0) -> _core.SolverSettings:
+    """A solver's settings for the core.
+
+    Args:
+        solver: whose.
+        most: evaluations of the equations of motion after which a run has failed; 0: as many as it takes.
+    """
     settings = {key: float(value) for key, value in asdict(solver).items() if value is not None}
-    return _core.solver_settings(type(solver).__name__, **settings)
+    return _core.solver_settings(type(solver).__name__, **settings, most=most)

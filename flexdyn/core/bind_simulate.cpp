@@ -178,8 +178,8 @@ nb::list simulate_many(const std::vector<const Job*>& jobs, int threads, nb::obj
 }
 
 SolverSettings settings(const std::string& name, double step, double rtol, double atol, double max_step,
-                        double smoothing) {
-  return {name, step, rtol, atol, max_step, smoothing};
+                        double smoothing, long most) {
+  return {name, step, rtol, atol, max_step, smoothing, most};
 }
 
 }  // namespace
@@ -197,7 +197,7 @@ void bind_simulate(nb::module_& m) {
         nb::arg("world_axes"), nb::arg("samples"));
   nb::class_<SolverSettings>(m, "SolverSettings");
   m.def("solver_settings", &settings, nb::arg("name"), nb::kw_only(), nb::arg("step") = 0.0, nb::arg("rtol") = 0.0,
-        nb::arg("atol") = 0.0, nb::arg("max_step") = 0.0, nb::arg("smoothing") = 0.0);
+        nb::arg("atol") = 0.0, nb::arg("max_step") = 0.0, nb::arg("smoothing") = 0.0, nb::arg("most") = 0);
   nb::class_<Job>(m, "Job");
   m.def("job", &make_job, nb::arg("plant"), nb::arg("command"), nb::arg("external"), nb::arg("x0"),
         nb::arg("duration"), nb::arg("solver"), nb::arg("times"), nb::arg("out"), nb::arg("ledger").none());

@@ -20,7 +20,7 @@ class March {
   March(const Plant& plant, Command& command, const std::vector<ExternalWrench>& external, double duration,
         const SolverSettings& solver, const Output& output, const Poll& poll)
       : plant_(plant), drive_(plant, command, external, duration), duration_(duration), output_(output), poll_(poll),
-        work_(plant.workspace()) {
+        work_(plant.workspace()), most_(solver.most) {
     work_.smoothing = solver.smoothing;
     const Events::Torque torque = [this](double t) { return drive_.torque(t); };
     const Events::External wrench = [this](double t, const double* x) { return drive_.external(t, x); };
@@ -102,6 +102,10 @@ class March {
         failure = {"infinitely many events in finite time", t_end};
         return;
       }
+      if (most_ > 0 && stepper_->stats().evaluations > most_) {
+        failure = {"more evaluations than allowed", t_end};
+        return;
+      }
       if (++since_poll_ >= 64) poll_if_due();
     }
   }
@@ -166,6 +170,7 @@ class March {
   Output output_;
   const Poll& poll_;
   Plant::Workspace work_;
+  long most_;
   std::unique_ptr<Stepper> stepper_;
   std::unique_ptr<Events> events_, at_samples_;
   std::unique_ptr<Ledger> ledger_;

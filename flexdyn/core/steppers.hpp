@@ -89,6 +89,7 @@ struct SolverSettings {
   double atol = 0.0;
   double max_step = 0.0;
   double smoothing = 0.0;
+  long most = 0;  // evaluations of f after which a run has failed; 0: as many as it takes
 };
 
 std::unique_ptr<Stepper> make_runge_kutta4(RightHandSide f, double step);

@@ -94,7 +94,7 @@ def corrected(found: Posterior, plain: Workspace) -> Corrected:
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     share = shares(space, found.best)
-    own = {c: genuine(space.candidates[c].kind, each) for c, each in share.items()}
+    own = {c: genuine(space.candidates[c], each) for c, each in share.items()}
     named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
@@ -159,7 +159,7 @@ def needed(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
     """Effects with the elasticities that load-dependent friction among them needs."""
     loaded = {each.joint for each in effects if isinstance(each, LoadDependentFriction)}
     soft = [each for each in here.effects if isinstance(each, JointElasticity) and each.joint in loaded]
-    return tuple([*effects, *(each for each in soft if each not in effects)])
+    return (*effects, *(each for each in soft if each not in effects))
 
 
 def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:

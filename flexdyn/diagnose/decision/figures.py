@@ -52,8 +52,8 @@ class OnFit:
 
     @property
     def worse(self) -> bool:
-        """Whether the corrected model is farther off than the given one."""
-        return self.shots is not None and not self.shots.after.gap <= self.shots.before.gap
+        """Whether the corrected model's simulated positions are farther off than the given one's."""
+        return self.shots is not None and not self.shots.closer
 
     def calibration_alone(self, found: Corrected) -> tuple[Corrected, OnFit]:
         """The same where nothing is named: the corrected model is the calibrated one."""

@@ -45,6 +45,24 @@ class Shots:
         """Of all windows."""
         return Gap(self.before.gap, self.calibrated.gap, self.after.gap, self.after.floor())
 
+    @property
+    def closer(self) -> bool:
+        """Whether the corrected model's positions are as near as the given one's, over the usual window.
+
+        The gap does not tell: it is in units of what a model expects, and a joint that sticks is expected to move not
+        at all. Root mean squares of every channel's median window are compared, by their geometric mean.
+        """
+        before, after = (
+            np.array(
+                [
+                    np.nanmedian(np.sqrt((shot.residual[:, :, k] ** 2).mean(axis=1)))
+                    for k in range(shot.residual.shape[2])
+                ]
+            )
+            for shot in (self.before, self.after)
+        )
+        return bool(np.log(np.maximum(after, 1e-300) / np.maximum(before, 1e-300)).mean() <= 1e-9)
+
     def position(self, joint: str) -> tuple[float, float]:
         """Error of a joint's measured positions, root mean square, before and after."""
         channels = self.after.windows.channels

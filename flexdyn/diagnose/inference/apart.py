@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.inference.library import SMALLEST, Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
 
 Array = NDArray[np.float64]
@@ -34,14 +35,16 @@ COMMON = {
 }
 
 
-def genuine(kind: str, share: float) -> float:
+def genuine(candidate: Candidate, share: float) -> float:
     """Probability that an effect is what its name says.
 
     Args:
-        kind: of the effect.
+        candidate: the effect and its place.
         share: power of its own part over that of what is left [1].
     """
-    odds = COMMON.get(kind, SELDOM) * (1.0 + min(share, 1e12))
+    late_encoder = candidate.kind == "channel_lag" and not candidate.place["channel"].startswith("tau")
+    prior = SELDOM if late_encoder else COMMON.get(candidate.kind, SELDOM)
+    odds = prior * (1.0 + min(share, 1e12))
     return odds / (1.0 + odds)
 
 
@@ -50,7 +53,8 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
 
     The own part of an effect is what no other effect of the structure, no number of the file within its tolerance and
     no plainer law that it contains can do; that of a number is what its distance from the file does and they cannot.
-    What is not explained is the residual beyond the sensors' noise at the same equations.
+    What is not explained is the residual beyond the sensors' noise at the same equations, and at least so much as is
+    too small to be anything.
     """
     columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
@@ -64,8 +68,19 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
         if c < len(numbers):  # in every structure within its tolerance, and in this one perhaps beyond
             mine, does = np.array([c, *mine], np.intp), np.array([value[c] + numbers[c] - 1.0, *does])
         power = _own_power(space, structure, c, mine, does)
-        found[c] = float(power.sum()) / max(float(excess[power > 0.01 * power.max()].sum()), 1e-300)
+        left = float(excess[power > 0.01 * power.max()].sum()) + _unseen(space, mine, does)
+        found[c] = float(power.sum()) / max(left, 1e-300)
     return found
+
+
+def _unseen(space: Space, mine: Indices, does: Array) -> float:
+    """Power of something unknown that is too small to be anything: it may be there however little is left.
+
+    Of an effect whose torque is a share u of its joint's, that of a share SMALLEST has ``(SMALLEST/u)^2`` of the power.
+    """
+    whole = sum(float((equation.sum(mine, does) ** 2).sum()) for equation in space.equations)
+    share = float(np.sqrt(((space.size[mine] * does) ** 2).sum()))
+    return whole * (SMALLEST / share) ** 2 if share > 0.0 else 0.0
 
 
 def _own_power(space: Space, structure: Structure, c: int, mine: Indices, does: Array) -> Array:

@@ -7,6 +7,8 @@ evidence. Of N rows with autocorrelations rho_k,
     N/t,    t = 1 + 2 sum_k (1 - k/N) rho_k^2
 
 are (Bartlett, 1935), the lags over the whole record: a motion that is made again tells nothing new of a model error.
+Of every lag of N - k pairs 1/(N - k) is taken off rho_k^2, which is what white rows have by chance. Coloured rows have
+t/(N - k), so that their t comes out as up to 3 t - 2: evidence is rather counted too low than too high.
 """
 
 from __future__ import annotations

@@ -81,13 +81,13 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         at = bare.equations.of(here.model())
         noise = _quieter(recorded, at, mask)
         work = weighed(bare, noise, mask, _filter_error(bare.equations, here))
+        seen = rows_of(at, mask)
+        runs = runs_of(mask, list(seen.lengths), len(at.kinds))
         if k == 0:  # the file's numbers first
-            here = fit(here, work, steps=3).hypothesis
+            here = fit(here, _for_fit(bare, noise, mask, seen, here), steps=3).hypothesis
             at = bare.equations.of(here.model())
             noise = _quieter(recorded, at, mask)
             work = weighed(bare, noise, mask)
-        seen = rows_of(at, mask)
-        runs = runs_of(mask, list(seen.lengths), len(at.kinds))
         made = linearised(here, work, at=at)
         count = len(here.factors)
         numbers = made.regression.X[:, :count] if made.free is None else made.free.X[:, :count]
