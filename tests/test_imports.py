@@ -33,8 +33,6 @@ NEVER = {
     "diagnose": ("viewer", "cli"),
     "errors": ("model", "robot", "effects", "records", "simulate", "_core"),
 }
-PROPOSING = {"proposal", "proposals", "screen", "candidates", "search", "selection", "rivals", "own_effects"}
-"""Of `flexdyn.diagnose`: what thinks of names. What verifies them does not know where they came from."""
 
 
 def name_of(path: Path) -> str:
@@ -80,23 +78,6 @@ def test_forbidden_imports(path: Path) -> None:
         if library in roots:
             owned = any(path.is_relative_to(PACKAGE / place) for place in owner.split())
             assert owned, f"{path} imports {library}, which belongs to {owner}"
-
-
-def test_who_verifies_does_not_propose() -> None:
-    """Nothing that the verification of a diagnosis imports, by whatever way, proposes names."""
-    folder = PACKAGE / "diagnose"
-    seen, ahead = set(), ["verify"]
-    while ahead:
-        here = ahead.pop()
-        seen.add(here)
-        names = {module.split(".")[2] for module in imports(folder / f"{here}.py") if _of_diagnose(module)}
-        ahead += [name for name in names if (folder / f"{name}.py").exists() and name not in seen]
-    assert {"verify", "gap", "windows"} <= seen
-    assert not seen & PROPOSING
-
-
-def _of_diagnose(module: str) -> bool:
-    return module.startswith("flexdyn.diagnose.")
 
 
 @pytest.mark.parametrize("path", FILES, ids=name_of)

@@ -19,9 +19,10 @@ from flexdyn.diagnose.moves import TELLING, Move, moves, short
 from flexdyn.diagnose.plan import planned
 from flexdyn.diagnose.reach import Reach, load_mass
 from flexdyn.diagnose.rehearsal import Bench, Rehearsal
-from flexdyn.diagnose.result import Experiment, Finding
+from flexdyn.diagnose.report.experiment import Experiment
+from flexdyn.diagnose.report.suspects import Finding
+from flexdyn.diagnose.report.words import effect_name, suspect_phrase
 from flexdyn.diagnose.windows import Noise
-from flexdyn.diagnose.words import effect_name, suspect_phrase
 from flexdyn.errors import FlexdynError
 from flexdyn.model import FlexibleJointModel
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.equations import LINK, SENSOR, TRANSMISSION, Equations
 from flexdyn.diagnose.motion import Motion
 from flexdyn.diagnose.regime import Quantity, regime
-from flexdyn.diagnose.result import Place
+from flexdyn.diagnose.report.measures import Place
 from flexdyn.diagnose.trace import Trace
 
 Array = NDArray[np.float64]

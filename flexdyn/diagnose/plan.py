@@ -11,7 +11,7 @@ from flexdyn.diagnose.covariance import Whitener
 from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.gap import shoot
 from flexdyn.diagnose.rehearsal import Bench, Rehearsal
-from flexdyn.diagnose.result import Experiment
+from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.windowed import bent
 
 Array = NDArray[np.float64]

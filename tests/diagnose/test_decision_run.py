@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.answer.result import Diagnosis, Interrupted
 from flexdyn.diagnose.decision.corrected import converged
 from flexdyn.diagnose.decision.held_out import held_out
 from flexdyn.diagnose.decision.left import left
@@ -22,6 +21,7 @@ from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.linear import linearised
 from flexdyn.diagnose.measured import measured
+from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.diagnose.workspace import workspace
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 

@@ -15,19 +15,17 @@ from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose import experiment, rehearsal
+from flexdyn.diagnose.decision.gaps import window_noise
 from flexdyn.diagnose.estimate import fit
 from flexdyn.diagnose.experiment import CLEAR, with_experiment
 from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.measured import measured
 from flexdyn.diagnose.moves import moves
 from flexdyn.diagnose.reach import Reach
-from flexdyn.diagnose.result import Experiment, Finding, Suspect
-from flexdyn.diagnose.run import window_noise
+from flexdyn.diagnose.report.result import Experiment, Finding, Suspect
 from flexdyn.diagnose.workspace import workspace
 from flexdyn.errors import SimulationError
 from tests.arms import repickled
-from tests.browser import open_page
-from tests.diagnose import answers
 from tests.diagnose.truths import Levels, slider_model, slider_recording
 
 Array = NDArray[np.float64]
@@ -101,7 +99,7 @@ class Question:
     def answered(self, names: tuple[str, str], named: Fit, rival: Fit) -> Finding:
         """With the experiment for it."""
         one, other = (Suspect(name, "lift", "link") for name in names)
-        found = Finding(one, 100.0, 0.5, (other,), "something general")
+        found = Finding(one, 0.99, 50.0, 0.5, (other,), "something general")
         return with_experiment(found, named, [rival], self.space, window_noise(self.noise))
 
     def apart(self, one: fd.effects.Effect, other: fd.effects.Effect) -> float:
@@ -194,19 +192,6 @@ def test_an_experiment_is_locked_and_survives_a_trip_to_another_process() -> Non
         assert each.apart == 20.0
         with pytest.raises(ValueError, match="read-only"):
             each.left[0] = 1.0
-
-
-def test_the_page_draws_the_experiment(tmp_path: Path) -> None:
-    """Motion and what is left stand in the page, names escaped, without an error in the browser."""
-    found = answers.explained()
-    first = dataclasses.replace(found.findings[0], experiment="swing elbow", plan=plan())
-    dataclasses.replace(found, findings=(first, *found.findings[1:])).save(tmp_path)
-    with open_page(tmp_path / "report.html") as page:
-        page.tab.wait_for_selector("#plan-0 .plotly")
-        assert page.tab.locator("#plan-0 .scatterlayer .trace").count() == 3
-        text = page.tab.inner_text("body")
-    assert "Coulomb friction or viscous friction <b>?" in text
-    assert "20 times the noise" in text
 
 
 def test_motions_after_one_that_is_ample_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:

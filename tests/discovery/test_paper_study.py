@@ -68,8 +68,8 @@ def test_the_hidden_friction_is_found_in_what_another_simulator_made(plant: Plan
     hidden = {(each.name, each.joint, each.side): each for each in hidden_friction.hidden(model)}  # type: ignore[attr-defined]
     assert found.keys() == hidden.keys()
     assert answer.verdict == "explained"
-    assert answer.check is not None
-    assert answer.check.after < 1.2 * answer.check.floor
+    assert answer.gap_test is not None
+    assert answer.gap_test.after < 1.2 * answer.gap_test.floor
     for place, effect in hidden.items():
         assert not found[place].rivals
         for name, number in found[place].suspect.parameters.items():

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 
-from flexdyn.diagnose.answer.result import Diagnosis
 from flexdyn.diagnose.covariance import Noise
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected
@@ -20,6 +19,7 @@ from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.fitted import Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.report.result import Diagnosis
 
 Parts = tuple[tuple[Part, ...], tuple[Part, ...]]
 

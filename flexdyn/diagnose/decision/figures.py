@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.answer.measures import Gap, JointError, Left, Place
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.gains import gains
 from flexdyn.diagnose.decision.gaps import ENOUGH, Shots, shots, windows_of
@@ -21,6 +20,7 @@ from flexdyn.diagnose.equations import Equations
 from flexdyn.diagnose.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis import Hypothesis
 from flexdyn.diagnose.localise import localise
+from flexdyn.diagnose.report.measures import Gap, JointError, Left, Place
 
 Array = NDArray[np.float64]
 

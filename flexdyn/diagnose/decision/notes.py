@@ -8,14 +8,16 @@ import numpy as np
 
 from flexdyn.diagnose.fitted import Fit
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.own_effects import own_effects
 
 FARTHEST = 3
 """Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""
 
 
 def notes(compared: Posterior) -> tuple[str, ...]:
-    """A sentence each: encoders that are missing, and a search that had not come to rest."""
-    return (*_of_channels(compared), *_of_search(compared))
+    """A sentence each: encoders that are missing, users' laws that fail, and a search that had not come to rest."""
+    failed = own_effects(compared.space.library.equations)[1]
+    return (*_of_channels(compared), *failed, *_of_search(compared))
 
 
 def _of_channels(compared: Posterior) -> Iterator[str]:
