@@ -6,7 +6,6 @@ import contextlib
 import dataclasses
 import itertools
 import math
-import time
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -35,10 +34,8 @@ LONGEST = 120.0
 """A motion is repeated for so long at most [s]."""
 SAME = 4.0
 """An expected delta BIC below this in the longest time: the laws are the same."""
-TRIES = 24
-"""So many motions are tried at most."""
-BUDGET = 5.0
-"""Time after which no further motion is tried [s]."""
+TRIES = 12
+"""So many motions are tried at most: each is simulated, and its rivals fitted to it."""
 JOINTS = 3
 """So many joints are tried where no suspect says which one it acts on."""
 NAMED = 2
@@ -84,12 +81,11 @@ def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit], space: Wo
 
 def _tried(bench: Bench, joints: Sequence[int]) -> list[Rehearsal]:
     """Motions that can be made, some at a time, until one of them tells: by the equations, else by windows."""
-    end = time.monotonic() + BUDGET
     moves_left = itertools.islice(_moves(bench, joints), TRIES)
     found: list[Rehearsal] = []
-    while (some := list(itertools.islice(moves_left, TELLING))) and time.monotonic() < end:
-        new = _rehearsed(bench, some, end)
-        if new and not any(_passes(made) for made in new) and time.monotonic() < end:
+    while some := list(itertools.islice(moves_left, TELLING)):
+        new = _rehearsed(bench, some)
+        if new and not any(_passes(made) for made in new):
             turning = max(range(len(new)), key=lambda k: new[k].reversals)
             with contextlib.suppress(*FAILURES):
                 new[turning] = _shown(bench, bench.closer(new[turning], CLEAR / _most(new[turning])))
@@ -99,12 +95,12 @@ def _tried(bench: Bench, joints: Sequence[int]) -> list[Rehearsal]:
     return found
 
 
-def _rehearsed(bench: Bench, some: Sequence[Move], end: float) -> list[Rehearsal]:
-    """Motions that can be made, side by side, up to the first that is ample; none is begun after the end [s]."""
+def _rehearsed(bench: Bench, some: Sequence[Move]) -> list[Rehearsal]:
+    """Motions that can be made, side by side, up to the first that is ample."""
     ample: list[int] = []
 
     def rehearse(k: int) -> Rehearsal | None:
-        if time.monotonic() > end or any(first < k for first in ample):
+        if any(first < k for first in ample):
             return None
         with contextlib.suppress(*FAILURES):
             made = _shown(bench, bench.rehearse(some[k]))

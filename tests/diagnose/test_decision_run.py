@@ -121,9 +121,10 @@ def test_the_test_data_decide_nothing_but_the_verdict(tmp_path: Path) -> None:
     assert same.model == other.model
     assert same.calibration == other.calibration
     assert same.gap_fit == other.gap_fit
-    assert [dataclasses.replace(each, test_gain=0.0) for each in same.findings] == [
-        dataclasses.replace(each, test_gain=0.0) for each in other.findings
-    ]
+    alike, too = (
+        [dataclasses.replace(each, test_gain=0.0, plan=None) for each in answer.findings] for answer in (same, other)
+    )
+    assert alike == too
 
 
 @pytest.mark.parametrize("stage", ["simulating windows", "opening the test data"])
