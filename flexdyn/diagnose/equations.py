@@ -97,11 +97,6 @@ class Equations:
         """What the model leaves (rows,) [N m or N]: zero but for noise where it is right."""
         return self._rows(self.true, self.motions, self.true.all_effects)
 
-    def wound(self, joint: str) -> float:
-        """Range of a joint's deflection over all recordings [rad or m]."""
-        delta = np.concatenate([each.delta[:, self.true.index(joint)] for each in self.smoothed])
-        return float(np.ptp(delta))
-
     def of(self, model: FlexibleJointModel) -> Equations:
         """The same data under another model; motions are shared where the model does not touch them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness

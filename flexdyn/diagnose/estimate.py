@@ -21,46 +21,35 @@ straight step leaves and the next one finds again (the watchdog of Chamberlain e
 LITTLE = 2
 """Whole steps one after the other that may change less than a step is worth though they promised more: what bends at
 reversals has slopes that no step keeps."""
-A_FEW = 4
-"""Steps after which a fit that does not come near what it is wanted for is given up."""
-NEARER = 0.5
-"""The same after a step that left the next one more than such a share of what it had promised itself."""
-STRAIGHT = 0.8
-"""Share of what a step promised that the next one leaves by the same slopes, beyond which its law is as good as linear:
-slopes taken anew would promise no more."""
 SHORTER = 0.3
 """Share of a step that is tried where all of it was too much."""
 
 
-def fit(start: Hypothesis, space: Workspace, steps: int = 12, hopeless: float = math.inf) -> Fit:
+def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
     """Gauss-Newton from a hypothesis: every number of the file within its prior, every unknown of its effects.
 
     Args:
         start: where to begin, or there with its numbers back within their tolerance, where that leaves less.
         space: data, weights and the derivatives that do not change.
         steps: at most so many.
-        hopeless: chi^2 beyond which it is given up after a few steps, if the next one does not promise less either.
 
     Raises:
         SimulationError: where it begins, the equations are not finite.
     """
     best = base = _begun(start, space)
-    share, ahead, little, promised = 1.0, 0, 0, math.inf
-    for k in range(steps - 1):
+    share, ahead, little = 1.0, 0, 0
+    for _ in range(steps - 1):
         worth = max(SETTLED * max(1.0, best.reduced), FINE * (best.regression.data_chi2 - space.rows))
-        done = best.reached - best.chi2 < worth or little == LITTLE
-        far = best.chi2 > hopeless
-        if done or (far and (k >= A_FEW or best.chi2 > NEARER * promised)):
+        if best.reached - best.chi2 < worth or little == LITTLE:
             break
         watched = share == 1.0 and ahead < AHEAD
-        made = _after(base, share, math.inf if watched else best.reached, hopeless)
+        made = _after(base, share, math.inf if watched else best.reached)
         if made is None:
             base, share = best, SHORTER * share
             continue
         little = little + 1 if share == 1.0 and abs(best.reached - made.reached) < worth else 0
         if made.reached <= best.reached:
             ahead = 0 if share == 1.0 else ahead  # where it did not help it is not tried again
-            promised = best.chi2
             best, base, share = made, made, min(1.0, share / SHORTER)
         elif watched and made.chi2 < best.reached:
             base, ahead = made, ahead + 1
@@ -80,20 +69,13 @@ def _begun(start: Hypothesis, space: Workspace) -> Fit:
     return linearised(held, space, None, back)
 
 
-def _after(base: Fit, share: float, most: float, hopeless: float) -> Fit | None:
-    """The problem after a share of a step; None where more is left than may be, for which no slopes are taken.
-
-    Nor are they where a step leads nowhere by those there are.
-    """
+def _after(base: Fit, share: float, most: float) -> Fit | None:
+    """The problem after a share of a step; None where more is left than may be, for which no slopes are taken."""
     trial = moved(base.hypothesis, share * base.step, base.scales)
     try:
         at = base.space.equations.of(trial.model())
         if most < math.inf and reached(trial, at, base.space) > most:
             return None
-        if share == 1.0 and base.chi2 > hopeless:
-            straight = linearised(trial, base.space, base, at, straight=True)
-            if straight.chi2 > max(hopeless, STRAIGHT * base.chi2):
-                return straight
         return linearised(trial, base.space, base, at)
     except SimulationError:  # too far
         return None

@@ -19,10 +19,6 @@ from flexdyn.effects import Effect
 Array = NDArray[np.float64]
 BLOCK = 0.5
 """Length of the blocks over which rows are taken to be correlated [s]."""
-ROUGH = 2.0
-"""Mean square of the equations' white residuals above which the filters, and not the noise, limit the fit."""
-ALIKE = 0.1
-"""Autocorrelation of what is left below which rows are taken to be independent of one another."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +108,6 @@ class Workspace:
         nuisance: whitened columns of offsets of the encoders, which must be allowed for and are not reported (rows, k).
         nuisance_sigma: how large those are (k,).
         channels: whose offsets they are.
-        temper: factor on the priors of the file's numbers, where more than noise is left.
         beliefs: prior of an effect's parameter: how far its centre is from the value, and its standard deviation.
     """
 
@@ -123,27 +118,9 @@ class Workspace:
     nuisance: Array
     nuisance_sigma: Array
     channels: tuple[str, ...] = ()
-    temper: float = 1.0
     beliefs: Callable[[Effect, str], tuple[float, float]] | None = None
 
     @property
     def rows(self) -> int:
         """Rows that say something."""
         return int((~self.whiten.mask).sum())
-
-
-def tempering(made: Fit) -> float:
-    """Factor on the priors with which they weigh against what is left, not against a noise that is not reached.
-
-    The mean square of what is left, times rows for each independent one by their mean autocorrelation.
-    """
-    if made.reduced <= ROUGH:
-        return 1.0
-    rows = made.regression.left[: len(made.regression.y)].reshape(-1, len(made.equations.kinds))
-    power, total = float((rows**2).sum()), 1.0
-    for lag in range(1, len(rows) // 4):
-        alike = float((rows[lag:] * rows[:-lag]).sum()) / power
-        if alike < ALIKE:
-            break
-        total += 2.0 * alike
-    return total * made.reduced

@@ -5,21 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from flexdyn.diagnose.hypothesis import kind_and_place
-from flexdyn.diagnose.matched import HOPELESS, bounded_residual, matched, within
+from flexdyn.diagnose.matched import HOPELESS, bounded_residual, matched
 from flexdyn.diagnose.shooting import Shooter
-from flexdyn.diagnose.starts import Starts, first_states
+from flexdyn.diagnose.starts import first_states
 from flexdyn.diagnose.whiten import Filter
 from flexdyn.diagnose.windows import Windows
-from flexdyn.effects import MemoryEffect
 from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import acting_effects
 
 Array = NDArray[np.float64]
-APART = 3.0
-"""Gap of a window from which its first state says nothing about another model's."""
 FRAGILE = 3.0
 """A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
 
@@ -41,7 +36,6 @@ class Shot:
         residual: simulated - measured (windows, rows, channels), 0 where nothing was measured.
         std: what noise alone makes of it, likewise.
         used: samples that count, likewise.
-        states: simulated, [q, theta, v, omega, internal] at the first sample of every block (windows, blocks, nx).
         fragile: factor on `std` of windows in which drawn noise does more than it does in the linear response, because
             it decides whether a joint sticks (windows,) [1].
         failed: windows that could not be simulated to their end, or in which noise would excuse anything, as it would
@@ -54,7 +48,6 @@ class Shot:
     residual: Array
     std: Array
     used: NDArray[np.bool_]
-    states: Array
     fragile: Array
     failed: NDArray[np.bool_]
     _filter: Filter
@@ -76,37 +69,6 @@ class Shot:
         count = np.maximum(self.used.sum(axis=(1, 2)), 1)
         return np.asarray(np.sqrt((self.scaled**2 * self.used).sum(axis=(1, 2)) / count))
 
-    @property
-    def surprises(self) -> Array:
-        """Where the model goes wrong: what every block adds to the misfit, whitened (windows, blocks, channels).
-
-        Other than `scaled`, an error shows where it happens and not in all that comes after.
-        """
-        return self._filter.surprises(self.residual, self._moved) / self.fragile[:, None, None]
-
-    def share(self, which: ArrayLike = True) -> dict[str, float]:
-        """What part of the excess of `surprises` over noise every joint has; over all blocks they add up to 1.
-
-        Args:
-            which: blocks to look at, a regime (windows, blocks); `states` says where the arm is.
-        """
-        squares = np.maximum(self.surprises**2 - self._filter.counted, 0.0)
-        total = squares.sum()
-        part = (squares * np.broadcast_to(which, squares.shape[:2])[:, :, None]).sum(axis=(0, 1))
-        shares = dict.fromkeys(self.windows.joints, 0.0)
-        for name, size in zip(self.windows.channels, part, strict=True):
-            shares[name.partition(".")[2]] += float(size / total) if total > 0 else 0.0
-        return shares
-
-    @property
-    def misfit(self) -> Array:
-        """Chi squared of every window: the squared length of its whitened residual (windows,).
-
-        Of one that has failed, of the residual as it is.
-        """
-        white = self._filter.misfit(self.residual, self._moved) / self.fragile**2
-        return np.where(self.failed, (self.scaled**2 * self.used).sum(axis=(1, 2)), white)
-
     def whitened(self, model: FlexibleJointModel | None = None) -> Array:
         """Residuals made white: of unit variance and uncorrelated if the model is right (windows, rows of each).
 
@@ -119,10 +81,6 @@ class Shot:
         """
         residual = self.residual if model is None else self.residual_of(model)
         return self._filter.whitened(residual, self._moved) / self.fragile[:, None]
-
-    def whitened_change(self, change: Array) -> Array:
-        """What a change of the residual (windows, rows, channels) does to `whitened`."""
-        return self._filter.whitened(change, np.zeros_like(self._moved)) / self.fragile[:, None]
 
     def residual_of(self, model: FlexibleJointModel) -> Array:
         """Simulated - measured of another model from this shot's first states (windows, rows, channels)."""
@@ -143,7 +101,7 @@ class Shot:
         return float(np.sqrt(((residual / self.std)[used] ** 2).mean()))
 
 
-def shoot(model: FlexibleJointModel, windows: Windows, near: Shot | None = None, fragile: Array | None = None) -> Shot:
+def shoot(model: FlexibleJointModel, windows: Windows) -> Shot:
     """Simulate every window open loop and find the first state that suits it best.
 
     A window that cannot be simulated to its end counts with a bounded residual: three times what the channel moves in
@@ -152,55 +110,23 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Shot | None = None,
     Args:
         model: with any effects; those of sensors act on what is simulated before it is compared.
         windows: with noise levels.
-        near: a model much like it over the same windows, from whose first states the search for the best ones begins
-            in those windows that it explains.
-        fragile: of windows, as they are with other numbers of the same laws (windows,); None: noise is drawn.
     """
     shooter = Shooter(model, windows)
     starts = first_states(shooter)
     used = _used(shooter)
-    fit = matched(shooter, starts, used, _begun(shooter, starts, near))
+    fit = matched(shooter, starts, used)
     x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
     std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
     failed = motion.written < windows.rows
     if filter_.wild.mean() > HOPELESS:  # a response that is none excuses nothing
         failed |= filter_.wild
-    if fragile is None:
-        drawn = _drawn(shooter, x0, residual, used, seed=0)
-        expected = np.repeat(filter_.unfitted, windows.block, axis=1)
-        size = np.sqrt((drawn**2 / expected).sum(axis=(1, 2)) / np.maximum(used.sum(axis=(1, 2)), 1))
-        fragile = np.where(size > FRAGILE, size, 1.0)
-    fragile = np.where(failed, 1.0, fragile)
+    drawn = _drawn(shooter, x0, residual, used, seed=0)
+    expected = np.repeat(filter_.unfitted, windows.block, axis=1)
+    size = np.sqrt((drawn**2 / expected).sum(axis=(1, 2)) / np.maximum(used.sum(axis=(1, 2)), 1))
+    fragile = np.where((size > FRAGILE) & ~failed, size, 1.0)
     std *= fragile[:, None, None]
     std[failed] = windows.sensor_noise
-    return Shot(model, windows, x0, residual, std, used, motion.x, fragile, failed, filter_, moved)
-
-
-def _begun(shooter: Shooter, starts: Starts, near: Shot | None) -> Array:
-    """How far first states are moved to begin with: to those of a model that is near, where these mean the same.
-
-    A model that does not explain a window has a first state there that makes up for what it lacks.
-    """
-    moved = np.zeros_like(starts.x)
-    if near is None or near.x0.shape != moved.shape or (near.model.elastic != shooter.model.elastic).any():
-        return moved
-    loose = starts.std > 0.0
-    loose[near.failed | (near.by_window > APART)] = False
-    if _memories(near.model) != _memories(shooter.model):
-        loose[:, moved.shape[1] - len(shooter.memory) :] = False
-    moved[loose] = (near.x0 - starts.x)[loose]
-    return np.asarray(shooter.bounded(starts.x + within(starts, moved)) - starts.x)
-
-
-def _memories(model: FlexibleJointModel) -> list[tuple[object, ...]]:
-    """Kind and place of what internal states belong to."""
-    effects = (effect for effect in acting_effects(model.resolved()) if isinstance(effect, MemoryEffect))
-    return [kind_and_place(effect) for effect in effects]
-
-
-def gap(model: FlexibleJointModel, windows: Windows) -> float:
-    """The gap of SPEC 8: about 1 for a perfect model."""
-    return shoot(model, windows).gap
+    return Shot(model, windows, x0, residual, std, used, fragile, failed, filter_, moved)
 
 
 def _used(shooter: Shooter) -> NDArray[np.bool_]:

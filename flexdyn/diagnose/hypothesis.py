@@ -61,10 +61,6 @@ class Hypothesis:
             factors[number] = float(np.clip(factors[number], 1.0 - most, 1.0 + most))
         return dataclasses.replace(self, factors=factors)
 
-    def freed_of(self, number: FileNumber, factor: float) -> Hypothesis:
-        """The same with a number that its tolerance does not hold any more, at a factor."""
-        return dataclasses.replace(self, factors={**self.factors, number: factor}, freed=self.freed | {number})
-
     def unknowns(self) -> list[tuple[Effect, str]]:
         """Parameters of the added effects that are estimated."""
         return [

@@ -31,8 +31,6 @@ def linearised(
     space: Workspace,
     before: Fit | None = None,
     at: Equations | None = None,
-    *,
-    straight: bool = False,
 ) -> Fit:
     """The least-squares problem at a hypothesis; its step is not taken.
 
@@ -41,7 +39,6 @@ def linearised(
         space: data, weights and the derivatives that do not change.
         before: the same effects with other numbers; where these are near, its slopes of the file's numbers do.
         at: the equations there; None: they are made.
-        straight: take all slopes of `before`, wherever it was.
 
     Raises:
         SimulationError: the equations are not finite there.
@@ -51,9 +48,7 @@ def linearised(
     scales = tuple(tangent_scale(effect, name) for effect, name in unknowns)
     taken = None if before is None else before.taken or before.hypothesis
     known = None
-    if before is not None and straight:
-        known = (before.free or before.regression).X
-    elif before is not None and taken is not None and _near(hypothesis, taken):
+    if before is not None and taken is not None and _near(hypothesis, taken):
         known = before.regression.X[:, : len(hypothesis.factors)]
     else:
         taken = None
@@ -93,11 +88,9 @@ def _rows(
 ) -> tuple[Array, Array]:
     """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k).
 
-    Those by the numbers, or all, may be known.
+    Those by the numbers may be known.
     """
     y = space.whiten(at.residual)
-    if known is not None and known.shape[1] > len(hypothesis.factors):
-        return y, known
 
     def slope(unknown: tuple[tuple[Effect, str], float]) -> Array:
         (effect, name), scale = unknown
@@ -167,8 +160,7 @@ def tangent_scale(effect: Effect, name: str) -> float:
 def _priors(hypothesis: Hypothesis, space: Workspace) -> tuple[Array, Array]:
     """Centres, from where the numbers stand, and standard deviations, in the scales of steps."""
     centre = [1.0 - factor for factor in hypothesis.factors.values()]
-    widths = [LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors]
-    sigma = [width / math.sqrt(space.temper) for width in widths]
+    sigma = [LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors]
     for effect, name in hypothesis.unknowns():
         off, std = (0.0, math.inf) if space.beliefs is None else space.beliefs(effect, name)
         scale = tangent_scale(effect, name)

@@ -53,29 +53,22 @@ class Matched:
         return np.asarray(size > STRAY**2 * max(float(np.median(size)), float(used[0].sum())))
 
 
-def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], moved: Array) -> Matched:
+def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_]) -> Matched:
     """Move first states until it does not pay any more.
 
-    Strays are tried again from the loose starts, if they began elsewhere: one that another model has left on the wrong
-    side of a stick does not come back by linear responses. And from rest, where friction may hold what nobody sees.
+    Strays are tried again from rest, where friction may hold what nobody sees.
 
     Args:
         shooter: of the model and the windows.
         starts: first states and how loosely they are known.
         used: samples that count (windows, rows, channels).
-        moved: where to begin, from `starts` (windows, nx).
     """
-    found = _from(shooter, starts, used, moved)
-    begun = moved.any(axis=1)
-    again = [(np.zeros_like(moved), begun)]
-    if starts.stuck is not None:
-        again.append((starts.stuck - starts.x, np.ones_like(begun)))
-    for other, which in again:
-        stray = found.stray(used) & which
-        if stray.any():
-            begin = np.where(stray[:, None], other, found.moved)
-            found = _better(shooter, starts, used, found, _from(shooter, starts, used, begin, found, stray))
-    return found
+    found = _from(shooter, starts, used, np.zeros_like(starts.x))
+    stray = found.stray(used)
+    if starts.stuck is None or not stray.any():
+        return found
+    begin = np.where(stray[:, None], starts.stuck - starts.x, found.moved)
+    return _better(shooter, starts, used, found, _from(shooter, starts, used, begin, found, stray))
 
 
 def within(starts: Starts, moved: Array) -> Array:

@@ -98,7 +98,6 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
         grid=tuple(grid),
         positive=tuple(lower[name] >= 0.0 for name in linear),
         fixed=not linear,
-        numbers=max(len(grids), 1),
     )
 
 

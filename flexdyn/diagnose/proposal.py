@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose import columns
 from flexdyn.diagnose.equations import Equations
 from flexdyn.effects import Effect, effect_from_dict
 
@@ -30,7 +29,6 @@ class Proposal:
         grid: points of the numbers that are not linear; one empty point where there are none.
         positive: which linear values may not be negative.
         fixed: nothing is linear: the effect at the grid point is taken as it is.
-        numbers: that its description costs.
         axes: names of the parameters that the grid is of.
     """
 
@@ -40,12 +38,7 @@ class Proposal:
     grid: tuple[Point, ...] = ((),)
     positive: tuple[bool, ...] = ()
     fixed: bool = False
-    numbers: int = 1
     axes: tuple[str, ...] = ()
-
-    def columns(self, equations: Equations, point: Point) -> Array:
-        """Derivatives of the residual (rows, linear numbers), or the change that the effect makes where it is fixed."""
-        return np.stack([columns.of_effect(equations, unit, scale) for unit, scale in self.units(point)], axis=1)
 
     def is_of(self, effect: Effect) -> bool:
         """Whether an effect is of this kind at this place."""
@@ -120,7 +113,6 @@ def linear(
         units=lambda point: [(build(point, unit), unit)],
         grid=points,
         positive=(bounds[name] >= 0.0,),
-        numbers=1 + len(grid[0]),
         axes=tuple(grid[0]),
     )
 
@@ -136,7 +128,6 @@ def wave(place: Mapping[str, str], harmonics: Sequence[float], unit: float) -> P
         make=lambda point, x: build(point, float(np.hypot(x[0], x[1])), math.atan2(x[1], x[0])),
         units=lambda point: [(build(point, unit, 0.0), unit), (build(point, unit, math.pi / 2), unit)],
         grid=tuple((float(h),) for h in harmonics),
-        numbers=3,
         axes=("harmonic",),
     )
 
@@ -153,6 +144,5 @@ def given(place: Mapping[str, str], names: Sequence[str], grid: Sequence[Point])
         units=lambda point: [(build(point), 1.0)],
         grid=tuple(grid),
         fixed=True,
-        numbers=len(names),
         axes=tuple(names),
     )

@@ -62,7 +62,6 @@ def _asymmetric(place: Mapping[str, str]) -> Proposal:
         make=lambda point, x: build(float(x[0]), float(x[1])),
         units=lambda point: [(build(1.0, 0.0), 1.0), (build(0.0, 1.0), 1.0)],
         positive=(True, True),
-        numbers=2,
     )
 
 
@@ -81,7 +80,6 @@ def _swinging(place: Mapping[str, str], extent: Extent) -> Proposal:
         make=make,
         units=lambda point: [(build(point, 1.0, phase), 1.0) for phase in (0.0, math.pi / 2, math.pi)],
         grid=tuple((h,) for h in (SLOW_HARMONICS if extent.turns else (extent.ratio, 2.0 * extent.ratio))),
-        numbers=3,
         axes=("harmonic",),
     )
 
@@ -98,7 +96,6 @@ def _presliding(place: Mapping[str, str], extent: Extent) -> Proposal:
         units=lambda point: [(at(place, level=1.0, stiffness=1.0 / point[0]), 1.0)],
         grid=tuple((float(r),) for r in extent.span * np.geomspace(1e-5, 0.05, 10)),
         positive=(True,),
-        numbers=2,
     )
 
 
@@ -149,7 +146,6 @@ def _link(joint: str, extent: Extent) -> Iterator[Proposal]:
         cables,
         make=lambda point, x: at(cables, **dict(zip(names, map(float, x), strict=True))),
         units=lambda point: [(at(cables, **dict(zip(names, row, strict=True))), 1.0) for row in np.eye(4).tolist()],
-        numbers=4,
     )
 
 
@@ -167,7 +163,6 @@ def _end_stop(place: Mapping[str, str], extent: Extent) -> Proposal:
         units=lambda point: [(build(point, 1.0), 1.0)],
         grid=(*((extent.low + d, -1.0) for d in depths), *((extent.high - d, 1.0) for d in depths)),
         positive=(True,),
-        numbers=3,
     )
 
 

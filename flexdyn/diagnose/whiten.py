@@ -121,14 +121,6 @@ class Filter:
         """Surprises of unit variance (windows, blocks * channels)."""
         return self._run(residual, moved)[0].reshape(len(residual), -1)
 
-    def surprises(self, residual: Array, moved: Array) -> Array:
-        """The same, block by block (windows, blocks, channels)."""
-        return self._run(residual, moved)[0]
-
-    def misfit(self, residual: Array, moved: Array) -> Array:
-        """Chi squared of every window (windows,)."""
-        return np.asarray((self.whitened(residual, moved) ** 2).sum(axis=1))
-
     def scaled(self, residual: Array) -> Array:
         """Sum of squares of a residual in units of `variance`, of every window (windows,)."""
         blocks = residual.reshape(len(residual), -1, self.block, residual.shape[2])
