@@ -33,6 +33,18 @@ NEVER = {
     "diagnose": ("viewer", "cli"),
     "errors": ("model", "robot", "effects", "records", "simulate", "_core"),
 }
+EQUATIONS = ("data", "equations", "hypothesis")
+STAGES = {
+    "data": (),
+    "equations": ("data", "report"),
+    "hypothesis": ("data", "equations"),
+    "shooting": (),
+    "inference": EQUATIONS,
+    "experiment": (*EQUATIONS, "shooting", "report"),
+    "decision": (*EQUATIONS, "shooting", "inference", "experiment", "report"),
+    "report": (),
+}
+"""Folders of `flexdyn.diagnose`, and which others each may know: what compares knows no test data and no report."""
 
 
 def name_of(path: Path) -> str:
@@ -78,6 +90,14 @@ def test_forbidden_imports(path: Path) -> None:
         if library in roots:
             owned = any(path.is_relative_to(PACKAGE / place) for place in owner.split())
             assert owned, f"{path} imports {library}, which belongs to {owner}"
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_stage_of_the_diagnosis_knows_those_before_it(stage: str) -> None:
+    """One way through the folders, no ring; a report does not know how it was found."""
+    for path in (PACKAGE / "diagnose" / stage).rglob("*.py"):
+        known = {module.split(".")[2] for module in imports(path) if module.startswith("flexdyn.diagnose.")}
+        assert not known & STAGES.keys() - {stage, *STAGES[stage]}, path
 
 
 @pytest.mark.parametrize("path", FILES, ids=name_of)

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from flexdyn.diagnose import Diagnosis, Number, Suspect, diagnose
-from flexdyn.diagnose.gap import shoot
 from flexdyn.diagnose.report.digits import estimate_text, times
 from flexdyn.diagnose.report.verdicts import verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, place_phrase
-from flexdyn.diagnose.windows import Noise, Windows
+from flexdyn.diagnose.shooting.gap import shoot
+from flexdyn.diagnose.shooting.windows import Noise, Windows
 from flexdyn.effects import Effect
 from flexdyn.model import FlexibleJointModel
 from flexdyn.paper.bench import LINK_STEP, TORQUE_NOISE, Bench, motor_step

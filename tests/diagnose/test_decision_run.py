@@ -13,16 +13,16 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import converged
 from flexdyn.diagnose.decision.held_out import held_out
 from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.notes import stopped
 from flexdyn.diagnose.decision.run import diagnose
-from flexdyn.diagnose.hypothesis import Hypothesis
-from flexdyn.diagnose.linear import linearised
-from flexdyn.diagnose.measured import measured
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.linear import linearised
+from flexdyn.diagnose.hypothesis.workspace import workspace
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
-from flexdyn.diagnose.workspace import workspace
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 
 RATE, MASS, LEVEL = 250.0, 2.5, 0.8

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose import columns
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.measured import measured
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations import columns
+from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.effects import JointElasticity
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, Levels, two_link_recording

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose import columns, number_columns
-from flexdyn.diagnose.covariance import Noise, whitener
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.noise import encoder_noise, torque_noise
-from flexdyn.diagnose.numbers import file_numbers
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations import columns
+from flexdyn.diagnose.equations.covariance import Noise, whitener
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.noise import encoder_noise, torque_noise
+from flexdyn.diagnose.hypothesis import number_columns
+from flexdyn.diagnose.hypothesis.numbers import file_numbers
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, Levels, two_link_motion, two_link_recording
 

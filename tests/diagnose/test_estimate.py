@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import flexdyn as fd
-from flexdyn.diagnose import estimate
-from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis import Hypothesis, moved
-from flexdyn.diagnose.linear import LOOSE, linearised, reached
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.workspace import workspace
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.hypothesis import estimate
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
+from flexdyn.diagnose.hypothesis.linear import LOOSE, linearised, reached
+from flexdyn.diagnose.hypothesis.workspace import workspace
 from flexdyn.errors import SimulationError
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, Levels

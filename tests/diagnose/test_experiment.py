@@ -13,16 +13,17 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose import experiment, rehearsal
+from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.gaps import window_noise
-from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.experiment import CLEAR, with_experiment
-from flexdyn.diagnose.fitted import Fit
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.moves import moves
-from flexdyn.diagnose.reach import Reach
+from flexdyn.diagnose.experiment import design as experiment
+from flexdyn.diagnose.experiment import rehearsal
+from flexdyn.diagnose.experiment.design import CLEAR, with_experiment
+from flexdyn.diagnose.experiment.moves import moves
+from flexdyn.diagnose.experiment.reach import Reach
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.workspace import workspace
 from flexdyn.diagnose.report.result import Experiment, Finding, Suspect
-from flexdyn.diagnose.workspace import workspace
 from flexdyn.errors import SimulationError
 from tests.arms import repickled
 from tests.diagnose.truths import Levels, slider_model, slider_recording

@@ -11,11 +11,11 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose import matched as matching
-from flexdyn.diagnose import shooting
-from flexdyn.diagnose.gap import Shot, shoot
-from flexdyn.diagnose.starts import first_states
-from flexdyn.diagnose.windows import Windows
+from flexdyn.diagnose.shooting import matched as matching
+from flexdyn.diagnose.shooting import shooter as shooting
+from flexdyn.diagnose.shooting.gap import Shot, shoot
+from flexdyn.diagnose.shooting.starts import first_states
+from flexdyn.diagnose.shooting.windows import Windows
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, Levels, two_link_recording
 

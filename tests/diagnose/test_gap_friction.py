@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.gap import shoot
-from flexdyn.diagnose.shooting import Shooter
-from flexdyn.diagnose.spread import spread
-from flexdyn.diagnose.starts import first_states
-from flexdyn.diagnose.whiten import Filter
-from flexdyn.diagnose.windows import Windows
+from flexdyn.diagnose.shooting.gap import shoot
+from flexdyn.diagnose.shooting.shooter import Shooter
+from flexdyn.diagnose.shooting.spread import spread
+from flexdyn.diagnose.shooting.starts import first_states
+from flexdyn.diagnose.shooting.whiten import Filter
+from flexdyn.diagnose.shooting.windows import Windows
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 from tests.oracles.integrate import held
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.gap import shoot
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.own_effects import own_effects
-from flexdyn.diagnose.windows import Windows
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis.own_effects import own_effects
+from flexdyn.diagnose.shooting.gap import shoot
+from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.effects import Effect, JointEffect, base, parameter
 from tests.arms import two_link, unlisted
 from tests.diagnose.truths import ARM, JOINTS, RATE, Levels

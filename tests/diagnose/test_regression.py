@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexdyn.diagnose.regression import Regression
+from flexdyn.diagnose.hypothesis.regression import Regression
 
 
 def problem(seed: int = 0, nuisances: int = 0) -> Regression:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 
-from flexdyn.diagnose.covariance import Noise
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.drawn import drawn
@@ -17,8 +16,9 @@ from flexdyn.diagnose.decision.notes import notes, stopped
 from flexdyn.diagnose.decision.split import Part
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
-from flexdyn.diagnose.fitted import Workspace
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.report.result import Diagnosis
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 
-from flexdyn.diagnose.covariance import Noise
 from flexdyn.diagnose.decision.corrected import Corrected, effect_of
 from flexdyn.diagnose.decision.gaps import window_noise
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import suspect_of
-from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.experiment import with_experiment
-from flexdyn.diagnose.fitted import Fit
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.experiment.design import with_experiment
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import hypothesis_of
 from flexdyn.diagnose.report.suspects import Finding
 

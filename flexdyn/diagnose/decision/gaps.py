@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose import windows as cutting
 from flexdyn.diagnose.abreast import abreast
-from flexdyn.diagnose.covariance import Noise
 from flexdyn.diagnose.decision.held_out import rms
 from flexdyn.diagnose.decision.split import Part
-from flexdyn.diagnose.gap import Shot, shoot
+from flexdyn.diagnose.equations.covariance import Noise
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.report.measures import Gap
-from flexdyn.diagnose.windows import Windows
+from flexdyn.diagnose.shooting import windows as cutting
+from flexdyn.diagnose.shooting.gap import Shot, shoot
+from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.held_out import HeldOut, rms
-from flexdyn.diagnose.equations import LINK, TRANSMISSION
+from flexdyn.diagnose.equations.equations import LINK, TRANSMISSION
 from flexdyn.diagnose.report.measures import Left, Place
 
 Array = NDArray[np.float64]

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flexdyn.diagnose.fitted import Fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.own_effects import own_effects
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.own_effects import own_effects
 
 FARTHEST = 3
 """Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""

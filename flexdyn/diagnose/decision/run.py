@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from flexdyn.diagnose.decision.split import parts
+from flexdyn.diagnose.equations.sanity import check_recordings
+from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
-from flexdyn.diagnose.sanity import check_recordings
-from flexdyn.diagnose.workspace import prepared, weighed
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.trace import Trace
+from flexdyn.diagnose.report.trace import Trace
 from flexdyn.plots.palette import INK, RULE
 
 BEFORE, AFTER = "#D9805F", "#1F4E9C"

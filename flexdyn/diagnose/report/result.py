@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, Place, Role, Source
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
-from flexdyn.diagnose.trace import Trace
+from flexdyn.diagnose.report.trace import Trace
 from flexdyn.model import FlexibleJointModel
 
 __all__ = [

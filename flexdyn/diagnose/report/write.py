@@ -6,8 +6,8 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
-from flexdyn.diagnose.corrected import MARK, MODEL, corrected_files
 from flexdyn.diagnose.report.document import report_json
+from flexdyn.diagnose.report.model_files import MARK, MODEL, corrected_files
 from flexdyn.diagnose.report.page import page
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.errors import InputError
