@@ -19,7 +19,6 @@ from flexdyn.diagnose.decision.held_out import held_out
 from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.notes import stopped
 from flexdyn.diagnose.decision.run import diagnose
-from flexdyn.diagnose.experiment.design import CLEAR
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.hypothesis.workspace import workspace
@@ -79,16 +78,6 @@ def test_the_corrected_model_holds_what_is_named_and_no_more(answer: Diagnosis) 
     assert [type(each) for each in found] == [fd.effects.CoulombFriction]
     assert answer.write_model
     assert {each.of for each in answer.calibration} == {"mass"}
-
-
-def test_an_a_or_b_comes_with_the_motion_that_tells(answer: Diagnosis) -> None:
-    """Dry friction or stiff bristles: the rival is fitted in its place, and a motion parts them in simulation."""
-    (finding,) = answer.findings
-    assert [each.effect for each in finding.rivals] == ["presliding_friction"]
-    assert finding.plan is not None
-    assert finding.plan.names == ("Coulomb friction", "presliding friction")
-    assert finding.plan.delta_bic >= CLEAR
-    assert finding.experiment.startswith(finding.plan.motion)
 
 
 def test_structures_and_candidates_are_told(answer: Diagnosis) -> None:

@@ -7,10 +7,9 @@ import dataclasses
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.passes import rows_of, tempered
+from flexdyn.diagnose.inference.passes import error_of, rows_of, tempered
 
-WEIGHTINGS, STEPS = 2, 4
+WEIGHTINGS, STEPS = 4, 4
 """Fits, each with weights by the model error that the last one leaves, and steps of each."""
 
 
@@ -47,8 +46,7 @@ def reweighted(plain: Workspace, start: Hypothesis) -> Fit:
     at, here = plain.equations, start
     seen = rows_of(at, plain.whiten.mask)
     for _ in range(WEIGHTINGS):
-        left = plain.whiten(at.of(here.model()).residual)
-        work = tempered(plain, Discrepancy.of(left, seen))
+        work = tempered(plain, error_of(plain, at.of(here.model()).residual, seen))
         made = fit(here, work, steps=STEPS)
         here = made.hypothesis
     return made

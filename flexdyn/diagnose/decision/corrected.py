@@ -17,10 +17,11 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.numbers import IN_TOLERANCE
+from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
 from flexdyn.diagnose.inference.space import Space
-from flexdyn.effects import Effect
+from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction
 
 Array = NDArray[np.float64]
 PROMISED, WORTH = 0.005, 10.0
@@ -39,6 +40,7 @@ class Corrected:
         candidates: that were compared.
         space: that compared them.
         explained: whether the equations of the fit leave no more than noise.
+        genuine: by candidate, probability that it is no imitation of something that the catalogue lacks [1].
     """
 
     fitted: Fit
@@ -47,6 +49,7 @@ class Corrected:
     candidates: tuple[Candidate, ...]
     space: Space
     explained: bool
+    genuine: dict[int, float]
 
     @property
     def hypothesis(self) -> Hypothesis:
@@ -68,7 +71,7 @@ class Corrected:
         if number is not None:
             return dataclasses.replace(here, factors={**here.factors, number: 1.0}, freed=here.freed - {number})
         gone = self.effect(candidate)
-        return dataclasses.replace(here, effects=tuple(each for each in here.effects if each is not gone))
+        return dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not gone]))
 
     @property
     def converged(self) -> bool:
@@ -90,14 +93,19 @@ def corrected(found: Posterior, plain: Workspace) -> Corrected:
     masses = Masses.of(space.known)
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
-    named = names(masses, best, there, lambda c: _may_stand_in(space, masses, c))
+    share = shares(space, found.best)
+    own = {c: genuine(space.candidates[c].kind, each) for c, each in share.items()}
+    named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
+    large = tuple(each for each in kept if _is_large(space, space.candidates[each.candidate], made))
+    if large != kept:  # what the linear equations promised is not there
+        kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
     made = made if converged(made) else fit(made.hypothesis, made.space)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = not left(HeldOut(plain.equations, made.equations, plain.noise, plain.whiten), {})
     made = made if explained else within(made)
-    return Corrected(made, kept, masses, tuple(space.candidates), space, explained)
+    return Corrected(made, kept, masses, tuple(space.candidates), space, explained, own)
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
@@ -106,6 +114,17 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
         return candidate.number in here.freed
     effect = effect_of(candidate, here)
     return effect is not None and not effect.is_neutral
+
+
+def _is_large(space: Space, candidate: Candidate, made: Fit) -> bool:
+    """Whether the effect of a candidate is as large as one must be, where the fit has it."""
+    here, effect = made.hypothesis, effect_of(candidate, made.hypothesis)
+    if effect is None:
+        return candidate.number is not None
+    without = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
+    change = made.equations.residual - made.equations.of(without.model()).residual
+    share, least = space.library.size_of(effect, change)
+    return share >= least
 
 
 def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
@@ -129,11 +148,26 @@ def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
 def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
     """The fit with what is kept."""
     here = found.hypothesis
-    effects = tuple(each for each in here.effects if any(effect_of(own, here) is each for own in kept))
+    effects = needed(here, [each for each in here.effects if any(effect_of(own, here) is each for own in kept)])
     freed = frozenset(own.number for own in kept if own.number is not None)
     if effects == here.effects and freed == here.freed:
         return found
     return fit(dataclasses.replace(here, effects=effects, freed=freed), found.space)
+
+
+def needed(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
+    """Effects with the elasticities that load-dependent friction among them needs."""
+    loaded = {each.joint for each in effects if isinstance(each, LoadDependentFriction)}
+    soft = [each for each in here.effects if isinstance(each, JointElasticity) and each.joint in loaded]
+    return tuple([*effects, *(each for each in soft if each not in effects)])
+
+
+def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
+    """Effects without friction that depends on what a joint carries which is rigid without one that is gone."""
+    soft = {each.joint for each in effects if isinstance(each, JointElasticity)}
+    true = here.given.resolved()
+    soft |= {name for name, elastic in zip(true.joint_names, true.elastic, strict=True) if elastic}
+    return tuple(each for each in effects if not isinstance(each, LoadDependentFriction) or each.joint in soft)
 
 
 def converged(made: Fit) -> bool:

@@ -43,7 +43,7 @@ def names_told(found: Corrected) -> list[Name]:
     named = {each.candidate for each in found.names}
     for c, candidate in enumerate(found.candidates):
         if candidate.number is not None and c not in named:
-            probability = _surely_beyond(found, candidate.number)
+            probability = _surely_beyond(found, candidate.number) * found.genuine.get(c, 1.0)
             if probability >= ESTABLISHED:
                 own.append(Name(c, (), probability))
     return own

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
 
 from flexdyn.diagnose.decision.masses import Masses, Set
 from flexdyn.diagnose.report.suspects import ESTABLISHED
@@ -33,17 +33,23 @@ class Name:
 
 
 def names(
-    masses: Masses, best: Set, of: Collection[int] | None = None, stands_in: Callable[[int], bool] = lambda _: True
+    masses: Masses,
+    best: Set,
+    genuine: Mapping[int, float] | None = None,
+    of: Collection[int] | None = None,
+    stands_in: Callable[[int], bool] = lambda _: True,
 ) -> list[Name]:
     """What the candidates of the best set are called, in the order of their places.
 
     Args:
         masses: of all sets.
         best: the set.
-        of: candidates of it to be named; None: all.
+        genuine: by candidate, probability that it is no imitation of something unknown; None: that is certain.
+        of: candidates of the set to be named; None: all.
         stands_in: whether a candidate may be a rival.
     """
-    return [_named(masses, best, c, stands_in) for c in sorted(best if of is None else of)]
+    found = [_named(masses, best, c, stands_in) for c in sorted(best if of is None else of)]
+    return [replace(each, probability=each.probability * (genuine or {}).get(each.candidate, 1.0)) for each in found]
 
 
 def _named(masses: Masses, best: Set, candidate: int, stands_in: Callable[[int], bool]) -> Name:

@@ -1,4 +1,13 @@
-"""Effects that stand out of what is left unexplained: one no larger than that cannot be told from it."""
+"""Whether an effect is what its name says, or an imitation of something that the catalogue lacks.
+
+What is left unexplained shows that something without a name is there. The nearest law of the catalogue takes some
+share of it, and then stands out of the rest. With R the power of an effect's own part over that of what is left, an
+imitation takes a share 1/(1 + 1/R) of what it imitates. If all shares are equally likely, one as large or larger has
+the probability 1/(1 + R). With prior odds c that a drive has the effect rather than something unknown that looks like
+it,
+
+    p(genuine) = c (1 + R) / (1 + c (1 + R))
+"""
 
 from __future__ import annotations
 
@@ -8,38 +17,63 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.inference.space import Space, Structure
 
 Array = NDArray[np.float64]
-LARGER = 1.0
-"""Power of an effect's own part over that of what is left at its joint, from which it stands out [1]."""
+Indices = NDArray[np.intp]
+EVERYWHERE, OFTEN, SELDOM = 100.0, 20.0, 1.0
+"""Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest."""
+COMMON = {
+    "viscous_friction": EVERYWHERE,
+    "coulomb_friction": EVERYWHERE,
+    "stribeck_friction": OFTEN,
+    "asymmetric_friction": OFTEN,
+    "load_dependent_friction": OFTEN,
+    "joint_coupling": OFTEN,
+    "joint_elasticity": OFTEN,
+    "channel_lag": OFTEN,
+    "command_delay": OFTEN,
+    "rotor_inertia": OFTEN,
+}
+
+
+def genuine(kind: str, share: float) -> float:
+    """Probability that an effect is what its name says.
+
+    Args:
+        kind: of the effect.
+        share: power of its own part over that of what is left [1].
+    """
+    odds = COMMON.get(kind, SELDOM) * (1.0 + min(share, 1e12))
+    return odds / (1.0 + odds)
 
 
 def shares(space: Space, structure: Structure) -> dict[int, float]:
-    """Of every effect of a structure: power of its own part over that of what is not explained [1].
+    """Of every effect of a structure and every number of the file: own power over that of what is not explained [1].
 
-    An effect's own part is what no other effect of the structure, no number of the file and no plainer law that it
-    contains can do. What is not explained is the residual beyond the sensors' noise at the same equations.
+    The own part of an effect is what no other effect of the structure, no number of the file within its tolerance and
+    no plainer law that it contains can do; that of a number is what its distance from the file does and they cannot.
+    What is not explained is the residual beyond the sensors' noise at the same equations.
     """
     columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
     squares = np.array([each.squares(columns, mean) for each in space.equations])
     excess = np.maximum(squares - space.seen.count, 0.0)
-    found = {}
-    for each in sorted(structure):
-        candidate = space.candidates[each[0]]
-        if candidate.number is not None:
-            continue  # of a number, its tolerance says how large it must be
-        power = _own_power(space, structure, each, value)
-        found[each[0]] = float(power.sum()) / max(float(excess[power > 0.01 * power.max()].sum()), 1e-300)
+    point, found = dict(structure), {}
+    numbers = list(space.library.start.factors.values())
+    for c in sorted({*point, *range(len(numbers))}):
+        mine = space.candidates[c].columns[point[c]] if c in point else np.zeros(0, np.intp)
+        does = np.array([value[int(k)] for k in mine])
+        if c < len(numbers):  # in every structure within its tolerance, and in this one perhaps beyond
+            mine, does = np.array([c, *mine], np.intp), np.array([value[c] + numbers[c] - 1.0, *does])
+        power = _own_power(space, structure, c, mine, does)
+        found[c] = float(power.sum()) / max(float(excess[power > 0.01 * power.max()].sum()), 1e-300)
     return found
 
 
-def _own_power(space: Space, structure: Structure, each: tuple[int, int], value: dict[int, float]) -> Array:
-    """Squares of what an effect does that all others, and the file's numbers, cannot do (equations,)."""
-    numbers = space.library.numbers.shape[1]
-    mine = space.candidates[each[0]].columns[each[1]]
-    others = [k for other in structure if other != each for k in space.candidates[other[0]].columns[other[1]].tolist()]
-    plain = [k for c in space.contained[each[0]] for k in space.candidates[c].columns[0].tolist()]
-    columns = np.array([*range(numbers), *others, *plain], np.intp)
-    does = np.array([value[int(k)] for k in mine])
+def _own_power(space: Space, structure: Structure, c: int, mine: Indices, does: Array) -> Array:
+    """Squares of what some columns do that all others of a structure cannot (equations,)."""
+    others = [k for other in structure if other[0] != c for k in space.candidates[other[0]].columns[other[1]].tolist()]
+    plain = [k for each in space.contained[c] for k in space.candidates[each].columns[0].tolist()]
+    numbers = range(len(space.library.start.factors))
+    columns = np.setdiff1d(np.array([*numbers, *others, *plain], np.intp), mine)
     rows = np.stack([equation.sum(mine, does) for equation in space.equations], axis=1)
     scale = 1.0 / np.sqrt(space.prior.precision[columns])
     # The priors stand beside the rows, each with the weight of its equation: a number in its tolerance does no more.

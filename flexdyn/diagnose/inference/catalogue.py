@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import Motion
-from flexdyn.diagnose.equations.terms import applied_torque, of_joint
+from flexdyn.diagnose.equations.terms import applied_torque, joint_terms, of_joint
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
-from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, given
+from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, given, linear
 from flexdyn.diagnose.hypothesis.proposals import proposals
-from flexdyn.effects import ChannelLag, Effect, JointEffect, TorqueSpeedLimit
+from flexdyn.effects import ChannelLag, Effect, JointEffect, LoadDependentFriction, TorqueSpeedLimit
 
 Array = NDArray[np.float64]
 DELAYS = (0.0005, 0.001, 0.002, 0.004, 0.008)
@@ -32,8 +32,15 @@ def everything(equations: Equations) -> list[Proposal]:
     channels = [f"{s}.{name}" for j, name in enumerate(true.joint_names) for s in there if there[s][j]]
     channels += [f"tau.{name}" for name in true.joint_names]
     lags = [given({"effect": ChannelLag.name, "channel": c}, ("delay",), [(d,) for d in DELAYS]) for c in channels]
-    found = [*plain, *lags, *own_effects(equations)[0]]
+    found = [*plain, *lags, *_loaded(equations), *own_effects(equations)[0]]
     return [each for each in found if not any(each.is_of(effect) for effect in equations.model.effects)]
+
+
+def _loaded(equations: Equations) -> list[Proposal]:
+    """Load-dependent friction of rigid joints: the model can hold it where the joint becomes elastic as well."""
+    true, place = equations.true, {"effect": LoadDependentFriction.name, "side": "motor"}
+    rigid = [name for j, name in enumerate(true.joint_names) if not true.elastic[j] and true.rotor_inertia[j] > 0.0]
+    return [linear({**place, "joint": name}, "coefficient") for name in rigid]
 
 
 def columns_of(equations: Equations, proposal: Proposal, point: Point) -> Array:
@@ -49,12 +56,26 @@ def _of_effect(equations: Equations, effect: Effect, scale: float) -> Array:
     """
     if isinstance(effect, ChannelLag) and effect.signal == "tau":
         return _of_late_torque(equations, effect) / scale
+    if isinstance(effect, LoadDependentFriction) and not equations.true.elastic[equations.true.index(effect.joint)]:
+        return _of_loaded(equations, effect) / scale
     on_the_way = isinstance(effect, JointEffect) and effect.stage == "actuator"
     if not on_the_way or isinstance(effect, TorqueSpeedLimit):
         return columns.of_effect(equations, effect, scale)
     effect = columns.on_joint(effect)
     j = equations.true.index(effect.joint)
     return equations.of_torque(j, lambda along: ("motor", _on_the_way(equations, effect, along, j))) / scale
+
+
+def _of_loaded(equations: Equations, effect: LoadDependentFriction) -> Array:
+    true = equations.true
+    j = true.index(effect.joint)
+
+    def friction(along: Motion) -> tuple[str, Array]:
+        # What a rigid joint carries: all that the link needs, the rotor left out, whose inertia is in M.
+        carried = joint_terms(true, true.all_effects, along, j).tau_s - true.rotor_inertia[j] * along.a[:, j]
+        return "motor", -effect.torque(along.theta[:, j], along.omega[:, j], tau=carried)
+
+    return equations.of_torque(j, friction)
 
 
 def _of_late_torque(equations: Equations, effect: ChannelLag) -> Array:

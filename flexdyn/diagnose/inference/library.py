@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.equations.columns import of_parameter
+from flexdyn.diagnose.equations.covariance import Noise
 from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, TRANSMISSION, Equations
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
@@ -19,7 +20,7 @@ from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError
+from flexdyn.effects import CommandDelay, Effect, JointEffect, LoadDependentFriction, TorqueConstantError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -37,12 +38,20 @@ NATURAL_SIZE = {
 data sheets of torque constants say 10 %, of gears 5 to 20 % lost, of assembled encoders arc minutes."""
 FREED = 1.0
 """Prior standard deviation of the factor of a number whose tolerance is wrong [1]."""
+ANGLES = {
+    "kinematic_error": "amplitude",
+    "encoder_eccentricity": "amplitude",
+    "sensor_offset": "offset",
+}
+"""Effects on positions, and the parameter that says how large they are [rad or m]."""
 WAVES = ("torque_ripple", "kinematic_error", "encoder_eccentricity", "position_dependent_friction")
 """Effects that come again with position."""
 LOOSE = 1e4
 """Prior standard deviation of a parameter of which nothing is known, in units of a hundredth of its value."""
 CERTAIN = 1e-4
 """Prior standard deviation of the size of an effect as it was fitted: its tangents say what changes [1]."""
+SMALLEST = 4e-3
+"""Share of its joint's torque from which an effect is one [1]. No model of a robot is right to less."""
 FIXED = 0.05
 """Prior standard deviation of the size of an effect that enters at one grid point, about 1: the grid is that coarse."""
 
@@ -115,6 +124,7 @@ class Column:
         size: root mean square torque of each column, as a share of its joint's (width,).
         log_jacobian: what a law that forgets the recorded torque costs (see `Library.log_jacobian`).
         gained: rows that a gain of the torque scales, if the coefficient is one.
+        smallest: share of its joint's torque from which an effect is one [1].
     """
 
     white: Array
@@ -124,6 +134,7 @@ class Column:
     size: Array
     log_jacobian: float = 0.0
     gained: int = 0
+    smallest: float = SMALLEST
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +149,7 @@ class Library:
         offsets: whitened columns of the encoders' offsets (rows, channels).
         offset_std: of their priors (channels,).
         proposals: of effects that the model does not hold yet.
-        torque_noise: of the joints (n,) [N m or N].
+        noise: of the channels.
         mask: rows that say nothing (rows,).
         first: the library at the model as given, whose torques scale the priors; None: this one.
     """
@@ -150,7 +161,7 @@ class Library:
     offsets: Array
     offset_std: Array
     proposals: tuple[Proposal, ...]
-    torque_noise: Array
+    noise: Noise
     mask: NDArray[np.bool_]
     first: Library | None = None
 
@@ -196,9 +207,12 @@ class Library:
         scale = np.minimum(scale, NATURAL_SIZE.get(proposal.place["effect"], np.inf))
         signs = np.array([*proposal.positive, *[False] * width][:width])
         gained = self._rows_of(proposal.place["joint"]) if proposal.place["effect"] == TorqueConstantError.name else 0
-        return Column(white, scale, np.zeros(width), signs, largest, gained=gained)
+        least = max(SMALLEST, self._resolution(proposal.place) * float(largest.max()))
+        return Column(white, scale, np.zeros(width), signs, largest, gained=gained, smallest=least)
 
-    def standing(self, effect: Effect, belief: Callable[[Effect, str], tuple[float, float]]) -> Column:
+    def standing(
+        self, effect: Effect, proposal: Proposal, belief: Callable[[Effect, str], tuple[float, float]]
+    ) -> Column:
         """An effect that the start has: what it does as it is, which is there or not, and its parameters' tangents.
 
         A parameter that makes it large is ``N(neutral, (share of the drive)^2)``, so its tangent's coefficient has the
@@ -222,8 +236,10 @@ class Library:
             std.append(min(spread / scale, LOOSE))
             mean.append(off / scale if np.isfinite(spread) else 0.0)
         white = np.stack(parts, axis=1)
-        size = np.concatenate([self._size(change[:, None]), np.zeros(len(std) - 1)])
-        return Column(white, np.array(std), np.array(mean), np.zeros(len(std), bool), size, self.log_jacobian(effect))
+        share, least = self.size_of(effect, change)
+        size = np.array([share, *np.zeros(len(std) - 1)])
+        signs = np.zeros(len(std), bool)
+        return Column(white, np.array(std), np.array(mean), signs, size, self.log_jacobian(effect), smallest=least)
 
     def belief(self, effect: Effect, name: str) -> tuple[float, float]:
         """Prior of a parameter: how far its centre is from its value, and its standard deviation, in its unit.
@@ -247,6 +263,26 @@ class Library:
         low, high = float(np.log(min(grid))), float(np.log(max(grid)))
         return -value * (float(np.log(value)) - 0.5 * (low + high)), value * max(0.5 * (high - low), 0.1)
 
+    def size_of(self, effect: Effect, change: Array) -> tuple[float, float]:
+        """Share of its joint's torque that an effect has, and the one from which it is one [1].
+
+        Args:
+            effect: of which.
+            change: of the residual by it (rows,).
+        """
+        share = float(self._size(change[:, None])[0])
+        angle = abs(float(getattr(effect, ANGLES.get(effect.name, ""), np.inf)))
+        place = {key: str(getattr(effect, key)) for key in ("joint", "channel") if hasattr(effect, key)}
+        return share, max(SMALLEST, self._resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
+
+    def _resolution(self, place: Mapping[str, str]) -> float:
+        """Step of the encoders [rad or m] for effects on positions: what is smaller may be rounding; 0 for others."""
+        signal, _, joint = place.get("channel", "").partition(".")
+        if place["effect"] not in ANGLES or signal.startswith("tau"):
+            return 0.0
+        j = self.equations.true.index(place.get("joint") or joint)
+        return float(np.sqrt(12.0) * max(self.noise.q[j], self.noise.theta[j]))
+
     def _ratio(self, proposal: Proposal) -> float:
         """Gear ratio of the joint that a proposal is about."""
         joint = proposal.place.get("joint") or proposal.place.get("channel", "").partition(".")[2]
@@ -266,6 +302,8 @@ class Library:
         Elsewhere the column of a gain is made of the torque that the model needs, which has no noise of the record.
         """
         j = self.equations.true.index(joint)
+        if not self.equations.made_up[j]:
+            return 0
         which = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
         return int((~self.mask.reshape(-1, len(self.equations.kinds))[:, which]).sum())
 
@@ -279,7 +317,7 @@ class Library:
             return 0.0
         j, total = self.equations.true.index(effect.joint), 0.0
         rows = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
-        floor = self.torque_noise[j] / self.reference[rows[0]]
+        floor = self.noise.tau[j] / self.reference[rows[0]]
         for along in self.equations.motions:
             at = self.equations.filters.instants(len(along.t))
             x, u, tau, t = along.theta[at, j], along.omega[at, j], along.tau[at, j], along.t[at]
@@ -307,10 +345,7 @@ class Library:
             for entry in effect.parameters():
                 nothing = effect.neutral.get(entry.name)
                 if nothing is not None and np.isfinite(nothing):
-                    known[(*kind_and_place(effect), entry.name)] = (
-                        float(nothing),
-                        at.alone(effect).belief(effect, entry.name)[1],
-                    )
+                    known[(*kind_and_place(effect), entry.name)] = (float(nothing), at._spread(effect, entry.name))
 
         def belief(effect: Effect, name: str) -> tuple[float, float]:
             place = (*kind_and_place(effect), name)
@@ -319,6 +354,14 @@ class Library:
             return self.belief(effect, name)
 
         return belief
+
+    def _spread(self, effect: Effect, name: str) -> float:
+        """Prior standard deviation of a parameter that makes an effect large."""
+        true = self.equations.true
+        if isinstance(effect, LoadDependentFriction) and not true.elastic[true.index(effect.joint)]:
+            column = self.columns(next(p for p in self.proposals if p.is_of(effect)), ())
+            return np.inf if column is None else float(column.std[0])
+        return self.alone(effect).belief(effect, name)[1]
 
     def _size(self, raw: Array) -> Array:
         """Largest share of what an equation is about that columns have (columns,)."""
@@ -336,7 +379,7 @@ class Library:
         belief = self.beliefs(self.start.effects)
         for effect in self.start.effects:
             proposal = next(p for p in self.proposals if p.is_of(effect))
-            column = self.standing(effect, belief)
+            column = self.standing(effect, proposal, belief)
             place = first + np.arange(len(column.std))
             first += len(column.std)
             found.append(Candidate(effect.name, proposal, None, [()], [place], len(proposal.grid), effect))

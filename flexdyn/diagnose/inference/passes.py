@@ -30,7 +30,7 @@ from flexdyn.diagnose.inference.library import WAVES, Library
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
 from flexdyn.diagnose.inference.whitening import Tempered
-from flexdyn.effects import Effect, JointElasticity
+from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction
 
 Array = NDArray[np.float64]
 PASSES = 5
@@ -93,7 +93,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         numbers = made.regression.X[:, :count] if made.free is None else made.free.X[:, :count]
         listed = _with_harmonics(at, own, runs)
         columns = Library(
-            at, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise.tau, mask, first
+            at, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise, mask, first
         )
         first = first or columns
         space = Space(columns, work.whiten(at.residual), seen)
@@ -140,8 +140,14 @@ def _for_fit(
     What the first filter does to laws with corners is left out: where a law is still wrong it would excuse that.
     """
     plain = weighed(bare, noise, mask)
-    error = Discrepancy.of(plain.whiten(bare.equations.of(there.model()).residual), seen)
-    return tempered(plain, error)
+    return tempered(plain, error_of(plain, bare.equations.of(there.model()).residual, seen))
+
+
+def error_of(plain: Workspace, residual: Array, seen: Seen) -> Discrepancy:
+    """The model error in a residual (rows,), the encoders' offsets that fit it best taken off."""
+    white, offsets = plain.whiten(residual), plain.nuisance
+    loose = np.diag(1.0 / plain.nuisance_sigma**2)
+    return Discrepancy.of(white - offsets @ np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white), seen)
 
 
 def tempered(plain: Workspace, error: Discrepancy) -> Workspace:
@@ -217,12 +223,20 @@ def _identity(space: Space, each: tuple[int, int]) -> tuple[object, ...]:
 
 
 def _nonlinear(space: Space, structure: Structure) -> set[int]:
-    """Candidates of a structure but elastic joints, which stay linear in their compliance until the end."""
-    return {c for c, _ in structure if space.candidates[c].kind != JointElasticity.name}
+    """Candidates of a structure but those that stay linear until the end."""
+    return {c for c, _ in structure if not _waits(space, c)}
+
+
+def _waits(space: Space, c: int) -> bool:
+    """Whether a candidate makes a rigid joint elastic: all its equations change, so it stays linear until the end."""
+    candidate, true = space.candidates[c], space.library.equations.true
+    if candidate.kind == LoadDependentFriction.name:
+        return not true.elastic[true.index(candidate.place["joint"])]
+    return candidate.kind == JointElasticity.name
 
 
 def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole: bool = False) -> Hypothesis:
-    """A structure with its coefficients as a hypothesis; elastic joints only in the whole one."""
+    """A structure with its coefficients as a hypothesis; what makes joints elastic only in the whole one."""
     estimate = space.estimate(structure)
     value = dict(zip(estimate.columns.tolist(), estimate.mean.tolist(), strict=True))
     names = list(here.factors)
@@ -236,14 +250,31 @@ def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole
             freed.add(candidate.number)
         elif candidate.stands is not None:
             effects.append(candidate.stands)
-        else:
+        elif whole or not _waits(space, c):
             x = np.array([value[int(k)] for k in candidate.columns[p]])
             x = np.where(space.prior.positive[candidate.columns[p]], np.maximum(x, 0.0), x)
-            effect = candidate.effect(p, x) if whole or candidate.kind != JointElasticity.name else None
+            effect = candidate.effect(p, x)
             if effect is not None and not effect.is_neutral:
                 effects.append(effect)
+    effects += _softened(space, structure, effects)
     factors = {n: max(f, 0.02) for n, f in factors.items()}
     return dataclasses.replace(here, factors=factors, freed=frozenset(freed), effects=tuple(effects))
+
+
+def _softened(space: Space, structure: Structure, effects: list[Effect]) -> list[Effect]:
+    """Elasticities that load-dependent friction needs and the structure lacks: as stiff as the data allow."""
+    soft = {each.joint for each in effects if isinstance(each, JointElasticity)}
+    true, found = space.library.equations.true, list[Effect]()
+    for each in effects:
+        if not isinstance(each, LoadDependentFriction) or true.elastic[true.index(each.joint)] or each.joint in soft:
+            continue
+        place = {"effect": JointElasticity.name, "joint": each.joint}
+        (c,) = (c for c, other in enumerate(space.candidates) if place.items() <= other.place.items())
+        estimate = space.gram.estimate(space.columns(structure | {(c, 0)}))
+        k = int(np.flatnonzero(estimate.columns == space.candidates[c].columns[0][0])[0])
+        compliance = max(float(estimate.mean[k]), 0.0) + float(np.sqrt(estimate.covariance[k, k]))
+        found.append(JointElasticity(each.joint, stiffness=1.0 / compliance))
+    return found
 
 
 def _filter_error(equations: Equations, here: Hypothesis) -> Array | None:

@@ -24,6 +24,8 @@ ODDS = (0.3, 6.0)
 
 An effect of many joints so costs less than its members apart (Scott and Berger, 2010).
 """
+UBIQUITOUS = {"viscous_friction": (1.0, 1.0), "coulomb_friction": (1.0, 1.0)}
+"""The same of what every drive has: any share of the places is as likely as any other."""
 NEGLIGIBLE = 3e-3
 """Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
 NATURAL = 5.0
@@ -35,8 +37,6 @@ PLAINER = {
     "warm_up_friction": ("viscous_friction",),
 }
 """What a law becomes where its further parameters do nothing: only what these add speaks for it."""
-SMALLEST = 4e-3
-"""Share of its joint's torque from which an effect is one [1]. No model of a robot is right to less."""
 SPARE = 400
 """Columns for refined grid points."""
 
@@ -68,7 +68,7 @@ class Space:
         y = -rows.reshape(-1, many)
         self.equations = [Products(y[:, k], capacity) for k in range(many)]
         self.size, self.cost, self.gained = np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
-        self.of = np.zeros(capacity, np.intp)
+        self.smallest, self.of = np.zeros(capacity), np.zeros(capacity, np.intp)
         self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
         self._put(0, columns, SPARE)
         self.places = self._counted(self.candidates)
@@ -112,7 +112,7 @@ class Space:
             self.prior.mean[place:end] = each.mean
             self.size[place:end] = each.size
             self.cost[place], self.gained[place] = each.log_jacobian, each.gained
-            self.prior.positive[place:end] = each.positive
+            self.prior.positive[place:end], self.smallest[place:end] = each.positive, each.smallest
             place = end
         return int(end)
 
@@ -188,7 +188,7 @@ class Space:
             weight = self.size[columns]
             share = float(np.sqrt(((weight * own.mean[here]) ** 2).sum())) * self._own_part(c, columns, own.mean[here])
             spread = float(np.sqrt((weight**2 * np.diag(own.covariance)[here]).sum()))
-            total += float(log_ndtr((share - SMALLEST) / max(spread, 1e-12)))
+            total += float(log_ndtr((share - self.smallest[columns[0]]) / max(spread, 1e-12)))
         return total
 
     def _own_part(self, c: int, columns: Indices, mean: Array) -> float:
@@ -229,9 +229,8 @@ class Space:
             total += self.costs(c, p) - math.log(candidate.choices)
             if "harmonic" in candidate.names and candidate.stands is None:
                 total -= 0.0 if candidate.points[p][0] in candidate.natural(candidate.points[p][0]) else NATURAL
-        a, b = ODDS
         for kind, m in chosen.items():
-            n = self.places[kind]
+            n, (a, b) = self.places[kind], UBIQUITOUS.get(kind, ODDS)
             total += float(betaln(m + a, n - m + b) - betaln(a, n + b))
         return total
 

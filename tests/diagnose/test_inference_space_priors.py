@@ -1,0 +1,183 @@
+"""Priors of structures: of places and grid points by sums and integrals, of sizes by normal distributions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import chain, combinations, product
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from flexdyn.diagnose.hypothesis.numbers import FileNumber
+from flexdyn.diagnose.inference.library import SMALLEST, Column
+from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, Structure
+from flexdyn.effects import CoulombFriction
+from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column, share
+
+Array = NDArray[np.float64]
+ROWS = TIMES * EQUATIONS
+EMPTY: Structure = frozenset()
+ALONE: Structure = frozenset({(0, 0)})
+
+
+def _draw(width: int = 1, seed: int = 0) -> Array:
+    return np.random.default_rng(seed).standard_normal((ROWS, width))
+
+
+def _places(kind: str, *, points: int = 1, joints: str = "abc") -> Case:
+    """One kind on some joints, and a law with a grid of three on one."""
+    grid = tuple((0.1 * k,) for k in range(1, points + 1)) if points > 1 else ((),)
+    effects = [
+        Given(kind, joint, tuple(column(_draw(seed=10 * k + p)) for p in range(points)), grid)
+        for k, joint in enumerate(joints)
+    ]
+    speeds = tuple(column(_draw(seed=100 + p)) for p in range(3))
+    effects.append(Given("backlash", "a", speeds, ((0.1,), (0.2,), (0.4,))))
+    return Case(tuple(effects), column(_draw(2)), np.zeros(ROWS))
+
+
+def test_priors_of_places_come_from_a_share_that_is_integrated_out() -> None:
+    """Places are there with a probability that has a Beta prior."""
+    space = _places("stribeck_friction").space()
+    for m in range(1, 4):
+        structure = frozenset((c, 0) for c in range(m))
+        assert space.log_prior(structure) == pytest.approx(math.log(share(m, 3) / share(0, 3)), abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["viscous_friction", "coulomb_friction"])
+def test_what_every_drive_has_is_as_likely_on_any_number_of_joints(kind: str) -> None:
+    """A uniform share: every number m of n places has the probability 1/(n + 1), whichever they are."""
+    space = _places(kind).space()
+    for m in range(4):
+        structure = frozenset((c, 0) for c in range(m))
+        assert space.log_prior(structure) == pytest.approx(-math.log(math.comb(3, m)), abs=1e-10)
+
+
+@pytest.mark.parametrize("kind", ["stribeck_friction", "viscous_friction"])
+def test_priors_of_all_structures_add_up_to_one(kind: str) -> None:
+    """Over all subsets and grid points, once that of the empty structure is known: the choice of a point is even."""
+    space = _places(kind, points=2).space()
+    everywhere = chain.from_iterable(combinations(range(3), m) for m in range(4))
+    plain = [frozenset(zip(mine, at, strict=True)) for mine in everywhere for at in product(range(2), repeat=len(mine))]
+    gridded = [EMPTY, *(frozenset({(3, p)}) for p in range(3))]
+    total = sum(math.exp(space.log_prior(one | other)) for one in plain for other in gridded)
+    none = share(0, 3, (1.0, 1.0) if kind == "viscous_friction" else ODDS) * share(0, 1)
+    assert total * none == pytest.approx(1.0, abs=1e-8)
+
+
+def test_an_effect_on_all_joints_costs_less_than_its_members_apart() -> None:
+    """Each further place is more likely than the one before; alone the odds are 1 to 20, over the grid's points."""
+    space = _places("stribeck_friction").space()
+    priors = [space.log_prior(frozenset((c, 0) for c in range(m))) for m in range(4)]
+    assert priors[1] < 0.0
+    assert np.diff(priors)[2] > np.diff(priors)[1] > np.diff(priors)[0]
+    assert math.exp(space.log_prior(frozenset({(3, 0)}))) == pytest.approx(ODDS[0] / ODDS[1] / 3)
+
+
+def test_a_harmonic_that_is_no_whole_number_costs_more() -> None:
+    """Of cycles a turn of the joint, or of the motor; what stands has been decided."""
+    points = ((3.0,), (2.5,), (50.6,), (50.0,), (0.2,))
+    ripple = Given("torque_ripple", "a", tuple(column(_draw(2, k)) for k in range(5)), points)
+    space = Case((ripple,), column(_draw(2)), np.zeros(ROWS)).space()
+    priors = np.array([space.log_prior(frozenset({(0, p)})) for p in range(5)])
+    np.testing.assert_allclose(priors - priors[0], [0.0, -NATURAL, -NATURAL, 0.0, -NATURAL], atol=1e-12)
+    space.candidates[0].ratio = 25.3
+    priors = np.array([space.log_prior(frozenset({(0, p)})) for p in range(5)])
+    np.testing.assert_allclose(priors - priors[0], [0.0, -NATURAL, 0.0, 0.0, -NATURAL], atol=1e-12)
+
+
+def test_a_law_that_forgets_the_torque_costs_what_its_rows_tell() -> None:
+    """Its log-density by the number of independent rows in the equation that it is about."""
+    white = _draw()
+    white[::EQUATIONS] *= 0.1  # the second equation has more of it
+    case = Case(
+        (Given("torque_limit", "a", (replace(column(white), log_jacobian=-70.0),)),), column(_draw(2)), _draw()[:, 0]
+    )
+    for times in ((1.0, 1.0), (3.0, 7.0)):
+        space = case.space(case.noise(times=times))
+        found = space.log_prior(ALONE) - math.log(share(1, 1) / share(0, 1))
+        assert found == pytest.approx(-70.0 / times[1], rel=1e-9)
+
+
+def _sharp(size: float, **changes: float) -> tuple[Case, Column]:
+    """An effect of one number whose size the rows tell to a millionth."""
+    block = replace(column(1e5 * _draw(seed=1), size=0.5), **changes)  # type: ignore[arg-type]
+    return Case((Given("stribeck_friction", "a", (block,)),), column(_draw(), 1e-6), -size * block.white[:, 0]), block
+
+
+def _large(case: Case, structure: Structure = ALONE) -> float:
+    space = case.space()
+    return space.log_large(structure, space.gram.estimate(space.columns(structure)))
+
+
+@pytest.mark.parametrize("smallest", [SMALLEST, 0.05])
+@pytest.mark.parametrize(("times", "low", "high"), [(10.0, -1e-6, 0.0), (0.5, -1e15, -5.0)])
+def test_negligible_sizes_are_no_effects(smallest: float, times: float, low: float, high: float) -> None:
+    """An effect of half the least size is refused; one of ten times that size is not touched.
+
+    However sure the sum is, a negligible amount that every structure has may be a part of it.
+    """
+    for sign in (1.0, -1.0):
+        case, _ = _sharp(sign * times * smallest / 0.5, smallest=smallest)
+        assert low <= _large(case) <= high
+
+
+def test_the_least_size_is_a_matter_of_probability_where_the_rows_are_few() -> None:
+    """The share of the size's normal distribution that is above it."""
+    white = 3.0 * _draw(seed=2)
+    case = Case(
+        (Given("stribeck_friction", "a", (column(white, size=0.5),)),), column(_draw(), 1e-6), -0.02 * white[:, 0]
+    )
+    at = case.dense(ALONE, case.noise())
+    mean, spread = abs(0.5 * at.mean[-1]), 0.5 * math.sqrt(at.covariance[-1, -1])
+    assert _large(case) == pytest.approx(math.log(norm.sf(SMALLEST, mean, spread)), rel=1e-9)
+    assert -3.0 < _large(case) < -0.01
+
+
+@pytest.mark.parametrize(("factor", "change", "refused"), [(1.0, -0.5, False), (1.0, -1.5, True), (0.3, -0.5, True)])
+def test_a_number_stays_positive(factor: float, change: float, refused: bool) -> None:
+    """A mass, an inertia or a stiffness has a factor above zero; how much is no matter of least sizes."""
+    number = FileNumber("a", "rotor_inertia", 0.1, 0.1, "a")
+    white = 100.0 * _draw(seed=3)
+    freed = Given("rotor_inertia", "a", (column(white, 1.0),), number=number)
+    case = Case((freed,), column(white, 1e-6), -change * white[:, 0], factors={number: factor})
+    assert _large(case) < -50.0 if refused else _large(case) == pytest.approx(0.0, abs=1e-9)
+    tiny = replace(case, rows=-1e-4 * white[:, 0], factors={number: 1.0})
+    assert _large(tiny) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("gain", [0.2, -0.2])
+def test_a_gain_of_the_torque_changes_the_density_of_its_rows(gain: float) -> None:
+    """Rows of recorded torque have (1 + gain) times the density of those of applied torque, each that counts."""
+    case, block = _sharp(gain)
+    scaled = replace(case, given=(replace(case.given[0], columns=(replace(block, gained=30),)),))
+    assert _large(scaled) - _large(case) == pytest.approx(30 * math.log1p(gain), rel=1e-4)
+    noise = case.noise(times=(4.0, 4.0))
+    structures = [each.space(noise) for each in (scaled, case)]
+    found = [each.log_large(ALONE, each.gram.estimate(each.columns(ALONE))) for each in structures]
+    assert found[0] - found[1] == pytest.approx(30 / 4.0 * math.log1p(gain), rel=1e-4)
+
+
+@pytest.mark.parametrize("plain_at", ["a", "b", "a, where it stands"])
+@pytest.mark.parametrize("both", [0.0, 0.7, 1.0])
+def test_a_law_is_large_by_what_a_plainer_one_cannot_do(both: float, plain_at: str) -> None:
+    """Asymmetric friction that is Coulomb friction of the same joint is none; elsewhere that does not matter.
+
+    Nor does it where Coulomb friction is no law of the catalogue but one that has been found.
+    """
+    one, other = 1e4 * np.linalg.qr(_draw(2, 4))[0].T
+    form = both * one + math.sqrt(1.0 - both**2) * other
+    asymmetric = Given("asymmetric_friction", "a", (column(form[:, None]),))
+    coulomb = Given("coulomb_friction", plain_at[0], (column(one[:, None]),))
+    # The size is four times the least one, of which the plainer law leaves sqrt(1 - both^2).
+    case = Case((asymmetric, coulomb), column(_draw(), 1e-6), -4.0 * SMALLEST * form)
+    if len(plain_at) > 1:
+        found = CoulombFriction("a", side="motor", level=1.0)
+        case = replace(case, given=(asymmetric, replace(coulomb, stands=found)), rows=case.rows + one)
+    wanted = 0.0
+    if both == 1.0 and plain_at == "a":  # of nothing, as sure as the negligible amounts of both laws let it be
+        wanted = float(norm.logcdf(-SMALLEST / (math.sqrt(2.0) * NEGLIGIBLE * 0.4)))
+    assert _large(case) == pytest.approx(wanted, rel=1e-2, abs=1e-6)
