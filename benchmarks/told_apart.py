@@ -30,9 +30,7 @@ from score import outcome
 from two_link_run import PERIOD, controlled
 
 import flexdyn as fd
-from flexdyn.diagnose import diagnose
-from flexdyn.diagnose.report import report_json
-from flexdyn.diagnose.result import Experiment, Finding
+from flexdyn.diagnose import Experiment, Finding
 
 
 def main() -> int:
@@ -58,10 +56,10 @@ def asked_again(folder: Path, truth: dict[str, Any]) -> dict[str, Any]:
     """What the experiment of one case was worth."""
     model = fd.load_model(folder / "model.yaml")
     fit, check = (fd.read_recording(folder / f"{part}.npz") for part in ("fit", "check"))
-    before = diagnose(model, [fit], [check])
+    before = fd.diagnose(model, [fit], [check])
     row: dict[str, Any] = {"case": truth["case"], "names": [_names(f) for f in before.findings if f.rivals]}
     plans = [finding.plan for finding in before.findings if finding.plan is not None]
-    row["before"] = outcome(truth, json.loads(report_json(before)))
+    row["before"] = outcome(truth, before.to_dict())
     if row["before"] != "half":
         return row | {"after": "no longer an A or B"}
     if not plans:
@@ -74,10 +72,10 @@ def asked_again(folder: Path, truth: dict[str, Any]) -> dict[str, Any]:
     channels: dict[str, Any] = dict(made(case, plan))
     np.savez(folder / "experiment.npz", **channels)
     began = time.perf_counter()
-    after = diagnose(model, [fit, fd.read_recording(folder / "experiment.npz")], [check])
+    after = fd.diagnose(model, [fit, fd.read_recording(folder / "experiment.npz")], [check])
     row["time"] = time.perf_counter() - began
     answer = {"answer": [f.suspect.effect for f in after.findings]}
-    return row | answer | {"after": outcome(truth, json.loads(report_json(after)))}
+    return row | answer | {"after": outcome(truth, after.to_dict())}
 
 
 def made(case: Case, plan: Experiment) -> dict[str, Array]:

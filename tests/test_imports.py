@@ -33,8 +33,18 @@ NEVER = {
     "diagnose": ("viewer", "cli"),
     "errors": ("model", "robot", "effects", "records", "simulate", "_core"),
 }
-PROPOSING = {"proposal", "proposals", "screen", "candidates", "search", "selection", "rivals", "own_effects"}
-"""Of `flexdyn.diagnose`: what thinks of names. What verifies them does not know where they came from."""
+EQUATIONS = ("data", "equations", "hypothesis")
+STAGES = {
+    "data": (),
+    "equations": ("data", "report"),
+    "hypothesis": ("data", "equations"),
+    "shooting": (),
+    "inference": EQUATIONS,
+    "experiment": (*EQUATIONS, "shooting", "report"),
+    "decision": (*EQUATIONS, "shooting", "inference", "experiment", "report"),
+    "report": (),
+}
+"""Folders of `flexdyn.diagnose`, and which others each may know: what compares knows no test data and no report."""
 
 
 def name_of(path: Path) -> str:
@@ -82,21 +92,12 @@ def test_forbidden_imports(path: Path) -> None:
             assert owned, f"{path} imports {library}, which belongs to {owner}"
 
 
-def test_who_verifies_does_not_propose() -> None:
-    """Nothing that the verification of a diagnosis imports, by whatever way, proposes names."""
-    folder = PACKAGE / "diagnose"
-    seen, ahead = set(), ["verify"]
-    while ahead:
-        here = ahead.pop()
-        seen.add(here)
-        names = {module.split(".")[2] for module in imports(folder / f"{here}.py") if _of_diagnose(module)}
-        ahead += [name for name in names if (folder / f"{name}.py").exists() and name not in seen]
-    assert {"verify", "gap", "windows"} <= seen
-    assert not seen & PROPOSING
-
-
-def _of_diagnose(module: str) -> bool:
-    return module.startswith("flexdyn.diagnose.")
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_stage_of_the_diagnosis_knows_those_before_it(stage: str) -> None:
+    """One way through the folders, no ring; a report does not know how it was found."""
+    for path in (PACKAGE / "diagnose" / stage).rglob("*.py"):
+        known = {module.split(".")[2] for module in imports(path) if module.startswith("flexdyn.diagnose.")}
+        assert not known & STAGES.keys() - {stage, *STAGES[stage]}, path
 
 
 @pytest.mark.parametrize("path", FILES, ids=name_of)

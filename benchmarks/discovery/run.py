@@ -3,8 +3,7 @@
     python benchmarks/discovery/run.py --family single hard --seed 3 --count 20 -o DIR
 
 DIR/<family> and DIR/<family>.truth hold the cases, DIR/<family>.reports what the diagnosis wrote, DIR/result.json the
-scores. What is there already is not made or diagnosed again; --only-score does neither. --engine posterior diagnoses
-the same cases by ../posterior.py, into DIR/<family>.posterior.reports and DIR/result.posterior.json.
+scores. What is there already is not made or diagnosed again; --only-score does neither.
 """
 
 from __future__ import annotations
@@ -24,23 +23,12 @@ from overview import content_of, line, tables
 from score import read, score, score_folder
 
 LIMIT = 600.0  # s per case: a diagnosis that takes longer has failed
-PRESENT, POSTERIOR = "present", "posterior"
-OF_ENGINE = {PRESENT: "", POSTERIOR: ".posterior"}  # in the names of reports and results
 
 
-def command_of(engine: str, output: Path) -> list[str]:
-    """What diagnoses the case of the working folder: the program as a user runs it, or the engine beside it."""
-    target = ["-o", str(output.resolve())]
-    if engine == POSTERIOR:
-        script = Path(__file__).resolve().parents[1] / "posterior.py"
-        return [sys.executable, str(script), "model.yaml", "fit.npz", "check.npz", *target]
+def diagnose(folder: Path, output: Path) -> dict[str, Any]:
+    """Run the program as a user does; what it cost."""
     program = str(Path(sys.executable).with_name("flexdyn"))
-    return [program, "diagnose", "model.yaml", "fit.npz", "--check", "check.npz", *target]
-
-
-def diagnose(folder: Path, output: Path, engine: str = PRESENT) -> dict[str, Any]:
-    """Run the diagnosis in a process of its own; what it cost."""
-    command = command_of(engine, output)
+    command = [program, "diagnose", "model.yaml", "fit.npz", "--check", "check.npz", "-o", str(output.resolve())]
     output.mkdir(parents=True, exist_ok=True)
     began = time.perf_counter()
     try:
@@ -53,22 +41,15 @@ def diagnose(folder: Path, output: Path, engine: str = PRESENT) -> dict[str, Any
     return cost
 
 
-def reports_of(family: str, place: Path, engine: str) -> Path:
-    """Where the reports of an engine are."""
-    return place / f"{family}{OF_ENGINE[engine]}.reports"
-
-
-def run_family(
-    family: str, seed: int, numbers: range, durations: tuple[float, float], place: Path, engine: str = PRESENT
-) -> None:
+def run_family(family: str, seed: int, numbers: range, durations: tuple[float, float], place: Path) -> None:
     """Make and diagnose what is not there yet."""
     for number in numbers:
         name = f"{family}_{seed}_{number:03d}"
-        folder, output = place / family / name, reports_of(family, place, engine) / name
+        folder, output = place / family / name, place / f"{family}.reports" / name
         if not (folder / "check.npz").exists():
             write_case(build(family, seed, number, *durations, sensors_of(family)), place / family)
         if not (output / "cost.json").exists():
-            cost = diagnose(folder, output, engine)
+            cost = diagnose(folder, output)
             truth = read(place / f"{family}.truth" / f"{name}.json")
             said = line(score(truth, read(output / "report.json"))) if truth else name
             print(f"{said} [exit {cost['exit']}, {cost['seconds']:.0f} s]", file=sys.stderr, flush=True)
@@ -84,20 +65,19 @@ def main() -> int:
     parser.add_argument("--fit", type=float, default=FIT, help="[s]")
     parser.add_argument("--check", type=float, default=CHECK, help="[s]")
     parser.add_argument("--wide", action="store_true", help="draw from wider ranges (wide.py); the family is called so")
-    parser.add_argument("--engine", choices=list(OF_ENGINE), default=PRESENT, help="posterior: by ../posterior.py")
     parser.add_argument("--only-score", action="store_true")
     parser.add_argument("-o", "--output", type=Path, required=True)
     o = parser.parse_args()
     rows: list[dict[str, Any]] = []
     for family in (ending(each, o.wide) for each in o.family):
         if not o.only_score:
-            run_family(family, o.seed, range(o.first, o.first + o.count), (o.fit, o.check), o.output, o.engine)
-        rows += score_folder(o.output / family, reports_of(family, o.output, o.engine))
+            run_family(family, o.seed, range(o.first, o.first + o.count), (o.fit, o.check), o.output)
+        rows += score_folder(o.output / family, o.output / f"{family}.reports")
     print(tables(rows))
     memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     print(f"greatest memory of a diagnosis: {memory:.0f} MB")
     content = {"seed": o.seed, "memory_mb": memory, **content_of(rows)}
-    (o.output / f"result{OF_ENGINE[o.engine]}.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    (o.output / "result.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     return 0
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexdyn.diagnose.result import Diagnosis, Finding, Suspect
+from flexdyn.diagnose import Diagnosis, Finding, Suspect
 
 
 def findings_text(diagnosis: Diagnosis) -> str:
@@ -12,8 +12,8 @@ def findings_text(diagnosis: Diagnosis) -> str:
 
 
 def gap_text(diagnosis: Diagnosis) -> str:
-    """The verdict, and the gap on the check's windows."""
-    gap = diagnosis.check
+    """The verdict, and the gap on the windows of the test data."""
+    gap = diagnosis.gap_test
     if gap is None:
         return f"Verdict: **{diagnosis.verdict}**."
     return (

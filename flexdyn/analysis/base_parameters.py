@@ -197,7 +197,7 @@ def _combinations(names: tuple[str, ...], W: Array, p: Array) -> tuple[tuple[Com
 
 def _numbers(model: FlexibleJointModel, names: tuple[str, ...], W: Array, friction: bool) -> tuple[Told, ...]:
     """A verdict on every number of links and rotors; friction, where it is unknown, is so besides them."""
-    from flexdyn.diagnose.numbers import OF_LINK, file_numbers
+    from flexdyn.diagnose.hypothesis.numbers import OF_LINK, file_numbers
 
     wanted = [each for each in file_numbers(model) if each.parameter in ("rotor_inertia", *OF_LINK)]
     place = {name: k for k, name in enumerate(names)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,15 +14,15 @@ from typer.core import TyperCommand
 
 from flexdyn.cli.failures import Interrupted
 from flexdyn.cli.options import JsonOption, MapOption, naming, output_folder
-from flexdyn.cli.output import console, note, number, show, show_json, table
+from flexdyn.cli.output import console, note, show, show_json
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError, MissingExtra
 
 if TYPE_CHECKING:
-    from flexdyn.diagnose.result import Diagnosis
+    from flexdyn.model import FlexibleJointModel
 
-CHECK = "--check"
+CHECK, EXPLAIN = "--check", "--explain"
 Progress = Callable[[str, float], None]
 
 
@@ -72,68 +72,65 @@ def diagnose(
         typer.Option(
             CHECK,
             metavar="CHECK...",
-            help="Recordings that take no part in the fit. Default: the last quarter of every one of FIT is withheld.",
+            help="Test data, which no decision reads. Default: the last fifth of what moves in every recording of FIT.",
         ),
     ] = None,
     map: MapOption = None,
+    explain: Annotated[
+        list[str] | None,
+        typer.Option(
+            EXPLAIN,
+            metavar="EFFECT@JOINT",
+            help="Say why an effect was named or was not: coulomb_friction@elbow, channel_lag@q.elbow, payload.",
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="DIR", help="Folder for report.html, report.json and model.yaml."),
     ] = None,
-    thorough: Annotated[
-        bool,
-        typer.Option("--thorough", help="Look again where much is left: minutes, worth it for measured robots."),
-    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find where model and measurement disagree, and name what is missing in the model.
 
     It writes a report, for people and for programs, and the corrected model. Ctrl-C writes what is known by then.
     """
-    from flexdyn.diagnose.result import Interrupted as Partial
+    from flexdyn.diagnose.report.result import Interrupted as Partial
 
-    checks = check or []
+    checks, targets = check or [], explain or []
     folder = _folder(output, [Path(model), *fit, *checks])
     _check_twice(fit, checks)
     _check_pictures()
     arm = model_file(model)
+    _check_targets(arm, targets)
     recordings = [[load(path, map=map) for path in paths] for paths in (fit, checks)]
     from flexdyn.diagnose import diagnose as run
 
     try:
         with naming({"fit": "FIT", "check": CHECK}, file=_named(fit), files={}), _progress() as progress:
-            diagnosis = run(arm, recordings[0], recordings[1], thorough=thorough, progress=progress)
+            diagnosis = run(arm, *recordings, progress=progress)
     except Partial as stop:
         if stop.diagnosis is not None:
-            replace(stop.diagnosis, notes=(*stop.diagnosis.notes, "interrupted")).save(folder)
+            replace(stop.diagnosis, verdict="interrupted").save(folder)
             note(f"what was known by then is in {folder / 'report.html'}")
         raise Interrupted from None
     diagnosis.save(folder)
+    told = {target: diagnosis.explain(target) for target in targets}
     if as_json:
-        show_json(diagnosis.to_dict())
+        document = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+        show_json(document | ({"explanations": told} if told else {}))
     else:
-        show(*_report(diagnosis, folder))
+        from flexdyn.cli.diagnosis_text import diagnosis_text
+
+        show(*diagnosis_text(diagnosis, folder), *told.values())
 
 
-def _report(diagnosis: Diagnosis, folder: Path) -> Iterator[Any]:
-    """The verdict, a table of findings, the gap, where the rest is."""
-    from flexdyn.diagnose.words import effect_name, estimate_text, gap_sentence, verdict_sentence, where_phrase
+def _check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:
+    """What is to be explained exists: better said now than after the work."""
+    from flexdyn.diagnose.report.targets import check_target
 
-    yield verdict_sentence(diagnosis)
-    if diagnosis.findings:
-        rows = []
-        for finding in diagnosis.findings:
-            gain = "-" if math.isnan(finding.check_gain) else f"{100.0 * finding.check_gain:.0f} %"
-            evidence = [(number(finding.delta_bic, 3), gain), *[("", "")] * len(finding.rivals)]
-            for place, suspect in enumerate((finding.suspect, *finding.rivals)):
-                numbers = "\n".join(f"{key} {estimate_text(entry)}" for key, entry in suspect.parameters.items())
-                name = f"{'or ' if place else ''}{effect_name(suspect.effect)}"
-                rows.append((name, where_phrase(diagnosis.model, suspect), numbers, *evidence[place]))
-        columns = ("finding", "where", "numbers", "delta BIC", "gain on check")
-        yield table("Findings", columns, rows, right=columns[3:])
-    yield gap_sentence(diagnosis)
-    yield from diagnosis.notes
-    yield f"The report is {folder / 'report.html'}, the corrected model {folder / 'model.yaml'}"
+    with naming({"explain": EXPLAIN}, file="", files={}):
+        for target in targets:
+            check_target(model, target)
 
 
 def _folder(path: Path | None, inputs: Sequence[Path]) -> Path:
@@ -153,7 +150,7 @@ def _check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
     """Data that check an answer may not have given it."""
     for path in check:
         if any(path.exists() and other.exists() and path.samefile(other) for other in fit):
-            remedy = "give another recording, or none: then the last quarter of every one is withheld"
+            remedy = "give another recording, or none: then the last fifth of every one is kept for the test"
             raise InputError("it is one of FIT too", file=path, key=CHECK, remedy=remedy)
 
 

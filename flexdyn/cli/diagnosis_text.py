@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.cli.output import table
-from flexdyn.diagnose.answer.digits import estimate_text, log_text, percent, probability_text, rounded
-from flexdyn.diagnose.answer.result import Diagnosis
-from flexdyn.diagnose.answer.sentences import gap_sentence, model_sentence, stopped_sentence
-from flexdyn.diagnose.answer.verdicts import verdict_sentence
-from flexdyn.diagnose.answer.words import effect_name, where_phrase
+from flexdyn.diagnose.report.digits import estimate_text, log_text, percent, probability_text, rounded
+from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.sentences import gap_sentence, model_sentence, stopped_sentence
+from flexdyn.diagnose.report.verdicts import verdict_sentence
+from flexdyn.diagnose.report.words import effect_name, where_phrase
 
 
 def diagnosis_text(diagnosis: Diagnosis, folder: Path) -> Iterator[Any]:

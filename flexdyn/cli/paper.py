@@ -55,8 +55,9 @@ def paper(
 
 def _found(summary: Mapping[str, Any], output: Path) -> Iterator[Any]:
     """What was hidden and what the diagnosis made of it, the gap from step to step, where its report is."""
-    from flexdyn.diagnose.result import Number
-    from flexdyn.diagnose.words import effect_name, estimate_text, place_phrase, times
+    from flexdyn.diagnose import Number
+    from flexdyn.diagnose.report.digits import estimate_text, times
+    from flexdyn.diagnose.report.words import effect_name, place_phrase
     from flexdyn.paper.hidden_friction import FOLDER, TITLE
 
     told = summary["numbers"][TITLE]

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.diagnose import diagnose
-from flexdyn.diagnose.gap import shoot
-from flexdyn.diagnose.result import Diagnosis, Number, Suspect
-from flexdyn.diagnose.windows import Noise, Windows
-from flexdyn.diagnose.words import effect_name, estimate_text, place_phrase, times, verdict_sentence
+from flexdyn.diagnose import Diagnosis, Number, Suspect, diagnose
+from flexdyn.diagnose.report.digits import estimate_text, times
+from flexdyn.diagnose.report.verdicts import verdict_sentence
+from flexdyn.diagnose.report.words import effect_name, place_phrase
+from flexdyn.diagnose.shooting.gap import shoot
+from flexdyn.diagnose.shooting.windows import Noise, Windows
 from flexdyn.effects import Effect
 from flexdyn.model import FlexibleJointModel
 from flexdyn.paper.bench import LINK_STEP, TORQUE_NOISE, Bench, motor_step
@@ -102,20 +103,20 @@ def gap_steps(given: FlexibleJointModel, answer: Diagnosis, check: Sequence[Reco
     On the way the numbers are those of the final answer. The first two, the last and that of noise alone are the
     diagnosis' own.
     """
-    if answer.check is None:
+    if answer.gap_test is None:
         return ()
     windows = Windows.of(given, list(check), sensors_noise(check))
-    steps = [Step("as given", answer.check.before), Step("calibrated", answer.check.calibrated)]
+    steps = [Step("as given", answer.gap_test.before), Step("calibrated", answer.gap_test.calibrated)]
     missing = [finding.suspect for finding in answer.findings]
     while missing:
-        sizes = [answer.check.after]
+        sizes = [answer.gap_test.after]
         if len(missing) > 1:
             sizes = [
                 shoot(_without(answer.model, [s for s in missing if s is not each]), windows).gap for each in missing
             ]
         best = missing.pop(int(np.argmin(sizes)))
         steps.append(Step(f"+ {effect_name(best.effect)}, {best.joint}", min(sizes)))
-    return (*steps, Step("noise alone", answer.check.floor))
+    return (*steps, Step("noise alone", answer.gap_test.floor))
 
 
 def _without(model: FlexibleJointModel, missing: Sequence[Suspect]) -> FlexibleJointModel:
@@ -146,7 +147,7 @@ def checks(truth: Sequence[Effect], answer: Diagnosis) -> tuple[Check, ...]:
     wrong = named ^ {_place(effect) for effect in truth}
     unsure = sum(bool(finding.rivals) for finding in answer.findings)
     errors = [abs(found.value / true - 1.0) for _, _, true, found in _compared(truth, answer) if found is not None]
-    gap = answer.check
+    gap = answer.gap_test
     return (
         check(
             "Every effect that was hidden is named, at its joint and side, and nothing else is",

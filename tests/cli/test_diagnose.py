@@ -12,9 +12,9 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.cli.diagnose import spread
-from flexdyn.diagnose.result import Diagnosis, Interrupted
+from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from tests.cli.conftest import Runner
-from tests.diagnose import answers
+from tests.diagnose import report_cases as cases
 
 FILES = ["model.yaml", "report.html", "report.json"]
 Given = dict[str, Any]
@@ -41,7 +41,6 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> Answer:
             fit: Sequence[fd.Recording],
             check: Sequence[fd.Recording] = (),
             *,
-            thorough: bool = False,
             progress: Callable[[str, float], None] | None = None,
         ) -> Diagnosis:
             given.update(model=model, fit=[each.name for each in fit], check=[each.name for each in check])
@@ -58,29 +57,30 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> Answer:
 
 def test_a_report_is_written_and_told(flexdyn: Runner, answer: Answer) -> None:
     """The verdict, the findings with their rivals, the gap, the notes, and where the report is."""
-    given = answer(answers.explained())
+    given = answer(cases.explained())
     outcome = flexdyn("diagnose", "scara_two_link", "a.csv", "b.csv", "--check", "c.csv", "-o", "there/out")
     assert (outcome.code, outcome.err) == (0, "")
     assert (given["fit"], given["check"], given["model"].name) == (["a", "b"], ["c"], "scara_two_link")
     assert sorted(path.name for path in Path("there/out").iterdir()) == FILES
     for text in (
-        "The disagreement has 4 causes, above all Stribeck friction",
-        "or spring hysteresis",
+        "The disagreement has 4 causes, first of all Stribeck friction",
+        "or spring hysteresis (0.076)",
         "on the motor side of elbow",
         "excess 1.200 ± 0.050 N m",
-        "812",
+        "406",
         "62 %",
         "stiffness of shoulder",
         "from 12.4 to 1.07",
+        "1.73, 0.0810 N m",
         "torques that repeat every turn are not seen",
         "there/out/report.html",
     ):
         assert text in outcome.out
 
 
-@pytest.mark.parametrize("made", [answers.no_discrepancy, answers.unexplained, answers.partly])
+@pytest.mark.parametrize("made", [each for each in cases.CASES if each is not cases.interrupted])
 def test_every_verdict_is_exit_code_0(flexdyn: Runner, answer: Answer, made: Callable[[], Diagnosis]) -> None:
-    """An answer is an answer, also "no discrepancy" and "unexplained"."""
+    """An answer is an answer, also "no discrepancy", "unexplained" and "not converged"."""
     answer(made())
     outcome = flexdyn("diagnose", "scara_two_link", "a.csv", "-o", "out")
     assert (outcome.code, outcome.err) == (0, "")
@@ -89,7 +89,7 @@ def test_every_verdict_is_exit_code_0(flexdyn: Runner, answer: Answer, made: Cal
 
 def test_json_is_the_report(flexdyn: Runner, answer: Answer) -> None:
     """On stdout what report.json holds, and nothing else."""
-    answer(answers.partly())
+    answer(cases.partly())
     outcome = flexdyn("diagnose", "scara_two_link", "a.csv", "-o", "out", "--json")
     assert outcome.json == json.loads(Path("out/report.json").read_text(encoding="utf-8"))
 
@@ -106,7 +106,7 @@ def test_json_is_the_report(flexdyn: Runner, answer: Answer) -> None:
 )
 def test_checks_in_both_forms(flexdyn: Runner, answer: Answer, arguments: tuple[str, ...]) -> None:
     """Several after one option, or each after its own, wherever the other options stand."""
-    given = answer(answers.no_discrepancy())
+    given = answer(cases.no_discrepancy())
     assert flexdyn("diagnose", *arguments).code == 0
     assert (given["fit"], given["check"]) == (["a"], ["b", "c"])
 
@@ -121,7 +121,7 @@ def test_options_after_checks_keep_their_values() -> None:
 
 def test_a_map_reads_every_recording(flexdyn: Runner, answer: Answer) -> None:
     """Of the fit and of the check alike."""
-    given = answer(answers.no_discrepancy())
+    given = answer(cases.no_discrepancy())
     for name in ("a", "b"):
         text = Path(f"{name}.csv").read_text(encoding="utf-8")
         Path(f"{name}.csv").write_text(text.replace("q.elbow", "angle", 1), encoding="utf-8")
@@ -134,14 +134,35 @@ def test_a_map_reads_every_recording(flexdyn: Runner, answer: Answer) -> None:
     assert (outcome.code, given["fit"], given["check"]) == (0, ["a"], ["b"])
 
 
+def test_explanations_follow_the_answer(flexdyn: Runner, answer: Answer) -> None:
+    """Why a name was given or was not, for people and for programs."""
+    answer(cases.explained())
+    asked = ("--explain", "coulomb_friction@elbow", "--explain", "payload")
+    outcome = flexdyn("diagnose", "scara_two_link", "a.csv", *asked, "-o", "out")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert "Coulomb friction on the motor side of elbow\n  Not named: its probability is 0.02" in outcome.out
+    assert "Payload at frame tip\n  Named: its probability is above 0.999" in outcome.out
+    outcome = flexdyn("diagnose", "scara_two_link", "a.csv", *asked, "-o", "out", "--json")
+    assert list(outcome.json["explanations"]) == ["coulomb_friction@elbow", "payload"]
+
+
+def test_a_missing_model_is_said(flexdyn: Runner, answer: Answer) -> None:
+    """Where the corrected model is worse, nothing points to a file that is not there."""
+    answer(cases.not_converged())
+    outcome = flexdyn("diagnose", "scara_two_link", "a.csv", "-o", "out")
+    assert "The report is out/report.html. model.yaml was not written: on the data of the fit" in outcome.out
+    assert not Path("out/model.yaml").exists()
+
+
 def test_ctrl_c_leaves_what_is_known(flexdyn: Runner, answer: Answer) -> None:
-    """The partial answer is a report that says so; the exit code is that of an interrupt."""
-    answer(Interrupted(answers.unexplained()))
+    """The partial answer is a report that says so, whatever verdict it came with; exit code of an interrupt."""
+    answer(Interrupted(cases.unexplained()))
     outcome = flexdyn("diagnose", "scara_two_link", "a.csv", "-o", "out")
     assert outcome.code == 130
     assert "what was known by then is in out/report.html" in outcome.err
     assert outcome.err.endswith("flexdyn: interrupted\n")
-    assert '"interrupted"' in Path("out/report.json").read_text(encoding="utf-8")
+    document = json.loads(Path("out/report.json").read_text(encoding="utf-8"))
+    assert document["verdict"] == "interrupted"
 
 
 @pytest.mark.parametrize("stop", [Interrupted(), KeyboardInterrupt()])
@@ -172,12 +193,21 @@ def test_data_that_cannot_answer(flexdyn: Runner, answer: Answer) -> None:
         (("scara_two_link", "nothing.csv", "-o", "out"), "nothing.csv: no such file"),
         (("scara_too_link", "a.csv", "-o", "out"), "did you mean 'scara_two_link'?"),
         (("scara_two_link", "a.csv", "--check", "./a.csv", "-o", "out"), "a.csv: --check: it is one of FIT too"),
+        (
+            ("scara_two_link", "a.csv", "-o", "out", "--explain", "coulom_friction@elbow"),
+            "--explain: no such effect, got 'coulom_friction'; did you mean 'coulomb_friction'?",
+        ),
+        (
+            ("scara_two_link", "a.csv", "-o", "out", "--explain", "coulomb_friction@elbwo"),
+            "--explain: no such place, got 'coulomb_friction@elbwo'; did you mean 'elbow'?",
+        ),
+        (("scara_two_link", "a.csv", "-o", "out", "--thorough"), "no such option"),
         (("panda", "a.csv", "-o", "out", "--chek", "b.csv"), "'--chek': no such option; did you mean '--check'?"),
     ],
 )
 def test_mistakes_are_one_line(flexdyn: Runner, answer: Answer, arguments: tuple[str, ...], words: str) -> None:
     """Exit code 2 before any work is done."""
-    given = answer(answers.no_discrepancy())
+    given = answer(cases.no_discrepancy())
     outcome = flexdyn("diagnose", *arguments)
     assert outcome.code == 2
     assert words.lower() in outcome.err.lower()
@@ -187,7 +217,7 @@ def test_mistakes_are_one_line(flexdyn: Runner, answer: Answer, arguments: tuple
 
 def test_the_given_model_is_not_overwritten(flexdyn: Runner, answer: Answer) -> None:
     """A folder whose model.yaml is the one to be diagnosed is refused."""
-    given = answer(answers.no_discrepancy())
+    given = answer(cases.no_discrepancy())
     fd.save_model(fd.load_model("scara_two_link"), "model.yaml")
     outcome = flexdyn("diagnose", "model.yaml", "a.csv", "-o", ".")
     assert (outcome.code, given) == (2, {})
@@ -196,7 +226,7 @@ def test_the_given_model_is_not_overwritten(flexdyn: Runner, answer: Answer) -> 
 
 def test_without_the_extra_no_work_is_begun(flexdyn: Runner, answer: Answer, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the report is drawn with is asked for first."""
-    given = answer(answers.no_discrepancy())
+    given = answer(cases.no_discrepancy())
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     outcome = flexdyn("diagnose", "scara_two_link", "a.csv", "-o", "out")
     assert (outcome.code, given) == (2, {})

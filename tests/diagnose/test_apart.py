@@ -7,11 +7,11 @@ import dataclasses
 import numpy as np
 
 import flexdyn as fd
-from flexdyn.diagnose.apart import Known, refitted, space_along
-from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.fitted import Workspace
-from flexdyn.diagnose.hypothesis import Hypothesis
-from flexdyn.diagnose.measured import Measured, measured
+from flexdyn.diagnose.data.measured import Measured, measured
+from flexdyn.diagnose.experiment.apart import Known, refitted, space_along
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.effects import SensorOffset
 from tests.diagnose.test_estimate import problem
 

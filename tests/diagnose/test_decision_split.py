@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.split import moving, parts
-from flexdyn.diagnose.measured import measured
 from tests.diagnose.truths import Levels, slider_model, slider_recording
 
 RATE = 250.0

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from flexdyn.diagnose.answer.measures import Left
 from flexdyn.diagnose.decision.left import quantities
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
+from flexdyn.diagnose.report.measures import Left
 
 
 @pytest.mark.parametrize(

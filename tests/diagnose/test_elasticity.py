@@ -9,17 +9,13 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose import columns
-from flexdyn.diagnose.candidates import softened
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.screen import Screen, extended
-from flexdyn.diagnose.workspace import workspace
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations import columns
+from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.effects import JointElasticity
 from tests.arms import two_link
-from tests.diagnose.truths import ARM, Levels, two_link_recording
+from tests.diagnose.truths import ARM, JOINTS, Levels, two_link_recording
 
 BOTH, LINK, MOTOR = ("q", "theta"), ("q",), ("theta",)
 SIGNALS = pytest.mark.parametrize("signals", [BOTH, LINK, MOTOR], ids=["both encoders", "link", "motor"])
@@ -42,25 +38,20 @@ def test_the_column_of_a_compliance_is_the_slope_of_the_residual(signals: tuple[
     assert np.linalg.norm(column - change) < 0.03 * np.linalg.norm(change)
 
 
-@SIGNALS
-@pytest.mark.parametrize("joints", [(1,), (0, 1)], ids=["one of two", "an arm taken for rigid"])
-def test_an_elasticity_is_proposed_first_and_its_stiffness_found(
-    signals: tuple[str, ...], joints: tuple[int, ...]
-) -> None:
-    """Before any other effect of the catalogue, at the joint that has it, and well within its own error."""
-    model = taken_for_rigid(*joints)
-    space, start, _ = workspace(model, (measured(model, two_link_recording(Levels(), 1, signals)),))
-    made = fit(start, space)
-    best = Screen(space).ranked(made, 1.0)[0]
-    assert best.proposal is not None
-    assert best.proposal.place["effect"] == "joint_elasticity"
-    after = extended(made, best)
-    assert after is not None
-    if len(joints) == 1:
-        found = softened(after, space)
-        (value,), (std,) = found.hypothesis.effects[-1].values, found.std().values()
-        assert value == pytest.approx(ARM.stiffness[1], rel=0.2)
-        assert abs(value - ARM.stiffness[1]) < 4.0 * std
+@pytest.mark.parametrize(
+    ("signals", "joints"),
+    [(BOTH, (1,)), (MOTOR, (1,)), (BOTH, (0, 1)), (LINK, (0, 1)), (MOTOR, (0, 1))],
+    ids=["both encoders", "motor", "rigid arm, both encoders", "rigid arm, link", "rigid arm, motor"],
+)
+def test_an_elasticity_is_named_and_its_stiffness_found(signals: tuple[str, ...], joints: tuple[int, ...]) -> None:
+    """Nothing else is, at the joints that have it, and well within its own error."""
+    answer = fd.diagnose(taken_for_rigid(*joints), [two_link_recording(Levels(), 1, signals)])
+    named = {(each.suspect.effect, each.suspect.joint): each.suspect.parameters for each in answer.findings}
+    assert set(named) == {("joint_elasticity", JOINTS[j]) for j in joints}
+    for j in joints:
+        stiffness = named["joint_elasticity", JOINTS[j]]["stiffness"]
+        assert stiffness.value == pytest.approx(ARM.stiffness[j], rel=0.3)
+        assert abs(stiffness.value - ARM.stiffness[j]) < 4.0 * stiffness.std
 
 
 def test_a_rigid_joint_with_both_encoders_says_that_they_agree() -> None:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose import candidates, columns, number_columns
-from flexdyn.diagnose.covariance import Noise, whitener
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.noise import encoder_noise, torque_noise
-from flexdyn.diagnose.numbers import file_numbers
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations import columns
+from flexdyn.diagnose.equations.covariance import Noise, whitener
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.noise import encoder_noise, torque_noise
+from flexdyn.diagnose.hypothesis import number_columns
+from flexdyn.diagnose.hypothesis.numbers import file_numbers
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, Levels, two_link_motion, two_link_recording
 
@@ -173,23 +171,6 @@ def test_noise_is_found_in_the_data() -> None:
     encoders = Noise(encoder_noise(at.data, "q"), encoder_noise(at.data, "theta"), np.ones(2), np.zeros(2))
     np.testing.assert_allclose(encoders.q, levels.position, rtol=0.05)
     np.testing.assert_allclose(torque_noise(at, at.residual, mask, encoders), levels.torque, rtol=0.12)
-
-
-def test_how_far_a_spring_was_wound() -> None:
-    """By the motion that was computed without flexdyn, but for what its filters smooth away."""
-    states, _ = two_link_motion()
-    at = equations(Levels(1e-7, 1e-3), 0)
-    for j, joint in enumerate(JOINTS):
-        assert at.wound(joint) == pytest.approx(float(np.ptp(states[:, 2 + j] - states[:, j])), rel=0.05)
-
-
-@pytest.mark.parametrize(("width", "limit"), [(0.5, False), (2.0, False), (5.0, True)])
-def test_a_loop_far_wider_than_a_spring_is_wound_is_a_spring(width: float, limit: bool) -> None:
-    """However well its width seems to be known."""
-    at = equations(Levels(1e-7, 1e-3), 0)
-    loop = fd.effects.SpringHysteresis(JOINTS[0], stiffness=50.0, width=width * at.wound(JOINTS[0]))
-    fitted: Any = SimpleNamespace(equations=at, reduced=1.0, std=lambda: {(loop, "width"): 1e-6})
-    assert candidates._is_a_limit(candidates.Candidate(fitted, 100.0, 0.0, loop, None, 0.0)) is limit
 
 
 @pytest.mark.parametrize(("offset", "shared"), [(1e-3, True), (0.5, False)])

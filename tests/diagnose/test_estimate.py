@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import flexdyn as fd
-from flexdyn.diagnose import estimate
-from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis import Hypothesis, moved
-from flexdyn.diagnose.linear import LOOSE, linearised, reached
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.workspace import workspace
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.hypothesis import estimate
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
+from flexdyn.diagnose.hypothesis.linear import LOOSE, linearised, reached
+from flexdyn.diagnose.hypothesis.workspace import workspace
 from flexdyn.errors import SimulationError
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, Levels
@@ -116,39 +116,6 @@ def test_a_spring_beyond_all_bounds_is_an_error_and_a_step_to_it_is_shortened(mo
     monkeypatch.setattr(estimate, "moved", step)
     assert fit(tame, space).reached <= linearised(tame, space).reached
     assert len(asked) > 1
-
-
-@pytest.mark.parametrize(
-    ("effect", "few"),
-    [
-        (fd.effects.PreslidingFriction("shoulder", side="motor", level=1.0, stiffness=3.0, damping=0.0), 1),
-        (fd.effects.Backlash("shoulder", half_gap=1e-3), estimate.A_FEW + 1),
-    ],
-    ids=["bristles", "gap"],
-)
-def test_a_fit_that_comes_near_is_not_given_up_and_one_that_does_not_is(
-    effect: fd.effects.Effect, few: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Bristles far too soft, and a gap far too wide, take many steps; what is asked of them decides if they get them.
-
-    The first promise of bristles stands step after step, so that no slopes are taken to see it; a gap's does not.
-    """
-    space, start = problem()
-    start, steps = dataclasses.replace(start, effects=(effect,)), []
-
-    def counted(*arguments: Any, straight: bool = False) -> Fit:
-        steps.append(not straight)
-        return linearised(*arguments, straight=straight)
-
-    monkeypatch.setattr(estimate, "linearised", counted)
-    whole = fit(start, space)
-    taken = sum(steps)
-    steps.clear()
-    assert fit(start, space, hopeless=1.1 * whole.chi2).chi2 == whole.chi2
-    assert sum(steps) == taken
-    steps.clear()
-    fit(start, space, hopeless=0.0)
-    assert sum(steps) <= few < taken
 
 
 @pytest.mark.parametrize("right", [True, False])

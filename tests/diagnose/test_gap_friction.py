@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.gap import gap, shoot
-from flexdyn.diagnose.shooting import Shooter
-from flexdyn.diagnose.spread import spread
-from flexdyn.diagnose.starts import first_states
-from flexdyn.diagnose.whiten import Filter
-from flexdyn.diagnose.windows import Windows
+from flexdyn.diagnose.shooting.gap import shoot
+from flexdyn.diagnose.shooting.shooter import Shooter
+from flexdyn.diagnose.shooting.spread import spread
+from flexdyn.diagnose.shooting.starts import first_states
+from flexdyn.diagnose.shooting.whiten import Filter
+from flexdyn.diagnose.shooting.windows import Windows
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 from tests.oracles.integrate import held
 
@@ -41,7 +41,7 @@ def test_a_true_model_that_sticks_has_a_gap_of_one(tmp_path: Path, levels: Level
         assert deep.any()
         np.testing.assert_array_equal(shot.x0[deep, 1], 0.0)
     assert np.sqrt(np.mean(np.square(gaps))) == pytest.approx(1.0, abs=0.15)
-    assert gap(slider_model(tmp_path), windows) > 20.0
+    assert shoot(slider_model(tmp_path), windows).gap > 20.0
 
 
 def test_the_gap_of_a_wrong_mass_is_what_linear_theory_says(tmp_path: Path) -> None:
@@ -57,7 +57,7 @@ def test_the_gap_of_a_wrong_mass_is_what_linear_theory_says(tmp_path: Path) -> N
         off = moved - moved / (1.0 + error)
         expected += ((off - np.polyval(np.polyfit(u, off, 1), u)) ** 2).mean() / levels.position**2 / len(windows)
     assert expected > 3.0
-    assert gap(model, windows) ** 2 - 1.0 == pytest.approx(expected, rel=0.1)
+    assert shoot(model, windows).gap ** 2 - 1.0 == pytest.approx(expected, rel=0.1)
 
 
 def test_bristles_keep_their_bend_into_the_window(tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def test_bristles_keep_their_bend_into_the_window(tmp_path: Path) -> None:
     z = first_states(Shooter(model, windows)).x[:, 2]
     np.testing.assert_allclose(z, states[windows.places[:, 1], 2], atol=0.05 * effect.reach)
     assert np.abs(z).max() > 0.5 * effect.reach
-    assert gap(model, windows) == pytest.approx(1.0, abs=0.25)
+    assert shoot(model, windows).gap == pytest.approx(1.0, abs=0.25)
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.inference.apart import COMMON, SELDOM, genuine, shares
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.space import Structure
-from flexdyn.diagnose.numbers import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column
 
 Array = NDArray[np.float64]

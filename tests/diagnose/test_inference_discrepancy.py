@@ -13,7 +13,7 @@ from scipy.linalg import cholesky_banded, solve_triangular, toeplitz
 from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 
-from flexdyn.diagnose.covariance import Whitener
+from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.whitening import Tempered
 

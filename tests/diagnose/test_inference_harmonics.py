@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.filters import Filters
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.harmonics import MOST, PEAKS, peaks
-from flexdyn.diagnose.measured import measured
 from tests.diagnose.truths import Levels, slider_model, slider_recording
 
 Array = NDArray[np.float64]

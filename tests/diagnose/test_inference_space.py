@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
+from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.library import CERTAIN
 from flexdyn.diagnose.inference.space import SPARE, Structure
-from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.effects import CoulombFriction
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column, in_order
 

@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.inference.library import SMALLEST, Column
 from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, Structure
-from flexdyn.diagnose.numbers import FileNumber
 from flexdyn.effects import CoulombFriction
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column, share
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.kernel import Kernel
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.kernel import Kernel
 
 
 @settings(deadline=None)

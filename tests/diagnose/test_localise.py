@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.localise import localise, traces
-from flexdyn.diagnose.measured import Measured, measured
-from flexdyn.diagnose.regime import Quantity, regime
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import Measured, measured
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.localise import localise, traces
+from flexdyn.diagnose.equations.regime import Quantity, regime
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, Levels, two_link_motion, two_link_recording
 

@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.play import half_gaps
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis.play import half_gaps
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, two_link_motion
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import flexdyn as fd
-from flexdyn.diagnose.numbers import file_numbers
+from flexdyn.diagnose.hypothesis.numbers import file_numbers
 
 LINK = """
 <link name="{name}"><inertial><origin xyz="{x} 0 0"/><mass value="2"/>

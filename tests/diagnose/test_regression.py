@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexdyn.diagnose.regression import Regression
+from flexdyn.diagnose.hypothesis.regression import Regression
 
 
 def problem(seed: int = 0, nuisances: int = 0) -> Regression:
@@ -43,31 +43,6 @@ def test_tall_problems_are_solved_as_well() -> None:
     A, t = stacked(made)
     np.testing.assert_allclose(made.values, np.linalg.lstsq(A, t, rcond=None)[0], rtol=1e-7)
     np.testing.assert_allclose(made.covariance, np.linalg.inv(A.T @ A), rtol=1e-6)
-
-
-def test_a_gain_is_that_of_fitting_everything_again() -> None:
-    """Two more columns, one of which may not be negative."""
-    made, draw = problem(), np.random.default_rng(7)
-    more = np.stack([made.y + draw.standard_normal(200), -made.y + 0.5 * draw.standard_normal(200)], axis=1)
-    A, t = stacked(made)
-    for positive, columns in (((False, False), [0, 1]), ((False, True), None), ((True, False), None)):
-        gain = made.gain(more, positive)
-        wide = np.hstack([A, np.vstack([more, np.zeros((5, 2))])])
-        used = [0, 1] if columns else [k for k in (0, 1) if gain.values[k] != 0.0]
-        fitted = np.linalg.lstsq(wide[:, [*range(5), *(5 + k for k in used)]], t, rcond=None)[0]
-        after = float(((wide[:, [*range(5), *(5 + k for k in used)]] @ fitted - t) ** 2).sum())
-        assert gain.chi2 == pytest.approx(made.chi2 - after)
-        assert all(value >= 0.0 for value, sign in zip(gain.values, positive, strict=True) if sign)
-
-
-def test_freeing_a_number_gains_what_dropping_its_prior_does() -> None:
-    """Against the problem without that prior."""
-    made = problem()
-    for k in (0, 2):
-        sigma = made.sigma.copy()
-        sigma[k] = np.inf
-        free = Regression(made.y, made.X, made.centre, sigma, 200)
-        assert made.freed(k) == pytest.approx(made.chi2 - free.chi2, rel=1e-6)
 
 
 def test_nuisances_are_fitted_even_where_no_step_is_taken() -> None:

@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.sanity import check_recordings
-from flexdyn.diagnose.workspace import workspace
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations.sanity import check_recordings
+from flexdyn.diagnose.hypothesis.workspace import workspace
 from tests.arms import SLIDER, slider
 from tests.diagnose.truths import ARM, Levels, two_link_motion, two_link_recording
 from tests.oracles.integrate import held

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from flexdyn.diagnose.sensors import advanced
+from flexdyn.diagnose.data.sensors import advanced
 
 
 @pytest.mark.parametrize("delay", [0.0, 3e-4, 1e-3, 4.7e-3, -2.3e-3, 0.25, 2.0, -2.0])

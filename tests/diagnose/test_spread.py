@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import expm
 
-from flexdyn.diagnose import spread
+from flexdyn.diagnose.shooting import spread
 
 
 def test_exponentials_of_stiff_arms_are_those_of_scipy() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.windows import Noise, Windows
+from flexdyn.diagnose.shooting.windows import Noise, Windows
 from tests.diagnose.truths import slider_model
 
 LEVELS = Noise.of(1e-5, 1e-5, 0.01, 1)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.windows import Noise
+from flexdyn.diagnose.shooting.windows import Noise
 from tests.arms import slider
 from tests.oracles.integrate import held
 from tests.oracles.two_link import TwoLink

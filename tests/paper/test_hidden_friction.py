@@ -11,7 +11,7 @@ import matplotlib.figure
 import numpy as np
 import pytest
 
-from flexdyn.diagnose.result import Diagnosis, Finding, Gap, Number, Suspect
+from flexdyn.diagnose.report.result import Diagnosis, Finding, Gap, Number, Suspect
 from flexdyn.paper import bench, hidden_friction, run_study, study
 from flexdyn.paper.bench import Bench
 from flexdyn.paper.cases import Cases
@@ -34,9 +34,9 @@ def answer(cases: Cases, *, leave_out: int = 0, wrong: float = 1.0) -> Diagnosis
             entry.name: Number(wrong * float(getattr(effect, entry.name)), 1e-4, str(entry.metadata["unit"]))
             for entry in effect.parameters()
         }
-        findings.append(Finding(Suspect(effect.name, effect.joint, effect.side, numbers), 1e4, 0.3))  # type: ignore[attr-defined]
+        findings.append(Finding(Suspect(effect.name, effect.joint, effect.side, numbers), 0.999, 5e3, 0.3))  # type: ignore[attr-defined]
     gap = Gap(300.0, 200.0, 1.02, 1.0)
-    return Diagnosis("explained", tuple(findings), (), gap, gap, (), cases.model)
+    return Diagnosis("explained", tuple(findings), (), gap, gap, {}, (), (), (), (), cases.model)
 
 
 def test_the_motion_rests_at_every_corner() -> None:
@@ -94,13 +94,13 @@ def test_checks_hold_for_the_right_answer_only(cases: Cases) -> None:
     assert all(check.passed for check in hidden_friction.checks(truth, right))
     missed = hidden_friction.checks(truth, answer(cases, leave_out=1))
     assert [check.passed for check in missed] == [False, True, True]
-    false = Finding(Suspect("torque_offset", "elbow", "motor"), 20.0, 0.1)
+    false = Finding(Suspect("torque_offset", "elbow", "motor"), 0.99, 10.0, 0.1)
     doubt = dataclasses.replace(right.findings[0], rivals=(false.suspect,))
     for findings in ((*right.findings, false), (doubt, *right.findings[1:])):
         named, *_ = hidden_friction.checks(truth, dataclasses.replace(right, findings=findings))
         assert not named.passed
     assert [check.passed for check in hidden_friction.checks(truth, answer(cases, wrong=1.2))] == [True, False, True]
-    unmeasured = hidden_friction.checks(truth, dataclasses.replace(right, check=None))
+    unmeasured = hidden_friction.checks(truth, dataclasses.replace(right, gap_test=None))
     assert [check.passed for check in unmeasured] == [True, True, False]
 
 

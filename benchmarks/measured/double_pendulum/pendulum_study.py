@@ -47,9 +47,7 @@ def study(folder: Path) -> Study:
     """Everything, from the four records of a folder."""
     records = read_records(folder)
     start = fd.load_model(HERE / "frictionless.yaml")
-    found = fd.diagnose(
-        start, fit=[records[each] for each in FIT], check=[records[each] for each in CHECK], thorough=True
-    )
+    found = fd.diagnose(start, fit=[records[each] for each in FIT], check=[records[each] for each in CHECK])
     models = {"without friction, as given": start, "published friction": published(start), "found": found.model}
     by_model = {
         name: {stamp: windows(model, each) for stamp, each in records.items()} for name, model in models.items()

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy import signal
 
 import flexdyn as fd
-from flexdyn.diagnose.measured import measured
-from flexdyn.diagnose.motion import Smoothed, motion
-from flexdyn.diagnose.terms import joint_terms
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations.motion import Smoothed, motion
+from flexdyn.diagnose.equations.terms import joint_terms
 
 Array = NDArray[np.float64]
 HERE = Path(__file__).parent

@@ -95,7 +95,7 @@ def study(folder: Path) -> Study:
     """Everything, from the two records of a folder."""
     records = read_records(folder)
     plain = fd.load_model(HERE / "plain.yaml")
-    found = fd.diagnose(plain, fit=[records[NAMES[0]]], check=[records[NAMES[1]]], thorough=True)
+    found = fd.diagnose(plain, fit=[records[NAMES[0]]], check=[records[NAMES[1]]])
     accounts = {
         "plain axis, as given": Account.of(plain, records),
         "published model": Account.of(published(plain), records),

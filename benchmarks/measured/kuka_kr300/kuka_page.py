@@ -69,7 +69,7 @@ def _torque(made: Study) -> Iterator[str]:
         "model holds further terms that are not listed with the data."
     )
     yield "![torque](torque.png)"
-    gap = made.diagnosis.check
+    gap = made.diagnosis.gap_test
     if gap is not None:
         yield (
             f"The gap of simulated windows (0.5 s, B and C, in units of noise) is {gap.before:.3g} with the published "

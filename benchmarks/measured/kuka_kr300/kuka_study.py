@@ -61,7 +61,7 @@ def study(folder: Path) -> Study:
     records = read_records(folder)
     model = fd.load_model(HERE / "rigid.yaml")
     motors = {name: motor_side(each) for name, each in records.items()}
-    found = fd.diagnose(model, fit=[motors["A"]], check=[motors["B"], motors["C"]], thorough=True)
+    found = fd.diagnose(model, fit=[motors["A"]], check=[motors["B"], motors["C"]])
     after = {name: inverse(found.model, each) for name, each in records.items()}
     seen = {name: differences(found.model, each, BOTH) for name, each in records.items()}
     by_axis = [{name: each[j] for name, each in seen.items()} for j in BOTH]

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.measured import measured
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations.equations import Equations
 
 Array = NDArray[np.float64]
 HERE = Path(__file__).parent

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 
-from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import error_of, rows_of, tempered
 
 WEIGHTINGS, STEPS = 4, 4

@@ -5,11 +5,10 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 
-from flexdyn.diagnose.answer.result import Diagnosis
-from flexdyn.diagnose.covariance import Noise
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.drawn import drawn
+from flexdyn.diagnose.decision.experiments import with_experiments
 from flexdyn.diagnose.decision.figures import on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, names_told
 from flexdyn.diagnose.decision.naming import Name
@@ -17,9 +16,11 @@ from flexdyn.diagnose.decision.notes import notes, stopped
 from flexdyn.diagnose.decision.split import Part
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
-from flexdyn.diagnose.fitted import Workspace
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.report.result import Diagnosis
 
 Parts = tuple[tuple[Part, ...], tuple[Part, ...]]
 
@@ -51,8 +52,10 @@ def concluded(
     last = on_test(plain, first, found, named, parts[1])
     said = verdict(named=bool(named), noise=is_noise(last.shots, last.left), converged=found.converged)
     answer = known(found, named, compared.noise, parts[0], last.gains)
+    say("designing experiments", 0.75)
     return dataclasses.replace(
         answer,
+        findings=with_experiments(answer.findings, found, named, compared.noise),
         verdict=said,
         gap_fit=first.gap,
         gap_test=last.gap,

@@ -13,14 +13,14 @@ from flexdyn.diagnose.decision.held_out import HeldOut
 from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name, names
-from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.numbers import IN_TOLERANCE
 from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
 from flexdyn.diagnose.inference.space import Space
-from flexdyn.diagnose.numbers import IN_TOLERANCE
 from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction
 
 Array = NDArray[np.float64]

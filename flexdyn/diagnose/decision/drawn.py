@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexdyn.diagnose.covariance import Whitener
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.localise import traces
-from flexdyn.diagnose.trace import Trace
+from flexdyn.diagnose.equations.covariance import Whitener
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.localise import traces
+from flexdyn.diagnose.report.trace import Trace
 
 EQUATIONS = 3
 """Equations that are drawn, each over time and over what its residual depends on more."""

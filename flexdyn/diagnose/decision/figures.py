@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.answer.measures import Gap, JointError, Left, Place
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.gains import gains
 from flexdyn.diagnose.decision.gaps import ENOUGH, Shots, shots, windows_of
@@ -17,10 +16,11 @@ from flexdyn.diagnose.decision.held_out import HeldOut, held_out, rms
 from flexdyn.diagnose.decision.left import dependence, left
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import Part
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis import Hypothesis
-from flexdyn.diagnose.localise import localise
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.localise import localise
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.report.measures import Gap, JointError, Left, Place
 
 Array = NDArray[np.float64]
 

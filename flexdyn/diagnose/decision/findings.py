@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 
 from scipy.special import ndtr
 
-from flexdyn.diagnose.answer.measures import Calibration
-from flexdyn.diagnose.answer.suspects import ESTABLISHED, Finding, Number, Suspect
 from flexdyn.diagnose.decision.corrected import Corrected, effect_of
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
+from flexdyn.diagnose.hypothesis.numbers import IN_TOLERANCE, FileNumber
 from flexdyn.diagnose.inference.passes import hypothesis_of
-from flexdyn.diagnose.numbers import IN_TOLERANCE, FileNumber
+from flexdyn.diagnose.report.measures import Calibration
+from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
 from flexdyn.model import FlexibleJointModel
 
 

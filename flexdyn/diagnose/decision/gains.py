@@ -9,7 +9,7 @@ import numpy as np
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.held_out import HeldOut
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 
 
 def gains(rows: HeldOut, calibrated: Hypothesis, found: Corrected, named: Sequence[Name]) -> dict[int, float]:

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose import windows as cutting
 from flexdyn.diagnose.abreast import abreast
-from flexdyn.diagnose.answer.measures import Gap
-from flexdyn.diagnose.covariance import Noise
 from flexdyn.diagnose.decision.held_out import rms
 from flexdyn.diagnose.decision.split import Part
-from flexdyn.diagnose.gap import Shot, shoot
+from flexdyn.diagnose.equations.covariance import Noise
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.diagnose.windows import Windows
+from flexdyn.diagnose.report.measures import Gap
+from flexdyn.diagnose.shooting import windows as cutting
+from flexdyn.diagnose.shooting.gap import Shot, shoot
+from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.errors import InputError
 from flexdyn.model import FlexibleJointModel
 
@@ -82,12 +82,16 @@ def windows_of(
         noise: of the channels.
         most: number of windows; None: as many as there are.
     """
-    levels = cutting.Noise(np.maximum(noise.q, 1e-12), np.maximum(noise.theta, 1e-12), noise.tau)
     try:
-        cut = Windows.of(model, [each.recording for each in parts], levels)
+        cut = Windows.of(model, [each.recording for each in parts], window_noise(noise))
     except InputError:
         return None
     return cut if most is None else cut.thinned(most)
+
+
+def window_noise(noise: Noise) -> cutting.Noise:
+    """The same levels, as windows take them."""
+    return cutting.Noise(np.maximum(noise.q, 1e-12), np.maximum(noise.theta, 1e-12), noise.tau)
 
 
 def shots(models: Sequence[FlexibleJointModel], windows: Windows) -> list[Shot]:

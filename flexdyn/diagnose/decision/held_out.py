@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.covariance import Noise, Whitener, whitener
-from flexdyn.diagnose.equations import LINK, MOTOR, TOTAL, Equations
-from flexdyn.diagnose.filters import Filters
-from flexdyn.diagnose.hypothesis import Hypothesis
-from flexdyn.diagnose.mask import sign_mask
-from flexdyn.diagnose.measured import JITTER, Measured
-from flexdyn.diagnose.noise import encoder_noise, recorded_torque_noise, torque_noise
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import JITTER, Measured
+from flexdyn.diagnose.equations.covariance import Noise, Whitener, whitener
+from flexdyn.diagnose.equations.equations import LINK, MOTOR, TOTAL, Equations
+from flexdyn.diagnose.equations.mask import sign_mask
+from flexdyn.diagnose.equations.noise import encoder_noise, recorded_torque_noise, torque_noise
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 
 Array = NDArray[np.float64]
 

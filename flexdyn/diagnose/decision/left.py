@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.answer.measures import Left, Place
 from flexdyn.diagnose.decision.held_out import HeldOut, rms
-from flexdyn.diagnose.equations import LINK, TRANSMISSION
+from flexdyn.diagnose.equations.equations import LINK, TRANSMISSION
+from flexdyn.diagnose.report.measures import Left, Place
 
 Array = NDArray[np.float64]
 LEAST = 0.01

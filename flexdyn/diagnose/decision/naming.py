@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 
-from flexdyn.diagnose.answer.suspects import ESTABLISHED
 from flexdyn.diagnose.decision.masses import Masses, Set
+from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 LEAST = 0.02
 """Probability from which a candidate is told as a rival of another [1]."""

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flexdyn.diagnose.fitted import Fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.own_effects import own_effects
 from flexdyn.diagnose.inference.passes import Posterior
 
 FARTHEST = 3
@@ -14,8 +15,9 @@ FARTHEST = 3
 
 
 def notes(compared: Posterior) -> tuple[str, ...]:
-    """A sentence each: encoders that are missing, and a search that had not come to rest."""
-    return (*_of_channels(compared), *_of_search(compared))
+    """A sentence each: encoders that are missing, users' laws that fail, and a search that had not come to rest."""
+    failed = own_effects(compared.space.library.equations)[1]
+    return (*_of_channels(compared), *failed, *_of_search(compared))
 
 
 def _of_channels(compared: Posterior) -> Iterator[str]:

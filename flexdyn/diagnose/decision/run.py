@@ -5,16 +5,17 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
-from flexdyn.diagnose.answer.result import Diagnosis, Interrupted
-from flexdyn.diagnose.decision.conclusion import concluded, interrupted
-from flexdyn.diagnose.decision.corrected import Corrected, corrected
 from flexdyn.diagnose.decision.split import parts
-from flexdyn.diagnose.inference.passes import posterior
-from flexdyn.diagnose.sanity import check_recordings
-from flexdyn.diagnose.workspace import prepared, weighed
+from flexdyn.diagnose.equations.sanity import check_recordings
+from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording
+
+if TYPE_CHECKING:
+    from flexdyn.diagnose.decision.corrected import Corrected
 
 Progress = Callable[[str, float], None]
 
@@ -42,6 +43,11 @@ def diagnose(
         InputError: recordings that do not fit the model or cannot answer.
         Interrupted: Ctrl-C, with what was known by then.
     """
+    # Here, as `import flexdyn` loads no scipy.
+    from flexdyn.diagnose.decision.conclusion import concluded, interrupted
+    from flexdyn.diagnose.decision.corrected import corrected
+    from flexdyn.diagnose.inference.passes import posterior
+
     began = time.monotonic()
     say = progress or (lambda stage, share: None)
     say("reading the equations", 0.0)

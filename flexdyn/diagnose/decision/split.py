@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.answer.measures import Role, Source
-from flexdyn.diagnose.covariance import Noise
-from flexdyn.diagnose.measured import Measured, measured
-from flexdyn.diagnose.noise import encoder_noise
+from flexdyn.diagnose.data.measured import Measured, measured
+from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.noise import encoder_noise
+from flexdyn.diagnose.report.measures import Role, Source
 from flexdyn.model import FlexibleJointModel
 from flexdyn.records import Recording
 

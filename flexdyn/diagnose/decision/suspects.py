@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from flexdyn.diagnose.answer.suspects import Considered, Number, Structure, Suspect
 from flexdyn.diagnose.decision.masses import Masses
+from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space
-from flexdyn.diagnose.numbers import FileNumber
+from flexdyn.diagnose.report.suspects import Considered, Number, Structure, Suspect
 from flexdyn.effects import Effect, unit_for
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model import FlexibleJointModel

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexdyn.diagnose.answer.measures import Left
-from flexdyn.diagnose.answer.result import Verdict
 from flexdyn.diagnose.decision.gaps import Shots
+from flexdyn.diagnose.report.measures import Left
+from flexdyn.diagnose.report.result import Verdict
 
 NOISE = 1.3
 """A median window that is off by no more than so many times the floor is noise [1]: a window of one joint holds some

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose import columns
-from flexdyn.diagnose.equations import Equations
-from flexdyn.diagnose.motion import Motion
-from flexdyn.diagnose.own_effects import own_effects
-from flexdyn.diagnose.proposal import Point, Proposal, given, linear
-from flexdyn.diagnose.proposals import proposals
-from flexdyn.diagnose.terms import applied_torque, joint_terms, of_joint
+from flexdyn.diagnose.equations import columns
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.terms import applied_torque, joint_terms, of_joint
+from flexdyn.diagnose.hypothesis.own_effects import own_effects
+from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, given, linear
+from flexdyn.diagnose.hypothesis.proposals import proposals
 from flexdyn.effects import ChannelLag, Effect, JointEffect, LoadDependentFriction, TorqueSpeedLimit
 
 Array = NDArray[np.float64]

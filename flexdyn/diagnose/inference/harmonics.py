@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations import Equations
+from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.inference.autoregression import Autoregression
 
 Array = NDArray[np.float64]

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
-from flexdyn.diagnose.columns import of_parameter
-from flexdyn.diagnose.covariance import Noise
-from flexdyn.diagnose.equations import MOTOR, TOTAL, TRANSMISSION, Equations
-from flexdyn.diagnose.hypothesis import Hypothesis, kind_and_place
+from flexdyn.diagnose.equations.columns import of_parameter
+from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, TRANSMISSION, Equations
+from flexdyn.diagnose.equations.users_laws import torque_of
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
+from flexdyn.diagnose.hypothesis.linear import tangent_scale
+from flexdyn.diagnose.hypothesis.numbers import FileNumber
+from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.diagnose.linear import tangent_scale
-from flexdyn.diagnose.numbers import FileNumber
-from flexdyn.diagnose.proposal import Point, Proposal
-from flexdyn.diagnose.users_laws import torque_of
 from flexdyn.effects import CommandDelay, Effect, JointEffect, LoadDependentFriction, TorqueConstantError
 
 Array = NDArray[np.float64]

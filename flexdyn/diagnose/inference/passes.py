@@ -10,12 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.covariance import Noise
-from flexdyn.diagnose.equations import LINK, SENSOR, Equations
-from flexdyn.diagnose.estimate import fit
-from flexdyn.diagnose.filters import FIRST, Filters
-from flexdyn.diagnose.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis import Hypothesis
+from flexdyn.diagnose.data.filters import FIRST, Filters
+from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.equations import LINK, SENSOR, Equations
+from flexdyn.diagnose.equations.mask import sign_mask
+from flexdyn.diagnose.equations.noise import torque_noise
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.linear import linearised
+from flexdyn.diagnose.hypothesis.numbers import FileNumber
+from flexdyn.diagnose.hypothesis.proposal import Proposal
+from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
@@ -24,12 +30,6 @@ from flexdyn.diagnose.inference.library import WAVES, Library
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
 from flexdyn.diagnose.inference.whitening import Tempered
-from flexdyn.diagnose.linear import linearised
-from flexdyn.diagnose.mask import sign_mask
-from flexdyn.diagnose.noise import torque_noise
-from flexdyn.diagnose.numbers import FileNumber
-from flexdyn.diagnose.proposal import Proposal
-from flexdyn.diagnose.workspace import Unweighted, weighed
 from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction
 
 Array = NDArray[np.float64]

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betaln
 
+from flexdyn.diagnose.hypothesis.nesting import CONTAINS
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.space import NATURAL, ODDS, UBIQUITOUS, Space, Structure
-from flexdyn.diagnose.nesting import CONTAINS
 
 Array = NDArray[np.float64]
 WINDOW = math.log(1000.0)

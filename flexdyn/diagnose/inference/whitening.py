@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.covariance import Whitener
+from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 
 Array = NDArray[np.float64]

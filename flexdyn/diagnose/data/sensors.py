@@ -1,0 +1,70 @@
+"""Measured channels put right: what a model's sensor effects added is taken off again."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.effects import ChannelLag, EncoderEccentricity, SensorEffect, SensorGain, SensorOffset
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+ROUNDS, SETTLED = 20, 1e-15
+"""Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
+SPARE = 16
+"""Samples beyond either end, as many as a spline's coefficients take notice of."""
+
+
+def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
+    """The true channels behind measured ones, if the model's sensor effects are right."""
+    effects = [e for e in model.effects if isinstance(e, SensorEffect) and not e.is_neutral]
+    if not effects:
+        return data
+    columns = {signal: getattr(data, signal).copy() for signal in ("q", "theta", "tau", "tau_s")}
+    for channel in {e.channel for e in effects}:
+        signal, _, joint = channel.partition(".")
+        if signal in columns:
+            j = model.index(joint)
+            acting = [e for e in effects if e.channel == channel]
+            columns[signal][:, j] = true_channel(acting, columns[signal][:, j], data.dt)
+    return dataclasses.replace(data, **columns)
+
+
+def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) -> Array:
+    """The channel that these effects make the measured one of; the inverse of `flexdyn.effects.measure`.
+
+    Offset and gain first, then eccentricity by fixed-point iteration, then the lag by cubic interpolation.
+    """
+    effects = list(effects)
+    offset = sum(e.offset for e in effects if isinstance(e, SensorOffset))
+    gain = sum(e.gain for e in effects if isinstance(e, SensorGain))
+    x = (measured - offset) / (1.0 + gain)
+    discs = [e for e in effects if isinstance(e, EncoderEccentricity)]
+    if discs:
+        seen = x
+        for _ in range(ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
+            before, x = x, seen - sum(e.error(x) for e in discs)
+            if np.abs(x - before).max(initial=0.0) < SETTLED:
+                break
+    delay = sum(e.delay for e in effects if isinstance(e, ChannelLag))
+    return advanced(x, delay, dt) if delay else x
+
+
+def advanced(x: Array, delay: float, dt: float) -> Array:
+    """x(t + delay) [s] at the samples of x, by a cubic spline; beyond its ends the first and the last value hold.
+
+    On a regular clock the spline is its B-spline coefficients passed through four taps (Unser et al., 1993).
+    """
+    from scipy.ndimage import spline_filter1d
+
+    whole, part = divmod(delay / dt, 1.0)
+    count = len(x)
+    coefficients = spline_filter1d(np.pad(x, SPARE, mode="reflect", reflect_type="odd"), order=3)
+    taps = np.array([(1 - part) ** 3, 4 - 6 * part**2 + 3 * part**3, 1 + 3 * part * (1 + part - part**2), part**3]) / 6
+    between = np.convolve(coefficients[SPARE - 1 : SPARE + count + 2], taps[::-1], "valid")
+    at = np.arange(count) + int(np.clip(whole, -count, count))
+    return np.where(at + part > count - 1.0, x[-1], between[np.clip(at, 0, count - 1)])

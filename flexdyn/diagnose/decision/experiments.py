@@ -1,0 +1,62 @@
+"""For every "A or B" the experiment that would tell: each rival fitted in the place of what is named."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+from flexdyn.diagnose.decision.corrected import Corrected, effect_of
+from flexdyn.diagnose.decision.gaps import window_noise
+from flexdyn.diagnose.decision.naming import Name
+from flexdyn.diagnose.decision.suspects import suspect_of
+from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.experiment.design import with_experiment
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.passes import hypothesis_of
+from flexdyn.diagnose.report.suspects import Finding
+
+STEPS = 4
+"""Gauss-Newton steps of a rival's fit: it begins at the linear estimate, and the motion is tried with it anyway."""
+
+
+def with_experiments(
+    findings: Sequence[Finding], found: Corrected, named: Sequence[Name], noise: Noise
+) -> tuple[Finding, ...]:
+    """Findings with rivals, each with the motion that was shown by simulation to tell them apart.
+
+    Args:
+        findings: what is told.
+        found: the corrected model.
+        named: what the findings are of, in any order.
+        noise: of the channels.
+    """
+    model, levels = found.hypothesis.given, window_noise(noise)
+    names = {suspect_of(model, found.candidates[each.candidate]).key: each for each in named}
+    made = []
+    for finding in findings:
+        fits = _rivals(found, names[finding.suspect.key]) if finding.rivals else []
+        whole = len(fits) == len(finding.rivals)
+        made.append(with_experiment(finding, found.fitted, fits, found.fitted.space, levels) if whole else finding)
+    return tuple(made)
+
+
+def _rivals(found: Corrected, name: Name) -> list[Fit]:
+    """Fits with each rival in the place of the named candidate; those that make no sense are left out."""
+    starts = (_in_place(found, rival, name.candidate) for rival in name.rivals)
+    return [fit(each, found.fitted.space, steps=STEPS) for each in starts if each is not None]
+
+
+def _in_place(found: Corrected, rival: int, of: int) -> Hypothesis | None:
+    """The corrected model with a rival in the place of a candidate, from the best structure that has it so."""
+    place = found.masses.place([rival], [of])
+    if place is None:
+        return None
+    structure = hypothesis_of(found.space, found.masses.structures[place], found.space.library.start, whole=True)
+    rest, number = found.without(of), found.candidates[rival].number
+    if number is not None:
+        factors = {**rest.factors, number: structure.factors[number]}
+        return dataclasses.replace(rest, factors=factors, freed=rest.freed | {number})
+    effect = effect_of(found.candidates[rival], structure)
+    return None if effect is None else dataclasses.replace(rest, effects=(*rest.effects, effect))

@@ -1,0 +1,134 @@
+"""Derivatives of the residuals with respect to effects and their parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.data.sensors import true_channel
+from flexdyn.diagnose.equations.compliance import of_compliance
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.made_up import NOT_PLAIN
+from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.terms import adds_up, own_torque
+from flexdyn.effects import (
+    ChannelLag,
+    Effect,
+    JointEffect,
+    JointElasticity,
+    LoadDependentFriction,
+    Payload,
+    SensorEffect,
+    TorqueConstantError,
+)
+from flexdyn.errors import InputError
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+
+
+def stands_alone(equations: Equations, effect: JointEffect) -> bool:
+    """Whether an effect's torque stands in the equations as it is, and changes no other."""
+    if not adds_up(effect):
+        return False
+    j = equations.true.index(effect.joint)
+    return not (equations.made_up[j] and (equations.sensed or is_loaded(equations, j)))
+
+
+def is_loaded(equations: Equations, j: int) -> bool:
+    """Whether a joint has friction that depends on what its transmission carries."""
+    true = equations.true
+    return any(isinstance(e, LoadDependentFriction) and true.index(e.joint) == j for e in true.all_effects)
+
+
+def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> Array:
+    """Change of the residual (rows,) where an effect that stands alone is another one of its kind."""
+
+    def change(along: Motion) -> tuple[str, Array]:
+        (side, before), (_, after) = (own_torque(each, equations.true, along) for each in (effect, moved))
+        return side, after - before
+
+    return equations.of_torque(equations.true.index(effect.joint), change)
+
+
+def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array:
+    """Change of the residual (rows,) where the model has an effect more, over `scale`."""
+    if isinstance(effect, SensorEffect):
+        return _of_sensor(equations, effect) / scale
+    if isinstance(effect, Payload):
+        model = equations.true.replace(effects=[*equations.true.effects, effect])
+        return equations.of_links([LinkSide(model)])[:, 0] / scale
+    true, effect = equations.true, on_joint(effect)
+    j = true.index(effect.joint)
+    if isinstance(effect, NOT_PLAIN) and equations.made_up[j]:
+        there = equations.of(equations.model.replace(effects=[*equations.model.effects, effect]))
+        return (there.residual - equations.residual) / scale
+    if isinstance(effect, JointElasticity):  # to first order
+        return of_compliance(equations, j) / (effect.stiffness * scale)
+    if isinstance(effect, TorqueConstantError):
+        return equations.of_torque(j, lambda along: ("motor", effect.gain * equations.needed(along, j))) / scale
+    if stands_alone(equations, effect):
+        return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
+    with_it = equations.of_joint(j, true, [*true.all_effects, effect])
+    return (with_it - equations.own(j)) / scale
+
+
+def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -> Array:
+    """Derivative of the residual (rows,) by a parameter of an effect that the model holds.
+
+    Args:
+        equations: of the model with the effect.
+        effect: that is there.
+        name: of the parameter.
+        step: of the difference, in the parameter's unit.
+    """
+    ahead = {name: getattr(effect, name) + step}
+    if isinstance(effect, SensorEffect):
+        return _of_sensor(equations, effect.replace(**ahead), effect) / step
+    moved = effect.replace(**ahead)
+    if isinstance(effect, Payload | TorqueConstantError):
+        return (of_effect(equations, moved) - of_effect(equations, effect)) / step
+    true, effect, moved = equations.true, on_joint(effect), on_joint(moved)
+    j = true.index(effect.joint)
+    if isinstance(effect, JointElasticity) or (isinstance(effect, NOT_PLAIN) and equations.made_up[j]):
+        # other rows and positions move with it
+        effects = [moved if e == effect else e for e in equations.model.effects]
+        return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
+    if stands_alone(equations, effect):
+        return of_change(equations, effect, moved) / step
+    effects = [moved if e is effect or e == effect else e for e in true.all_effects]
+    return (equations.of_joint(j, true, effects) - equations.own(j)) / step
+
+
+def on_joint(effect: Effect) -> JointEffect:
+    """An effect with a torque along the motion.
+
+    Raises:
+        InputError: it has none.
+    """
+    if not isinstance(effect, JointEffect):
+        raise InputError("the effect has no torque along a motion", key="effect", value=effect.name)
+    return effect
+
+
+def _of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect | None = None) -> Array:
+    """The measured channel holds what the sensor added: the true one is less by that.
+
+    Args:
+        equations: of the model.
+        effect: of a sensor.
+        instead: of another one of its kind; None: of none.
+    """
+    j = equations.true.index(effect.joint)
+
+    def true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
+        if isinstance(effect, ChannelLag) and effect.signal == "tau":
+            return np.asarray(np.interp(data.t + effect.delay, data.t, seen))
+        return true_channel([effect], seen, data.dt)
+
+    def error(data: Measured) -> Array:
+        seen = data.channel(effect.signal)[:, j]
+        return true(effect, data, seen) - (seen if instead is None else true(instead, data, seen))
+
+    return equations.of_channel(effect.signal, j, error)

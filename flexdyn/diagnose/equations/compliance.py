@@ -1,0 +1,44 @@
+"""A rigid joint that is not: what a little compliance puts into the equations."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations.equations import LINK, TOTAL, TRANSMISSION, Equations
+from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.terms import joint_terms
+
+Array = NDArray[np.float64]
+
+
+def of_compliance(equations: Equations, j: int) -> Array:
+    """Derivative of the residual (rows,) by the compliance 1/K of a rigid joint, where that is 0.
+
+    With both encoders the deflection is measured, and should be what the link needs over K. With one, the other
+    position is off by the torque over K, and the acceleration of that loads the rotor or the links.
+    """
+    return np.concatenate([_along(equations, each, j).ravel() for each in equations.motions])
+
+
+def _along(equations: Equations, along: Motion, j: int) -> Array:
+    """Of one recording (times, equations)."""
+    model, filters = equations.true, equations.filters
+    terms, J = joint_terms(model, model.all_effects, along, j), model.rotor_inertia[j]
+    by_link = along.inverse_dynamics[:, j] - J * along.a[:, j] - terms.link
+    by_motor = terms.motor - J * along.alpha[:, j]
+    rows = np.zeros((filters.count(len(along.t)), len(equations.kinds)))
+    has_q, has_theta = along.data.has_q[j], along.data.has_theta[j]
+    swung = [filters.rows(by_motor, order) for order in range(3)]
+    for place, (i, kind) in enumerate(equations.kinds):
+        if has_q and has_theta:
+            if i == j and kind == TRANSMISSION:
+                rows[:, place] = -filters.rows(by_link - model.damping[j] * along.ddelta[:, j])
+        elif has_q:
+            if i == j and kind == TOTAL:
+                rows[:, place] = -J * filters.rows(by_link, 2) / equations.gains[j]
+        elif kind in (TOTAL, LINK):
+            loads = along.dragged(j, swung, filters.instants(len(along.t)))[:, i]
+            loads -= J * swung[2] if i == j else 0.0  # a rigid joint's rotor is in M
+            rows[:, place] = loads / (equations.gains[i] if kind == TOTAL else equations.softness[i])
+    return rows

@@ -1,0 +1,221 @@
+"""What sensor noise makes of the residuals: their covariance, and the whitening that it gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION, Equations
+from flexdyn.diagnose.equations.motion import Motion
+
+Array = NDArray[np.float64]
+Add = Callable[[tuple[str, int], int, int, float | Array], None]
+MASKED = 1e8
+"""Variance of a masked row in units of the median one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Standard deviations of white noise per sample, joint by joint (n,), zero where a channel is missing."""
+
+    q: Array
+    theta: Array
+    tau: Array
+    tau_s: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Whitener:
+    """The banded Cholesky factor of the residuals' covariance; masked rows weigh nothing."""
+
+    factor: Array
+    mask: NDArray[np.bool_]
+
+    def __call__(self, rows: Array) -> Array:
+        """White rows of unit variance (rows, ...); zero where masked."""
+        from scipy.linalg import lapack
+
+        flat = rows.reshape(len(rows), -1)
+        if not flat.size:  # LAPACK takes no empty tables
+            return rows.copy()
+        white, info = lapack.dtbtrs(self.factor, flat, uplo="L")
+        if info:
+            raise ArithmeticError(f"dtbtrs: {info}")
+        white[self.mask] = 0.0
+        return np.asarray(white).reshape(rows.shape)
+
+
+def whitener(equations: Equations, noise: Noise, mask: NDArray[np.bool_], extra: Array | None = None) -> Whitener:
+    """The whitening of the equations' rows.
+
+    Noise passes the same filters as the motion; a residual is ``sum_c sum_o C_co(t) d^o/dt^o n_c``, its covariance
+    over a lag l of rows ``sum C_co(t + l) C_cp(t) R_op(l) sigma_c^2`` with the kernels' correlations R.
+
+    Args:
+        equations: whose residuals they are.
+        noise: of the channels.
+        mask: rows that say nothing (rows,).
+        extra: variance of the rows beside that of noise, such as what the filters do to laws with corners (rows,).
+    """
+    from scipy.linalg import cholesky_banded
+
+    kernels = _kernels(equations)
+    blocks = [_band(equations, each, noise, kernels) for each in equations.motions]
+    width = max(len(block) for block in blocks)
+    band = np.concatenate([np.pad(block, ((0, width - len(block)), (0, 0))) for block in blocks], axis=1)
+    if extra is not None:
+        band[0] += extra
+    band[0] = np.where(mask, band[0] + MASKED * np.median(band[0]), band[0] * (1.0 + 1e-9))
+    return Whitener(cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False), mask)
+
+
+def _kernels(equations: Equations) -> dict[str, list[Array]]:
+    """Whole kernels from a channel's noise to a row, by order of the derivative: of positions, and of torques."""
+    first, second = equations.filters.first.taps, equations.filters.second.taps[0]
+    whole = [np.convolve(second, taps) for taps in first]
+    if equations.made_up.any():
+        whole = [np.convolve(kernel, first[0]) for kernel in whole]
+        whole += [np.convolve(np.convolve(second, once), first[2]) for once in first[1:]]
+        whole.append(np.convolve(np.convolve(equations.filters.second.taps[2], first[1]), first[2]))
+    held = [np.convolve(kernel, [0.5, 0.5]) for kernel in whole]
+    return {"position": whole, "tau": held, "tau_s": whole[:1]}
+
+
+def _coefficients(equations: Equations, along: Motion) -> dict[tuple[str, int], dict[int, Array]]:
+    """C (times, equations) by channel and order of derivative."""
+    model = equations.true
+    at = equations.filters.instants(len(along.t))
+    M, K, D, J = along.M[at], model.stiffness, model.damping, model.rotor_inertia
+    shape = (len(at), len(equations.kinds))
+    found: dict[tuple[str, int], dict[int, Array]] = {}
+
+    def add(channel: tuple[str, int], order: int, row: int, value: float | Array) -> None:
+        found.setdefault(channel, {}).setdefault(order, np.zeros(shape))[:, row] += value
+
+    for row, (j, kind) in enumerate(equations.kinds):
+        if kind in (MOTOR, TOTAL):
+            add(("tau", j), 0, row, 1.0)
+        if kind == SENSOR:
+            add(("tau_s", j), 0, row, 1.0)
+        if kind == MOTOR:
+            for order, value in ((0, K[j]), (1, D[j]), (2, 0.0)):
+                add(("q", j), order, row, value)
+                add(("theta", j), order, row, -value - (J[j] if order == 2 else 0.0))
+        if kind == LINK:
+            for order, value in ((0, K[j]), (1, D[j])):
+                add(("theta", j), order, row, value)
+                add(("q", j), order, row, -value)
+        if kind == TRANSMISSION:
+            add(("theta", j), 0, row, 1.0)
+            add(("q", j), 0, row, -1.0)
+        if kind == SENSOR and model.elastic[j]:
+            add(("theta", j), 0, row, -K[j])
+            add(("q", j), 0, row, K[j])
+        if kind in (LINK, TOTAL):
+            _links(equations, along.data, M, row, j, kind, add)
+    return found
+
+
+def _links(equations: Equations, data: Measured, M: Array, row: int, j: int, kind: str, add: Add) -> None:
+    """The links' accelerations in one equation: measured, or made up from the rotors'."""
+    model = equations.true
+    has_q, has_theta = data.has_q, data.has_theta
+    K, D, J = model.stiffness, model.damping, model.rotor_inertia
+    for i in range(model.n):
+        if model.elastic[i] and not has_q[i]:
+            add(("theta", i), 2, row, -M[:, j, i])
+            add(("theta", i), 4, row, -M[:, j, i] * J[i] / K[i])
+            add(("tau", i), 2, row, M[:, j, i] / K[i])
+            add(("theta", i), 5, row, M[:, j, i] * D[i] * J[i] / K[i] ** 2)
+            add(("tau", i), 3, row, -M[:, j, i] * D[i] / K[i] ** 2)
+        else:
+            channel = "q" if has_q[i] else "theta"
+            add((channel, i), 2, row, -M[:, j, i])
+            if kind == TOTAL and model.elastic[j] and not has_theta[j]:
+                add((channel, i), 4, row, -M[:, j, i] * J[j] / K[j])
+                add((channel, i), 5, row, M[:, j, i] * J[j] * D[j] / K[j] ** 2)
+    if kind == TOTAL and model.elastic[j]:
+        add(("theta" if has_theta[j] else "q", j), 2, row, -J[j])
+    elif kind == TOTAL and has_q[j] and has_theta[j]:  # M holds the rotor, whose acceleration theta tells
+        add(("theta", j), 2, row, -J[j])
+        add(("q", j), 2, row, J[j])
+
+
+def _band(equations: Equations, along: Motion, noise: Noise, kernels: dict[str, list[Array]]) -> Array:
+    """Lower band of the covariance of one recording's rows."""
+    coefficients = _coefficients(equations, along)
+    every, many = equations.filters.every, len(equations.kinds)
+    times = equations.filters.count(len(along.t))
+    length = max(len(k) for group in kernels.values() for k in group)
+    lags = min((length - 1) // every, times - 1)
+    band = np.zeros(((lags + 1) * many, times * many))
+    columns = np.arange(times)
+    for lag in range(lags + 1):
+        covariance = np.zeros((times - lag, many, many))
+        for (signal, j), orders in coefficients.items():
+            variance = float(getattr(noise, signal)[j]) ** 2
+            group = kernels["position" if signal in ("q", "theta") else signal]
+            for o, later in orders.items():
+                for p, now in orders.items():
+                    weight = variance * _correlation(group[o], group[p], lag * every)
+                    if weight:
+                        covariance += weight * later[lag:, :, None] * now[: times - lag, None, :]
+        for a in range(many):
+            for b in range(many):
+                place = lag * many + a - b
+                if place >= 0:
+                    band[place, columns[: times - lag] * many + b] += covariance[:, a, b]
+    return band
+
+
+def _correlation(a: Array, b: Array, shift: int) -> float:
+    """R(shift) = sum_m a[m] b[m + shift] of centred kernels of any length."""
+    ha, hb = len(a) // 2, len(b) // 2
+    start = max(-ha, -hb - shift)
+    stop = min(len(a) - ha, len(b) - hb - shift)
+    if start >= stop:
+        return 0.0
+    return float(a[ha + start : ha + stop] @ b[hb + start + shift : hb + stop + shift])
+
+
+def variances(equations: Equations, noise: Noise, row: int, j: int, *, second: bool = True) -> tuple[float, float]:
+    """Variance of one equation's rows: by all channels but tau_j, and by tau_j of unit variance.
+
+    Taken at the middle of the first recording, with neighbours as they stand there.
+
+    Args:
+        equations: whose rows they are.
+        noise: of the channels.
+        row: place of the equation among `kinds`.
+        j: joint of the torque.
+        second: of second differences of the rows, not of the rows.
+    """
+    kernels = _kernels(equations)
+    along = equations.motions[0]
+    every = equations.filters.every
+    weights = {-2: 1.0, -1: -4.0, 0: 6.0, 1: -4.0, 2: 1.0} if second else {0: 1.0}
+    totals = [0.0, 0.0]
+    for (signal, i), orders in _coefficients(equations, along).items():
+        mine = signal == "tau" and i == j
+        variance = 1.0 if mine else float(getattr(noise, signal)[i]) ** 2
+        group = kernels["position" if signal in ("q", "theta") else signal]
+        for o, later in orders.items():
+            for p, now in orders.items():
+                size = float(np.median(later[:, row] * now[:, row])) * variance
+                R = sum(w * _correlation(group[o], group[p], lag * every) for lag, w in weights.items())
+                totals[mine] += size * R
+    return totals[0], totals[1]
+
+
+def encoders_rule(equations: Equations, noise: Noise) -> bool:
+    """Whether in some motor's equation the encoders make more noise than its torque does."""
+    for place, (j, kind) in enumerate(equations.kinds):
+        if kind in (MOTOR, TOTAL):
+            others, unit = variances(equations, noise, place, j, second=False)
+            if others > unit * float(noise.tau[j]) ** 2:
+                return True
+    return False

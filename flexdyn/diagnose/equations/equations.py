@@ -1,0 +1,319 @@
+"""Residuals of the equations of motion along measured motions: what a model leaves unexplained, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.abreast import SILENT, abreast
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.data.sensors import corrected
+from flexdyn.diagnose.equations.motion import Motion, Smoothed, motion, smoothed
+from flexdyn.diagnose.equations.shared import same_links, same_signals
+from flexdyn.diagnose.equations.terms import joint_terms
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.effects import Effect, TorqueConstantError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmission", "sensor"
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The equations of a model along measured motions.
+
+    Rows of all recordings follow one another, time by time, and at each time stand the equations in the order of
+    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total; on a rigid joint
+    with both encoders also theta = q, from the start on and whatever a model makes of the joint later [rad or m].
+
+    Attributes:
+        model: whose equations they are.
+        data: the recordings, as measured.
+        filters: that every term passes.
+        stiffness: by which the links' equations are measured (n,) [N m/rad]; None: the model's own.
+    """
+
+    model: FlexibleJointModel
+    data: tuple[Measured, ...]
+    filters: Filters
+    stiffness: Array | None = None
+
+    @lazy
+    def true(self) -> FlexibleJointModel:
+        """The model with parameter errors and elasticities folded in."""
+        return self.model.resolved()
+
+    @lazy
+    def kinds(self) -> tuple[tuple[int, str], ...]:
+        """Joint and kind of every equation."""
+        first = self.data[0]
+        elastic = self.true.elastic if self.stiffness is None else np.isfinite(self.stiffness)
+        kinds: list[tuple[int, str]] = []
+        for j in range(self.true.n):
+            if not first.both[j]:
+                kinds.append((j, TOTAL))
+            else:
+                kinds += [(j, MOTOR), (j, LINK)] if elastic[j] else [(j, TOTAL), (j, TRANSMISSION)]
+            if first.has_tau_s[j]:
+                kinds.append((j, SENSOR))
+        return tuple(kinds)
+
+    @lazy
+    def sensed(self) -> bool:
+        """Whether a torque was measured in any transmission."""
+        return any(kind == SENSOR for _, kind in self.kinds)
+
+    @lazy
+    def links(self) -> LinkSide:
+        """M and h of the model."""
+        return LinkSide(self.true)
+
+    @lazy
+    def motions(self) -> tuple[Motion, ...]:
+        """The smoothed motions, sensor effects of the model taken off."""
+        bases = self._bases or (None,) * len(self.smoothed)
+        return tuple(motion(self.links, *each) for each in zip(self.smoothed, bases, strict=True))
+
+    @lazy
+    def _bases(self) -> tuple[Motion, ...]:
+        """Motions of the model from which this one was made, by `of`."""
+        return ()
+
+    @lazy
+    def smoothed(self) -> tuple[Smoothed, ...]:
+        """The recordings behind the first filter, sensor effects of the model taken off."""
+        kernel = self.filters.first
+        return tuple(smoothed(self.true, self.links, corrected(each, self.model), kernel) for each in self.data)
+
+    @lazy
+    def residual(self) -> Array:
+        """What the model leaves (rows,) [N m or N]: zero but for noise where it is right."""
+        return self._rows(self.true, self.motions, self.true.all_effects)
+
+    def of(self, model: FlexibleJointModel) -> Equations:
+        """The same data under another model; motions are shared where the model does not touch them."""
+        own = self.true.stiffness if self.stiffness is None else self.stiffness
+        other = replace(self, model=model, stiffness=own)
+        if not self.made_up.any() and same_signals(self.model, model):
+            other.__dict__["smoothed"] = self.smoothed
+            if same_links(self.model, model):
+                other.__dict__["links"] = self.links
+                other.__dict__["motions"] = self.motions
+                return other
+        other.__dict__["_bases"] = tuple(each.near or each for each in self.motions)
+        return other
+
+    def of_joint(self, j: int, model: FlexibleJointModel, effects: Sequence[Effect]) -> Array:
+        """What one joint's terms put into the rows (rows,), the links' inertia left out."""
+        parts = []
+        for along in self.motions:
+            terms = joint_terms(model, effects, along, j)
+            rotor = model.rotor_inertia[j] * along.alpha[:, j] if model.elastic[j] else 0.0
+            parts.append(self.combined(along, terms.motor - rotor, terms.link, -terms.tau_s, only=j).ravel())
+        return np.concatenate(parts)
+
+    def own(self, j: int) -> Array:
+        """What one joint's terms put into the rows (rows,) with the model's own effects; remembered, as many ask."""
+        if j not in self._own:
+            self._own[j] = self.of_joint(j, self.true, self.true.all_effects)
+        return self._own[j]
+
+    @lazy
+    def _own(self) -> dict[int, Array]:
+        return {}
+
+    @lazy
+    def made_up(self) -> NDArray[np.bool_]:
+        """Elastic joints one of whose two positions was not measured (n,)."""
+        return np.asarray(self.true.elastic & ~self.data[0].both)
+
+    def needed(self, along: Motion, j: int) -> Array:
+        """Motor torque (samples,) that the model needs for a motion.
+
+        It stands for the torque asked for in columns: that one's noise is in the residual as well, and would bias what
+        is multiplied with it.
+        """
+        effects = [e for e in self.true.all_effects if e.stage != "actuator"]
+        terms = joint_terms(self.true, effects, along, j)
+        left = along.tau[:, j] - terms.motor
+        if self.true.elastic[j]:
+            return np.asarray(left + self.true.rotor_inertia[j] * along.alpha[:, j])
+        return np.asarray(left + along.inverse_dynamics[:, j] - terms.link)
+
+    def of_torque(self, j: int, torque: Callable[[Motion], tuple[str, Array]]) -> Array:
+        """What one torque on the motor's or link's side of a joint puts into the rows (rows,)."""
+        parts = []
+        for along in self.motions:
+            side, values = torque(along)
+            motor, link = (values, None) if side == MOTOR else (None, values)
+            carried = None if self.true.elastic[j] else link
+            parts.append(self.combined(along, motor, link, carried, only=j).ravel())
+        return np.concatenate(parts)
+
+    def of_damper(self, j: int) -> Array:
+        """What the damper of an elastic joint with both encoders puts into the rows (rows,)."""
+        parts = []
+        for along in self.motions:
+            torque = self.true.damping[j] * along.ddelta[:, j]
+            parts.append(self.combined(along, -torque, torque, -torque, only=j).ravel())
+        return np.concatenate(parts)
+
+    def of_links(self, others: Sequence[LinkSide]) -> Array:
+        """Change of the rows (rows, others) where the links have other inertias: less ``M a + h``."""
+        parts = []
+        for along in self.motions:
+            extra = self.links.extra_torques(others, along.q, along.v, along.a)
+            parts.append(np.stack(abreast(partial(self._heavier, along), extra.transpose(1, 0, 2)), axis=1))
+        return np.concatenate(parts)
+
+    def _heavier(self, along: Motion, more: Array) -> Array:
+        """Change of the rows (times * equations,) where the links need more (samples, n)."""
+        with SILENT():
+            needed = np.where(self.true.elastic, 0.0, -more)
+            return self.combined(along, None, -more, needed).ravel()
+
+    def of_channel(self, signal: str, j: int, error: Callable[[Measured], Array]) -> Array:
+        """First-order change of the rows (rows,) where a true channel is the measured one plus `error` (samples,).
+
+        A position made up from the other encoder moves with it. What the change does to friction is left out.
+        """
+        parts = []
+        model = self.true
+        for along in self.motions:
+            d0, d1, d2 = (self._smoothed(along, error(along.data), k) for k in range(3))
+            motor, link, tau_s, wound = (np.zeros_like(along.q) for _ in range(4))
+            if signal == "tau":
+                motor[:, j] = d0
+            elif signal == "tau_s":
+                tau_s[:, j] = d0
+            else:
+                alone = not along.data.both[j]
+                sign = 1.0 if signal == "theta" else -1.0
+                if model.elastic[j] and (signal == "theta" or alone):
+                    motor[:, j] -= model.rotor_inertia[j] * d2
+                if signal == "q" or alone:
+                    link -= along.dragged(j, (d0, d1, d2))
+                if not alone and not model.elastic[j]:
+                    motor[:, j] -= sign * model.rotor_inertia[j] * d2
+                    wound[:, j] = sign * d0
+                elif not alone:
+                    bent = sign * (model.stiffness[j] * d0 + model.damping[j] * d1)
+                    motor[:, j] -= bent
+                    link[:, j] += bent
+                    tau_s[:, j] -= bent
+            parts.append(self.combined(along, motor, link, tau_s, wound=wound).ravel())
+        return np.concatenate(parts)
+
+    def _smoothed(self, along: Motion, x: Array, order: int) -> Array:
+        y = self.filters.first.apply(x, order)
+        spare = (len(y) - len(along.t)) // 2
+        if self.made_up.any():
+            return self.filters.first.apply(y, 0)
+        return y[spare : len(y) - spare]
+
+    def _rows(self, model: FlexibleJointModel, motions: Sequence[Motion], effects: Sequence[Effect]) -> Array:
+        return np.concatenate([self._of_motion(model, each, effects).ravel() for each in motions])
+
+    def _of_motion(self, model: FlexibleJointModel, along: Motion, effects: Sequence[Effect]) -> Array:
+        """Residuals of one recording (times, equations)."""
+        terms = [joint_terms(model, effects, along, j) for j in range(model.n)]
+        motor = np.stack([each.motor for each in terms], axis=1)
+        link = np.stack([each.link for each in terms], axis=1) - along.inverse_dynamics
+        # The inertia of a rigid joint's rotor is in M; where theta was measured, that tells its acceleration better.
+        ahead = along.alpha - np.where(model.elastic, 0.0, along.a)
+        motor -= model.rotor_inertia * ahead
+        tau_s = along.tau_s - np.stack([each.tau_s for each in terms], axis=1)
+        return self.combined(along, motor, link, tau_s, wound=along.delta)
+
+    def combined(
+        self,
+        along: Motion,
+        motor: Array | None,
+        link: Array | None,
+        tau_s: Array | None,
+        only: int | None = None,
+        wound: Array | None = None,
+    ) -> Array:
+        """Rows (times, equations) of what stands in the motors', the links' and the sensors' equations (samples, n).
+
+        With `only`, of that joint alone (samples,). None: nothing stands there. `wound` is the deflection of rigid
+        joints (samples, n), if any.
+        """
+        rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
+        each = (motor, link, tau_s if self.sensed else None)
+        motor_, link_, sensor_ = (self._filtered(along, torque, only) for torque in each)
+        lifted = self._lifted(along, motor, link, only)
+        for place, (j, kind) in enumerate(self.kinds):
+            if kind == MOTOR and self.true.elastic[j]:
+                rows[:, place] = motor_[:, j] / self.gains[j]
+            elif kind == SENSOR:
+                rows[:, place] = sensor_[:, j]
+            elif kind in (MOTOR, TOTAL):
+                rows[:, place] = (link_[:, j] + lifted[:, j] + motor_[:, j]) / self.gains[j]
+            elif kind == LINK and self.true.elastic[j]:
+                rows[:, place] = (link_[:, j] + lifted[:, j]) / self.softness[j]
+            elif self.true.elastic[j]:
+                rows[:, place] = (link_[:, j] + lifted[:, j]) / self.true.stiffness[j]
+            elif wound is not None:  # rigid: theta should be q
+                unit = self.stiffness[j] if kind == LINK and self.stiffness is not None else 1.0
+                rows[:, place] = unit * self.filters.rows(wound[:, j])
+        return rows
+
+    def _filtered(self, along: Motion, torque: Array | None, only: int | None) -> Array:
+        """Rows (times, n) of a torque (samples, n), or of one joint alone (samples,)."""
+        rows = np.zeros((self.filters.count(len(along.t)), self.true.n))
+        if torque is not None and torque.any():
+            rows[:, slice(None) if only is None else only] = self.filters.rows(torque)
+        return rows
+
+    @lazy
+    def softness(self) -> Array:
+        """Stiffness over that by which the links' equations are measured (n,).
+
+        They are in deflection, times a stiffness that no fit changes: else a soft spring on a light arm left less.
+        """
+        ratio = np.ones(self.true.n)
+        if self.stiffness is not None:
+            both = np.isfinite(self.stiffness) & self.true.elastic
+            ratio[both] = self.true.stiffness[both] / self.stiffness[both]
+        return ratio
+
+    @lazy
+    def gains(self) -> Array:
+        """True torque over recorded torque (n,): the equations are in recorded torque, whose noise stays as it is.
+
+        Otherwise a motor that gives nothing would explain an arm that weighs nothing, and leave no noise at all.
+        """
+        gains = np.ones(self.true.n)
+        for effect in self.true.all_effects:
+            if isinstance(effect, TorqueConstantError):
+                gains[self.true.index(effect.joint)] += effect.gain
+        return np.where(np.abs(gains) < 0.05, np.copysign(0.05, gains), gains)
+
+    def _lifted(self, along: Motion, motor: Array | None, link: Array | None, only: int | None) -> Array:
+        """What made-up positions do to the equations (times, n).
+
+        A link position from the motor's equation is wrong by ``-motor/K``: its acceleration loads every link, gravity
+        pulls at another place and Coriolis' torque is another one. A rotor position from the link's equation is wrong
+        by ``-link/K``, whose acceleration loads the rotor.
+        """
+        first, model = along.data, self.true
+        lifted = np.zeros((self.filters.count(len(along.t)), model.n))
+        at = self.filters.instants(len(along.t))
+        for i in np.flatnonzero(self.made_up).tolist():
+            torque = motor if not first.has_q[i] else link
+            if torque is None or only not in (None, i):
+                continue
+            wrong = (torque if only == i else torque[:, i]) / model.stiffness[i]
+            if first.has_q[i]:
+                lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(wrong, 2)
+            else:
+                lifted += along.dragged(i, [self.filters.rows(wrong, order) for order in range(3)], at)
+        return lifted

@@ -1,0 +1,160 @@
+"""Where the gap is: whose equation, and in which regime; and what to draw of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations.equations import LINK, SENSOR, TRANSMISSION, Equations
+from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.regime import Quantity, regime
+from flexdyn.diagnose.report.measures import Place
+from flexdyn.diagnose.report.trace import Trace
+
+Array = NDArray[np.float64]
+BLOCK = 0.025
+"""Length of the blocks whose power is compared [s]."""
+CHANCE, UNSURE = 5.0, 0.05
+"""Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
+LEAST_SHARE = 0.01
+"""Places of a smaller share of the excess are left out [1]."""
+SIDES = {
+    "motor": "motor side",
+    "link": "link side",
+    "total": "motor and link together",
+    "transmission": "between motor and link",
+    "sensor": "torque sensor",
+}
+
+
+def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tuple[Place, ...]:
+    """Share of the gap and regime of every equation, the largest share first.
+
+    Residuals count white, in units of their noise: what the encoders make of a stiff spring is large in both equations
+    of a joint and would hide in which of them a torque is missing.
+
+    Only what is beyond chance counts; where nothing is, there are no places.
+
+    Args:
+        equations: of the model whose gap is looked at, as a rule the calibrated one before the findings.
+        white: what is left of its whitened rows once offsets of the encoders are allowed for (rows,):
+            ``fit.regression.left[: len(mask)]``.
+        mask: rows that say nothing (rows,).
+    """
+    many = len(equations.kinds)
+    power = white.reshape(-1, many) ** 2
+    seen = ~mask.reshape(-1, many)
+    rows = seen.sum(axis=0)
+    excess = ((power - 1.0) * seen).sum(axis=0)
+    excess = np.where(excess > np.maximum(CHANCE * np.sqrt(2.0 * rows), UNSURE * rows), excess, 0.0)
+    if not excess.any():
+        return ()
+    shares = excess / excess.sum()
+    found = []
+    for place in np.argsort(-shares):
+        if shares[place] < LEAST_SHARE:
+            break
+        j, kind = equations.kinds[place]
+        where = _regime(equations, int(place), power[:, place], seen[:, place])
+        found.append(Place(equations.true.joint_names[j], kind, float(shares[place]), where))
+    return tuple(found)
+
+
+def _regime(equations: Equations, place: int, power: Array, seen: NDArray[np.bool_]) -> str:
+    """The regime of one equation: rows are gathered to blocks, those that say nothing left out."""
+    j, kind = equations.kinds[place]
+    blocks: list[Array] = []
+    columns: list[list[Quantity]] = []
+    first = 0
+    for along in equations.motions:
+        at = equations.filters.instants(len(along.t))
+        width = max(1, round(BLOCK / (along.dt * equations.filters.every)))
+        rows, used = power[first : first + len(at)], seen[first : first + len(at)].astype(float)
+        first += len(at)
+        weight = _sums(used, width)
+        kept = weight >= 0.5 * width
+        blocks.append((_sums(rows * used, width)[kept]) / weight[kept])
+        columns.append(
+            [
+                Quantity(each.text, (_sums(each.values[at] * used, width)[kept]) / weight[kept], each.signed)
+                for each in _quantities(equations, along, j, kind)
+            ]
+        )
+    joined = [
+        Quantity(same[0].text, np.concatenate([each.values for each in same]), same[0].signed)
+        for same in zip(*columns, strict=True)
+    ]
+    return regime(np.concatenate(blocks), joined)
+
+
+def _sums(x: Array, width: int) -> Array:
+    return np.asarray(x[: len(x) // width * width].reshape(-1, width).sum(axis=1))
+
+
+def _quantities(equations: Equations, along: Motion, j: int, kind: str) -> Iterator[Quantity]:
+    """What an equation's residual may depend on, over the samples of a motion (samples,)."""
+    model = equations.true
+    angle = model.robot.angle_unit(model.joint_names[j])
+    torque = "N m" if angle == "rad" else "N"
+    x, u, name = (along.q, along.v, "v") if kind in (LINK, SENSOR) else (along.theta, along.omega, "omega")
+    yield Quantity(f"abs({name}) {{}} {angle}/s", np.abs(u[:, j]))
+    yield Quantity(f"{{}} {angle} after a reversal", _travelled(x[:, j], u[:, j]))
+    yield Quantity(f"{name} {{}}", u[:, j], signed=True)
+    carried = (
+        model.stiffness[j] * along.delta[:, j] if equations.kinds.count((j, LINK)) else along.inverse_dynamics[:, j]
+    )
+    yield Quantity(f"abs(tau_s) {{}} {torque}", np.abs(carried))
+    yield Quantity(f"q {{}} {angle}", along.q[:, j])
+    yield Quantity("t {} s", along.t)
+    for i, other in enumerate(model.joint_names):
+        if i != j:
+            yield Quantity(
+                f"abs({name} of {other}) {{}} {model.robot.angle_unit(other)}/s",
+                np.abs((along.v if name == "v" else along.omega)[:, i]),
+            )
+
+
+def _travelled(x: Array, u: Array) -> Array:
+    """Distance since the last reversal (samples,) [rad or m]."""
+    turns = np.concatenate([[True], (u[1:] * u[:-1] < 0.0)])
+    last = np.maximum.accumulate(np.where(turns, np.arange(len(x)), 0))
+    return np.asarray(np.abs(x - x[last]))
+
+
+def traces(before: Equations, after: Equations, mask: NDArray[np.bool_]) -> tuple[Trace, ...]:
+    """Residual torques of every equation over time, velocity and position, before and after.
+
+    Args:
+        before: of the model as it was given.
+        after: of the corrected model, over the same recordings.
+        mask: rows that say nothing (rows,): they are left out.
+
+    Returns:
+        Three pictures an equation: the first recording over its time, all of them over velocity and position.
+    """
+    many = len(before.kinds)
+    shown, hidden = before.residual.reshape(-1, many), mask.reshape(-1, many)
+    left = after.residual.reshape(-1, many)
+    places = [before.filters.instants(len(along.t)) for along in before.motions]
+    stacked = {
+        name: np.concatenate([getattr(along, name)[at] for along, at in zip(before.motions, places, strict=True)])
+        for name in ("q", "theta", "v", "omega")
+    }
+    pictures = []
+    for place, (j, kind) in enumerate(before.kinds):
+        joint = before.true.joint_names[j]
+        angle = before.true.robot.angle_unit(joint)
+        title, unit = f"{joint}, {SIDES[kind]}", f"residual torque [{'N m' if angle == 'rad' else 'N'}]"
+        if kind == TRANSMISSION:
+            unit = f"residual deflection [{angle}]"
+        link = kind in (LINK, SENSOR)
+        clear = ~hidden[:, place]
+        rows = len(places[0])
+        one, two = (np.where(clear, each[:, place], np.nan) for each in (shown, left))
+        pictures.append(Trace.thinned(title, "t [s]", unit, before.motions[0].t[places[0]], one[:rows], two[:rows]))
+        for name, label in (("v" if link else "omega", f"{angle}/s"), ("q" if link else "theta", angle)):
+            x = stacked[name][:, j]
+            pictures.append(Trace.thinned(title, f"{name} [{label}]", unit, x[clear], one[clear], two[clear]))
+    return tuple(pictures)

@@ -1,0 +1,90 @@
+"""Positions that no encoder saw, made up from their joints' own equations."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.kernel import Kernel
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.users_laws import torque_of
+from flexdyn.effects import Backlash, HardeningSpring, JointEffect, SpringHysteresis
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+KNOWN = ("viscous_friction", "coulomb_friction", "quadratic_drag", "stribeck_friction", "asymmetric_friction")
+"""Friction that a velocity alone decides."""
+NOT_PLAIN = (Backlash, HardeningSpring, SpringHysteresis)
+"""What makes a transmission another thing than a linear spring."""
+ROUNDS, STEP, STEEPEST = 8, 1e-4, 10.0
+"""Of Newton's method: steps, relative difference for its slopes, and how steep these are at most over the spring's."""
+
+
+def made_up(
+    model: FlexibleJointModel, links: LinkSide, q: Array, theta: Array, tau: Array, data: Measured, kernel: Kernel
+) -> tuple[Array, Array]:
+    """Link and rotor positions, the missing ones behind the spring and the gap of their joint.
+
+    The transmission winds by what its law needs to carry ``tau - J alpha - f_motor`` or ``M a + h + f_link``. What else
+    the model has, or may lack, is allowed for to first order.
+
+    Args:
+        model: resolved.
+        links: its link side.
+        q: measured positions of the links, where there are none those of the rotors (samples, n).
+        theta: the reverse.
+        tau: asked for (samples, n).
+        data: the recording.
+        kernel: the first filter.
+
+    Returns:
+        of links and of rotors, behind the filter (samples, n) each [rad or m].
+    """
+    only_motor, only_link = model.elastic & ~data.has_q, model.elastic & ~data.has_theta
+    smooth_q, smooth_theta, smooth_tau = (kernel.apply(x, 0) for x in (q, theta, tau))
+    omega, alpha = kernel.apply(theta, 1), kernel.apply(theta, 2)
+    t = data.t[kernel.half : len(data.t) - kernel.half]
+    for j in np.flatnonzero(only_motor).tolist():
+        rubbing = _friction(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
+        carried = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
+        smooth_q[:, j] = smooth_theta[:, j] - _wound(model, j, carried)
+    if only_link.any():
+        v, a = kernel.apply(q, 1), kernel.apply(q, 2)
+        for j in np.flatnonzero(only_motor).tolist():  # a joint without link encoder moves nearly as its rotor does
+            v[:, j], a[:, j] = omega[:, j], alpha[:, j]
+        total = links.inverse_dynamics(smooth_q, v, a)
+        for j in np.flatnonzero(only_link).tolist():
+            rubbing = _friction(model, j, "link", smooth_q[:, j], v[:, j], t)
+            smooth_theta[:, j] = smooth_q[:, j] + _wound(model, j, total[:, j] + rubbing)
+    return smooth_q, smooth_theta
+
+
+def _acting(model: FlexibleJointModel, j: int) -> list[JointEffect]:
+    return [e for e in model.all_effects if isinstance(e, JointEffect) and e.joint == model.joint_names[j]]
+
+
+def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
+    """Deflection (samples,) under what the transmission carries (samples,), by Newton's method."""
+    K, acting = model.stiffness[j], _acting(model, j)
+    springs = [effect for effect in acting if isinstance(effect, HardeningSpring | SpringHysteresis)]
+    seen = carried / K
+    for _ in range(ROUNDS if springs else 0):
+        now, ahead = (K * x + _more(springs, x) for x in (seen, (1.0 + STEP) * seen))
+        slope = np.clip((ahead - now) / np.where(seen == 0.0, np.inf, STEP * seen), K, STEEPEST * K)
+        seen = seen + (carried - now) / slope
+    gap = sum(effect.half_gap for effect in acting if isinstance(effect, Backlash))
+    return np.asarray(seen + gap * np.sign(carried))
+
+
+def _more(springs: list[HardeningSpring | SpringHysteresis], seen: Array) -> Array:
+    """Torque (samples,) of what acts beside the linear spring."""
+    still = np.zeros_like(seen)
+    parts = (e.along(seen) if isinstance(e, SpringHysteresis) else e.torque(seen, still) for e in springs)
+    return np.asarray(sum(parts, still))
+
+
+def _friction(model: FlexibleJointModel, j: int, side: str, x: Array, u: Array, t: Array) -> Array:
+    """Friction torque (samples,) on one side of a joint."""
+    known = [e for e in _acting(model, j) if e.side == side and e.name in KNOWN]
+    return np.asarray(sum((torque_of(e, x, u, t=t, tau=np.zeros_like(x)) for e in known), np.zeros_like(x)))

@@ -1,0 +1,196 @@
+"""The smoothed motion of one recording, and the link encoders or motor encoders that are missing made up for."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.kernel import Kernel
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.made_up import made_up
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+Places = NDArray[np.intp] | slice
+STEP = 1e-5
+"""Of differences of h [rad and rad/s, or m and m/s]."""
+ALIKE, AS_HEAVY = 0.01, 0.1
+"""Shares of their ranges by which motions, and the torques that they need, may differ for slopes of h to be shared."""
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothed:
+    """Signals behind the first filter, at the full rate, one column a joint.
+
+    Attributes:
+        t: times since the start of the run (samples,) [s].
+        dt: between samples [s].
+        q, v, a: of the links (samples, n).
+        theta, omega, alpha: of the rotors (samples, n); those of the links on a rigid joint with one encoder.
+        tau: torque asked for (samples, n), the mean over each instant's two halves of held samples.
+        tau_s: measured in the transmission (samples, n); zero where it was not.
+        data: the channels before the filter, sensor effects taken off.
+        lost: samples of `data` before the first one here.
+    """
+
+    t: Array
+    dt: float
+    q: Array
+    v: Array
+    a: Array
+    theta: Array
+    omega: Array
+    alpha: Array
+    tau: Array
+    tau_s: Array
+    data: Measured
+    lost: int
+
+    @property
+    def delta(self) -> Array:
+        """Deflection theta - q (samples, n) [rad or m]."""
+        return self.theta - self.q
+
+    @property
+    def ddelta(self) -> Array:
+        """Rate of the deflection (samples, n) [rad/s or m/s]."""
+        return self.omega - self.v
+
+
+@dataclass(frozen=True, eq=False)
+class Motion(Smoothed):
+    """Smoothed signals, and what the links' dynamics are along them.
+
+    Attributes:
+        links: whose dynamics.
+        inverse_dynamics: M a + h (samples, n) [N m].
+        near: another one so much like it that slopes of M a + h at all samples are taken from there; None: its own.
+    """
+
+    links: LinkSide
+    inverse_dynamics: Array
+    near: Motion | None = None
+
+    @lazy
+    def M(self) -> Array:
+        """Mass matrices (samples, n, n) [kg m^2]."""
+        return self.links.mass_matrix(self.q)
+
+    @lazy
+    def ranges(self) -> tuple[float, float, float]:
+        """How far positions, velocities and the torques needed reach from end to end, of the joint of most."""
+        tables = (self.q, self.v, self.inverse_dynamics)
+        q, v, total = (float((x.max(axis=0) - x.min(axis=0)).max()) for x in tables)
+        return q, v, total
+
+    def dragged(self, j: int, moved: Sequence[Array], at: Places = slice(None)) -> Array:
+        """Change of M a + h (samples, n) where a joint's position, speed and acceleration move.
+
+        ``dh/dq_j dq + dh/dv_j dv + M_j da``, the slopes of h by differences.
+
+        Args:
+            j: the joint.
+            moved: its position, speed and acceleration (samples,).
+            at: samples of the motion that are asked for.
+        """
+        if self.near is not None and isinstance(at, slice):
+            return self.near.dragged(j, moved, at)
+        slopes = (*self._slopes(j, at), self.M[at, :, j])
+        return np.asarray(sum(s * d[:, None] for s, d in zip(slopes, moved, strict=True)))
+
+    def _slopes(self, j: int, at: Places) -> tuple[Array, Array]:
+        """Of h by a joint's position and by its speed (samples, n); remembered, as many columns ask."""
+        place = (j, isinstance(at, slice))
+        if place not in self._known:
+            q, v = self.q[at], self.v[at]
+            ahead, faster = q.copy(), v.copy()
+            ahead[:, j] += STEP
+            faster[:, j] += STEP
+            given = self.links.bias(q, v)
+            by_place, by_speed = self.links.bias(ahead, v) - given, self.links.bias(q, faster) - given
+            self._known[place] = (by_place / STEP, by_speed / STEP)
+        return self._known[place]
+
+    @lazy
+    def _known(self) -> dict[tuple[int, bool], tuple[Array, Array]]:
+        return {}
+
+
+def motion(links: LinkSide, signals: Smoothed, base: Motion | None = None) -> Motion:
+    """The links' dynamics along smoothed signals.
+
+    Args:
+        links: whose.
+        signals: of one recording.
+        base: motion of another model in the same recording, whose slopes will do if it is near.
+    """
+    total = links.inverse_dynamics(signals.q, signals.v, signals.a)
+    own = {entry.name: getattr(signals, entry.name) for entry in dataclasses.fields(signals)}
+    made = Motion(**own, links=links, inverse_dynamics=total)
+    return dataclasses.replace(made, near=base) if base is not None and _alike(made, base) else made
+
+
+def _alike(one: Motion, base: Motion) -> bool:
+    """Whether slopes of M a + h are the same but for what their use, which is small itself, does not care about."""
+    if one.q.shape != base.q.shape:
+        return False
+    pairs = ((one.q, base.q), (one.v, base.v), (one.inverse_dynamics, base.inverse_dynamics))
+    shares = (ALIKE, ALIKE, AS_HEAVY)
+    return all(np.abs(a - b).max() <= s * r for (a, b), s, r in zip(pairs, shares, base.ranges, strict=True))
+
+
+def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel: Kernel) -> Smoothed:
+    """Smooth a recording.
+
+    Args:
+        model: resolved.
+        links: its link side.
+        data: channels with sensor effects taken off.
+        kernel: the first filter.
+
+    A joint with one encoder gets the other position from its own equation (`made_up`); the whole motion is then
+    filtered once more.
+    """
+    q = np.where(data.has_q, data.q, data.theta)
+    theta = np.where(data.has_theta, data.theta, q)
+    tau = centred(data.tau)
+    lost = kernel.half
+    t = data.t
+    tau_s = data.tau_s
+    if (model.elastic & ~data.both).any():
+        q, theta = made_up(model, links, q, theta, tau, data, kernel)
+        tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
+        lost += kernel.half
+    elif not data.both.all():  # as many samples as if a joint turned out to be elastic
+        inner = slice(kernel.half, len(t) - kernel.half)
+        q, theta, tau, tau_s, t = q[inner], theta[inner], tau[inner], tau_s[inner], t[inner]
+        lost += kernel.half
+    q, v, a = (kernel.apply(q, k) for k in range(3))
+    theta, omega, alpha = (kernel.apply(theta, k) for k in range(3))
+    return Smoothed(
+        t=t[kernel.half : len(t) - kernel.half],
+        dt=data.dt,
+        q=q,
+        v=v,
+        a=a,
+        theta=theta,
+        omega=omega,
+        alpha=alpha,
+        tau=kernel.apply(tau, 0),
+        tau_s=kernel.apply(tau_s, 0),
+        data=data,
+        lost=lost,
+    )
+
+
+def centred(tau: Array) -> Array:
+    """A torque that is held from each sample to the next, at the samples: the mean of before and after."""
+    mean = tau.copy()
+    mean[1:] = 0.5 * (tau[1:] + tau[:-1])
+    return mean

@@ -1,0 +1,271 @@
+"""Recordings that cannot answer: one clear line says what is wrong or missing, before any name is given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.mistakes import (
+    AMBIGUOUS,
+    DEGREE,
+    GOOD,
+    WOUND,
+    Match,
+    Mistake,
+    far,
+    fits,
+    liveliest,
+    match,
+    mistakes,
+    reach,
+    wanted_share,
+)
+from flexdyn.diagnose.equations.noise import encoder_noise
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+SHORTEST = 2.0
+"""Least time in which something moves [s]: three windows of 0.5 s to fit and one to check."""
+SLOWEST = 20.0
+"""Least rate [Hz]: below it no acceleration of an arm is seen, and a clock in ms is likely."""
+STILL = 10.0
+"""A joint moves where its positions range over more than so many standard deviations of the encoder's noise."""
+ALIKE = 0.9
+"""Share of the variance that two encoders of one joint have in common at least, if both are its own [1]."""
+DEAD = 1e-3
+"""An encoder is dead where its range is below this share of that of the joint's other one [1]."""
+POOR = 0.7
+"""Mistakes are looked for where a model explains less of a torque's variance [1]."""
+LOOKED_AT = 12.0
+"""Length of the liveliest part of a recording, in which mistakes are looked for [s]."""
+BETTER = 0.2
+"""A mistake about several joints explains this much more of every one's torque, if not all of it [1]."""
+LOOSE = 0.5
+"""Less than this of its variance is worth a note."""
+SIZE = 0.1
+"""Of two mistakes the better has torques of the right size: what a factor of e costs in share [1]."""
+ALSO = 5.0
+"""A mistake believed leaves this much less than the recording as it is given."""
+
+
+def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> tuple[str, ...]:
+    """Refuse what cannot be diagnosed.
+
+    A missing effect changes a torque by a share of it; a wrong unit, sign, joint or clock makes it another one. So a
+    recording is refused only where one such mistake explains the torque and the recording as given does not.
+
+    Args:
+        model: as given.
+        data: the recordings, on uniform clocks.
+
+    Returns:
+        Notes, a sentence each: what looks odd and could be told from nothing.
+
+    Raises:
+        InputError: the recording, channel and value, and what to do.
+    """
+    true = model.resolved()
+    for each in data:
+        _check_clock(each)
+        _check_encoders(true, each)
+    _check_torques(true, data)
+    _check_motion(true, data)
+    links = LinkSide(true)
+    notes = [note for each in data for note in _check_equations(true, links, each)]
+    return (*notes, *_passive(true, data))
+
+
+def _check_clock(data: Measured) -> None:
+    if data.dt > 1.0 / SLOWEST:
+        remedy = "times are in s: divide them by 1000 if they are in ms; else record at 100 Hz or more"
+        problem = f"samples {data.dt:g} s apart are too slow to see an arm accelerate"
+        raise InputError(problem, file=data.name, key="t", remedy=remedy)
+    length = data.dt * (len(data.t) - 1)
+    if length < SHORTEST or len(data.t) <= 2 * reach(data.dt):
+        remedy = f"{SHORTEST:g} s of motion are the least: three windows of 0.5 s to fit and one to check"
+        raise InputError("the recording is too short", file=data.name, key="t", value=f"{length:.3g} s", remedy=remedy)
+
+
+def _check_torques(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
+    """A torque that never changes cannot be compared with anything; a passive joint's is zero."""
+    for j, joint in enumerate(model.joint_names):
+        held = [float(each.tau[0, j]) for each in data]
+        constant = all((each.tau[:, j] == each.tau[0, j]).all() for each in data)
+        if constant and (any(held) or all((each.tau == each.tau[:1]).all() for each in data)):
+            remedy = "record the torque asked for while it changes: a motion with accelerations and reversals"
+            value = f"{held[0]:g} throughout"
+            problem = "the torque is constant"
+            raise InputError(problem, file=data[0].name, key=f"tau.{joint}", value=value, remedy=remedy)
+
+
+def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
+    signals = [("theta" if each.has_theta[j] else "q") for each in data[:1] for j in range(model.n)]
+    noise = [encoder_noise(tuple(data), signal) for signal in ("q", "theta")]
+    for j, (joint, signal) in enumerate(zip(model.joint_names, signals, strict=True)):
+        sigma = float(noise[signal == "theta"][j])
+        wide = max(_range(getattr(each, signal)[:, j], each.dt) for each in data)
+        if wide <= STILL * sigma:
+            remedy = f"move it, or lock it in the model (robot.lock: {{{joint}: ...}})"
+            problem = "the joint does not move beyond its encoder's noise"
+            value = f"a range of {wide:.2g} at a noise of {sigma:.2g}"
+            raise InputError(problem, file=data[0].name, key=f"{signal}.{joint}", value=value, remedy=remedy)
+    moving = sum(_moving_time(each, signals, noise) for each in data)
+    if moving < SHORTEST:
+        remedy = f"{SHORTEST:g} s of motion are the least: three windows of 0.5 s to fit and one to check"
+        problem = "hardly anything moves in the recording"
+        raise InputError(problem, file=data[0].name, key="t", value=f"{moving:.2g} s of motion", remedy=remedy)
+
+
+def _range(x: Array, dt: float) -> float:
+    """Range of a position (samples,), averaged over 20 ms so that noise counts little."""
+    width = min(max(1, round(0.02 / dt)), len(x))
+    means = x[: len(x) // width * width].reshape(-1, width).mean(axis=1)
+    return float(means.max() - means.min())
+
+
+def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array]) -> float:
+    """Time in which some joint moves [s]: in blocks of 0.1 s, beyond its noise."""
+    width = max(1, round(0.1 / data.dt))
+    blocks = len(data.t) // width
+    moves = np.zeros(blocks, dtype=bool)
+    for j, signal in enumerate(signals):
+        x = getattr(data, signal)[: blocks * width, j].reshape(blocks, width)
+        spread = x.max(axis=1) - x.min(axis=1)
+        moves |= spread > STILL * float(noise[signal == "theta"][j])
+    return float(moves.sum()) * width * data.dt
+
+
+def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
+    """Both positions of a joint are nearly the same: springs bend little.
+
+    Of a joint that is held, by friction or its motor, one may wind by the spring alone while the other rests.
+    """
+    both = np.flatnonzero(data.both)
+    for j in both:
+        joint = model.joint_names[j]
+        wound = WOUND * float(np.abs(data.tau[:, j]).max()) / float(model.stiffness[j])
+        if max(np.ptp(data.q[:, j]), np.ptp(data.theta[:, j])) <= wound:
+            continue
+        for dead, alive in (("q", "theta"), ("theta", "q")):
+            x, y = getattr(data, dead)[:, j], getattr(data, alive)[:, j]
+            if np.ptp(x) < DEAD * np.ptp(y):
+                problem, remedy = f"it rests while {alive}.{joint} moves", f"leave out {dead}.{joint}"
+                value = f"a range of {np.ptp(x):.2g} against {np.ptp(y):.2g}"
+                raise InputError(problem, file=data.name, key=f"{dead}.{joint}", value=value, remedy=remedy)
+        slope, share = _line(data.q[:, j], data.theta[:, j])
+        if share > ALIKE and 0.5 < slope < 2.0:
+            continue
+        for factor, problem, remedy in sorted(_looks(model, int(j)), key=lambda look: abs(slope / look[0] - 1.0)):
+            if share > GOOD and 0.8 < slope / factor < 1.25:
+                value = f"theta = {slope:.4g} q"
+                raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
+        for i in both:
+            other, alike = _line(data.q[:, i], data.theta[:, j])
+            if i != j and share < ALIKE and alike > 0.99 and 0.8 < abs(other) < 1.25:
+                there = model.joint_names[i]
+                problem = f"theta follows the q of {there}, and not that of its own joint"
+                remedy = f"exchange theta.{joint} and theta.{there}, or their q"
+                value = f"correlation {np.sqrt(alike):.3f} against {np.sqrt(share):.3f}"
+                raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
+
+
+def _looks(model: FlexibleJointModel, j: int) -> list[tuple[float, str, str]]:
+    """Slopes of theta over q that a mistake makes, what it is and the remedy."""
+    joint, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
+    small, unit = ("mm", 1e3) if model.robot.kinds[j] == "prismatic" else ("degrees", DEGREE)
+    looks = [
+        (-1.0, "theta and q have opposite signs", f"change the sign of theta.{joint} or q.{joint}"),
+        (unit, f"theta is in {small} and q is not", f"convert theta.{joint}"),
+        (1.0 / unit, f"q is in {small} and theta is not", f"convert q.{joint}"),
+    ]
+    if abs(ratio) <= AMBIGUOUS:
+        return looks
+    remedy = f"divide theta.{joint} by the gear ratio {ratio:g} (side: motor)"
+    turned = f"divide theta.{joint} by {-ratio:g}"
+    return [
+        (ratio, "theta is the motor's angle", remedy),
+        (-ratio, "theta is the motor's angle, flipped", turned),
+        *looks,
+    ]
+
+
+def _line(x: Array, y: Array) -> tuple[float, float]:
+    """Slope of y over x, and the share of variance that they have in common."""
+    dx, dy = x - x.mean(), y - y.mean()
+    xx, yy, xy = float(dx @ dx), float(dy @ dy), float(dx @ dy)
+    if xx == 0.0 or yy == 0.0:
+        return 0.0, 0.0
+    return xy / xx, xy * xy / (xx * yy)
+
+
+def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Iterator[str]:
+    """Whether one mistake explains the torques far better than the recording as it is given."""
+    seen = match(model, links, data)
+    poor = seen.says & (seen.plain < POOR)
+    if poor.any():
+        _check_mistakes(model, links, liveliest(data, LOOKED_AT))
+    for j in np.flatnonzero(poor):
+        joint, gain, share = model.joint_names[j], float(seen.gain[j]), float(seen.share[j])
+        if share > GOOD and far(gain):
+            remedy = f"check the unit of tau.{joint} and the masses of the model"
+            problem = "the torque has the right course and the wrong size"
+            value = f"{gain:.3g} times what the model needs"
+            raise InputError(problem, file=data.name, key=f"tau.{joint}", value=value, remedy=remedy)
+        if share > LOOSE and 0.5 < gain < 2.0:
+            continue
+        yield (
+            f"In {data.name or 'the recording'} the torque of {joint} follows what the model needs only loosely: at "
+            f"{gain:.2g} times it, with {100.0 * share:.0f} % of its variance."
+        )
+
+
+def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) -> None:
+    seen = match(model, links, data)
+    poor = seen.says & (seen.plain < POOR)
+    best: tuple[float, Mistake, Match] | None = None
+    for mistake in mistakes(model, seen) if poor.any() else ():
+        undone = match(model, links, mistake.undone(data))
+        merit = _merit(seen, undone, mistake, poor)
+        if merit is not None and (best is None or merit > best[0] + 0.02):
+            best = (merit, mistake, undone)
+    if best is not None:
+        raise _refused(data, model.joint_names, seen, *best[1:])
+
+
+def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]) -> float | None:
+    """Mean share explained once a mistake is undone, less what the size is off; None where that does not convince."""
+    known = seen.says | undone.says
+    now = np.where(fits(mistake, undone), undone.share, 0.0)
+    before = np.clip(seen.plain, 0.0, 1.0)
+    wanted = wanted_share(mistake, seen.gain)
+    healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / ALSO) | (wanted < GOOD))
+    named = [j for j in mistake.joints if known[j]]
+    better = (now >= wanted) | (now > before + BETTER)
+    if not named or not healed[known].any() or not better[named].all() or (now < before - 0.1)[known].any():
+        return None
+    off = np.abs(np.log(np.maximum(np.abs(undone.gain[named]), 1e-9))).mean()
+    return float(now[known].mean() - SIZE * off)
+
+
+def _refused(data: Measured, joints: Sequence[str], seen: Match, mistake: Mistake, undone: Match) -> InputError:
+    """The line for a mistake that was believed; it stands at the joint that it explains most of."""
+    j = max(mistake.joints, key=lambda i: float(undone.share[i]) - max(float(seen.plain[i]), 0.0))
+    if mistake.of_torques:
+        j, value = mistake.joints[0], f"{seen.gain[mistake.joints[0]]:.3g} times what the model needs"
+    else:
+        before, after = 100.0 * max(float(seen.plain[j]), 0.0), 100.0 * float(undone.share[j])
+        value = f"{before:.0f} % of the torque explained as given, {after:.0f} % without the mistake"
+    moved = mistake.order != tuple(range(len(joints))) or any(factor != 1.0 for factor in mistake.scale)
+    signal = "tau" if not moved else "q" if data.has_q[j] else "theta"
+    return InputError(mistake.problem, file=data.name, key=f"{signal}.{joints[j]}", value=value, remedy=mistake.remedy)
+
+
+def _passive(model: FlexibleJointModel, data: Sequence[Measured]) -> Iterator[str]:
+    for j, joint in enumerate(model.joint_names):
+        if all((each.tau[:, j] == 0.0).all() for each in data):
+            yield f"No torque is ever asked of {joint}: what scales its torque cannot be told."

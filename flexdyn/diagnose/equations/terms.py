@@ -1,0 +1,178 @@
+"""The torques of a model's effects along a measured motion, equation by equation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.users_laws import torque_of
+from flexdyn.effects import (
+    CommandDelay,
+    DeflectionEffect,
+    Effect,
+    JointCoupling,
+    JointEffect,
+    KinematicError,
+    LoadDependentFriction,
+    MemoryEffect,
+)
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+ROUNDS = 4
+"""In which friction and the load that it depends on are made to agree."""
+ACTUATOR_ORDER = ("command_delay", "torque_constant_error", "torque_offset", "torque_ripple", "torque_speed_limit")
+
+
+def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
+    """Effects with a law along the motion that act on a joint."""
+    return [e for e in effects if isinstance(e, JointEffect) and e.joint == joint]
+
+
+def applied_torque(effects: Sequence[JointEffect], motion: Motion, j: int) -> Array:
+    """tau_applied (samples,): delay, gain, offset, ripple and limit act on the torque asked for, in this order."""
+    tau = motion.tau[:, j]
+    acting = [e for e in effects if e.stage == "actuator"]
+    order = {name: place for place, name in enumerate(ACTUATOR_ORDER)}
+    for effect in sorted(acting, key=lambda e: order.get(e.name, len(order))):
+        if isinstance(effect, CommandDelay):
+            tau = np.interp(motion.t - effect.delay, motion.t, tau)
+        else:
+            tau = torque_of(effect, motion.theta[:, j], motion.omega[:, j], t=motion.t, tau=tau)
+    return tau
+
+
+def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], motion: Motion, j: int) -> Array:
+    """tau_s (samples, 2): what the link feels, and what the rotor does.
+
+    Kinematic error first, then dead zones, then every spring law; hysteresis takes the result. The rotor feels the
+    springs' torque times the slope of the kinematic error.
+    """
+    K, D = model.stiffness[j], model.damping[j]
+    true, theta = motion.delta[:, j], motion.theta[:, j]
+    seen, slope = true, np.ones(len(true))
+    bent = [e for e in effects if isinstance(e, DeflectionEffect)]
+    for bend in sorted(bent, key=lambda e: not isinstance(e, KinematicError)):
+        if isinstance(bend, KinematicError):
+            seen = seen + (bend.deflection(true, theta) - true)
+            slope = slope + bend.amplitude * bend.harmonic * np.cos(bend.harmonic * theta + bend.phase)
+        else:
+            seen = bend.deflection(seen, theta)
+    springs = K * seen
+    for effect in effects:
+        if effect.side == "transmission" and isinstance(effect, MemoryEffect):
+            springs = springs + effect.along(seen)
+        elif effect.stage == "spring" and not _is_damping(effect):
+            springs = springs + torque_of(effect, seen, motion.ddelta[:, j], t=motion.t, tau=motion.tau[:, j])
+    dampers = D * motion.ddelta[:, j]
+    for effect in effects:
+        if effect.stage == "spring" and _is_damping(effect):
+            dampers = dampers + effect.torque(true, motion.ddelta[:, j], t=motion.t)
+    return np.stack([springs + dampers, slope * springs + dampers], axis=1)
+
+
+def _is_damping(effect: JointEffect) -> bool:
+    return effect.name == "transmission_damping"
+
+
+def friction_torque(
+    effects: Sequence[JointEffect], model: FlexibleJointModel, motion: Motion, j: int, side: str, carried: Array
+) -> Array:
+    """f_motor or f_link (samples,) of a joint; `carried` is tau_s, which load-dependent friction takes."""
+    x, u = (motion.q, motion.v) if side == "link" else (motion.theta, motion.omega)
+    total = np.zeros(len(motion.t))
+    for effect in effects:
+        if effect.side != side or effect.stage not in ("friction", "dry"):
+            continue
+        if isinstance(effect, LoadDependentFriction):
+            total += effect.torque(x[:, j], u[:, j], tau=carried)
+        else:
+            total += -own_torque(effect, model, motion)[1]
+    return total
+
+
+def adds_up(effect: JointEffect) -> bool:
+    """Whether an effect's torque does not depend on the other effects of its joint."""
+    plain = effect.stage in ("friction", "dry", "link") and not isinstance(effect, LoadDependentFriction)
+    return plain and effect.side in ("motor", "link")
+
+
+def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: Motion) -> tuple[str, Array]:
+    """Side and torque (samples,) that an effect which adds up puts on the right side of that side's equation."""
+    j = model.index(effect.joint)
+    if effect.stage == "link":
+        return "link", effect.torque(motion.q[:, j], motion.v[:, j], t=motion.t)
+    x, u = (motion.q, motion.v) if effect.side == "link" else (motion.theta, motion.omega)
+    if isinstance(effect, MemoryEffect):
+        return str(effect.side), -effect.along(x[:, j], u[:, j])
+    if isinstance(effect, JointCoupling):
+        return str(effect.side), -effect.torque(x[:, j], motion.omega[:, model.index(effect.other)])
+    return str(effect.side), -torque_of(effect, x[:, j], u[:, j], t=motion.t, tau=motion.tau[:, j])
+
+
+def link_torque(effects: Sequence[JointEffect], motion: Motion, j: int) -> Array:
+    """Torques on the link's right side (samples,): parallel springs, counterbalances, end stops."""
+    total = np.zeros(len(motion.t))
+    for effect in effects:
+        if effect.stage == "link":
+            total += effect.torque(motion.q[:, j], motion.v[:, j], t=motion.t)
+    return total
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """What stands in a joint's equations beside inertia, M a and h, (samples,) each [N m or N].
+
+    Attributes:
+        motor: tau_applied - tau_s - f_motor; on a rigid joint without tau_s.
+        link: tau_s - f_link + torques on the link; on a rigid joint without tau_s.
+        tau_s: carried by the transmission; on a rigid joint what the link needs.
+    """
+
+    motor: Array
+    link: Array
+    tau_s: Array
+
+
+def _carried(
+    model: FlexibleJointModel, effects: Sequence[JointEffect], motion: Motion, j: int, applied: Array, link: Array
+) -> Array:
+    """What the transmission carries (samples,) by the equation that made up a position.
+
+    Args:
+        model: of the arm.
+        effects: of the joint.
+        motion: along which.
+        j: the joint.
+        applied: torque on the motor (samples,).
+        link: torques on the link but the transmission's (samples,).
+    """
+    only_motor = not motion.data.has_q[j]
+    side, sign = ("motor", -1.0) if only_motor else ("link", 1.0)
+    inertial = model.rotor_inertia[j] * motion.alpha[:, j]
+    frictionless: Array = applied - inertial if only_motor else motion.inverse_dynamics[:, j] - link
+    carried = frictionless
+    for _ in range(ROUNDS):
+        carried = frictionless + sign * friction_torque(effects, model, motion, j, side, carried)
+    return carried
+
+
+def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: Motion, j: int) -> Terms:
+    """The torques on a joint's rotor and link along a motion."""
+    acting = of_joint(effects, model.joint_names[j])
+    motor = applied = applied_torque(acting, motion, j)
+    link = others = link_torque(acting, motion, j)
+    carried = np.zeros(len(motion.t))
+    if model.elastic[j]:
+        both = spring_torque(model, acting, motion, j)
+        carried = both[:, 0]
+        motor, link = motor - both[:, 1], link + both[:, 0]
+        if not motion.data.both[j]:
+            carried = _carried(model, acting, motion, j, applied, others)
+    motor = motor - friction_torque(acting, model, motion, j, "motor", carried)
+    link = link - friction_torque(acting, model, motion, j, "link", carried)
+    return Terms(motor, link, carried if model.elastic[j] else motion.inverse_dynamics[:, j] - link)

@@ -1,0 +1,1 @@
+"""Motions that would tell names apart, tried by simulation."""

@@ -1,0 +1,207 @@
+"""The experiment that would tell apart what the data cannot: designed for this arm and tried by simulation."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.experiment.apart import Known
+from flexdyn.diagnose.experiment.moves import TELLING, Move, moves, short
+from flexdyn.diagnose.experiment.plan import planned
+from flexdyn.diagnose.experiment.reach import Reach, load_mass
+from flexdyn.diagnose.experiment.rehearsal import Bench, Rehearsal
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.report.experiment import Experiment
+from flexdyn.diagnose.report.suspects import Finding
+from flexdyn.diagnose.report.words import effect_name, suspect_phrase
+from flexdyn.diagnose.shooting.windows import Noise
+from flexdyn.errors import FlexdynError
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+CLEAR = 50.0
+"""Expected delta BIC from which two laws are told apart."""
+AMPLE = 4.0 * CLEAR
+"""From here on not even those that were to be tried with it are."""
+LONGEST = 120.0
+"""A motion is repeated for so long at most [s]."""
+SAME = 4.0
+"""An expected delta BIC below this in the longest time: the laws are the same."""
+TRIES = 12
+"""So many motions are tried at most: each is simulated, and its rivals fitted to it."""
+JOINTS = 3
+"""So many joints are tried where no suspect says which one it acts on."""
+NAMED = 2
+"""So many other joints are named with the positions at which they are held."""
+POSES = ("in the middle of their ranges", "where gravity asks most of them", "where gravity asks least of them")
+LITTLE_MORE = 1.5
+"""Times the least duration that a more telling motion may take."""
+FAILURES = (FlexdynError, ArithmeticError, ValueError)
+"""What a motion that cannot be simulated or weighed raises."""
+
+
+def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit], space: Workspace, levels: Noise) -> Finding:
+    """A finding with rivals and the experiment that would tell them apart; as it is where none could be designed.
+
+    Every motion is made in simulation by the named hypothesis; its rivals then explain what would have been recorded,
+    their numbers fitted again as far as the recordings made so far let them.
+
+    Args:
+        found: with rivals, or without any.
+        named: fit with what was found.
+        rivals: fits with each of the rivals in its place.
+        space: of the recordings.
+        levels: noise of their channels.
+    """
+    if not rivals:
+        return found
+    true = space.equations.true
+    try:
+        known = tuple(Known.of(each) for each in (named, *rivals))
+        bench = Bench(space, levels, known, Reach.of(space.equations))
+        rehearsed = _tried(bench, _joints(true, found))
+    except FAILURES:
+        return found
+    if not rehearsed:
+        return found
+    names = _names(true, found)
+    chosen = _chosen(rehearsed)
+    if chosen is None:
+        return dataclasses.replace(found, experiment=_nothing(names, rehearsed))
+    plan = planned(*chosen, names, bench)
+    return dataclasses.replace(found, experiment=_sentence(plan, names), plan=plan)
+
+
+def _tried(bench: Bench, joints: Sequence[int]) -> list[Rehearsal]:
+    """Motions that can be made, some at a time, until one of them tells: by the equations, else by windows."""
+    moves_left = itertools.islice(_moves(bench, joints), TRIES)
+    found: list[Rehearsal] = []
+    while some := list(itertools.islice(moves_left, TELLING)):
+        new = _rehearsed(bench, some)
+        if new and not any(_passes(made) for made in new):
+            turning = max(range(len(new)), key=lambda k: new[k].reversals)
+            with contextlib.suppress(*FAILURES):
+                new[turning] = _shown(bench, bench.closer(new[turning], CLEAR / _most(new[turning])))
+        found += new
+        if any(_passes(made) for made in new):
+            break
+    return found
+
+
+def _rehearsed(bench: Bench, some: Sequence[Move]) -> list[Rehearsal]:
+    """Motions that can be made, side by side, up to the first that is ample."""
+    ample: list[int] = []
+
+    def rehearse(k: int) -> Rehearsal | None:
+        if any(first < k for first in ample):
+            return None
+        with contextlib.suppress(*FAILURES):
+            made = _shown(bench, bench.rehearse(some[k]))
+            if made.apart() >= AMPLE:
+                ample.append(k)
+            return made
+        return None
+
+    made = abreast(rehearse, range(len(some)))
+    wanted = min(ample) + 1 if ample else len(some)
+    return [each for each in made[:wanted] if each is not None]
+
+
+def _shown(bench: Bench, made: Rehearsal) -> Rehearsal:
+    """A motion that tells, made by every hypothesis; another one as it is."""
+    most = _most(made)
+    return bench.from_all_sides(made, CLEAR / most) if made.apart(most) >= CLEAR else made
+
+
+def _moves(bench: Bench, joints: Sequence[int]) -> Iterator[Move]:
+    """At the middle pose; then the most telling ones with a known payload, and where gravity asks most and least."""
+    reach, true = bench.reach, bench.space.equations.true
+
+    def at(k: int) -> list[list[Move]]:
+        words = [_held(true, reach.poses[k], j, POSES[k]) for j in joints]
+        return [moves(reach, j, true, reach.poses[k], where) for j, where in zip(joints, words, strict=True)]
+
+    middle = at(0)
+    yield from _by_turns(middle)
+    mass = load_mass(bench.space.equations, reach)
+    if mass > 0.0:
+        yield from (move.loaded(mass) for move in _by_turns([each[:TELLING] for each in middle]))
+    for k in (1, 2) if true.n > 1 else ():
+        yield from _by_turns([each[:TELLING] for each in at(k)])
+
+
+def _by_turns(joints: list[list[Move]]) -> Iterator[Move]:
+    return (move for turn in itertools.zip_longest(*joints) for move in turn if move is not None)
+
+
+def _held(model: FlexibleJointModel, pose: Array, j: int, words: str) -> str:
+    """Where the other joints are held."""
+    others = [k for k in range(model.n) if k != j]
+    if len(others) > NAMED:
+        return f", the other joints held {words}"
+    names = (f"{model.joint_names[k]} held at {short(pose[k])} {model.robot.angle_unit(k)}" for k in others)
+    return "".join(f", {name}" for name in names)
+
+
+def _joints(model: FlexibleJointModel, finding: Finding) -> list[int]:
+    """That a finding and its rivals act on; some of all where it is not said which."""
+    found = []
+    for each in (finding.suspect, *finding.rivals):
+        joint = each.joint or each.place.get("channel", "").partition(".")[2]
+        found += [model.index(joint)] if joint in model.joint_names else list(range(model.n))
+    return list(dict.fromkeys(found))[:JOINTS]
+
+
+def _most(made: Rehearsal) -> int:
+    """How often a motion may be made."""
+    return max(1, int(LONGEST / made.seconds))
+
+
+def _passes(made: Rehearsal) -> int | None:
+    """How often it must be made; None: it does not help."""
+    return next((passes for passes in range(1, _most(made) + 1) if made.apart(passes) >= CLEAR), None)
+
+
+def _chosen(rehearsed: Sequence[Rehearsal]) -> tuple[Rehearsal, int] | None:
+    """Of the motions that need hardly more time than the shortest one that tells, the one that tells most."""
+    telling = [(made, passes) for made in rehearsed if (passes := _passes(made)) is not None]
+    if not telling:
+        return None
+    least = min(made.seconds * passes for made, passes in telling)
+    near = [each for each in telling if each[0].seconds * each[1] <= LITTLE_MORE * least]
+    return max(near, key=lambda each: each[0].apart(each[1]))
+
+
+def _names(model: FlexibleJointModel, finding: Finding) -> list[str]:
+    """Of the finding and its rivals, with their places where the same effect comes twice."""
+    suspects = (finding.suspect, *finding.rivals)
+    wrong = [each.effect == "parameter_error" for each in suspects]
+    plain = [suspect_phrase(model, s) if no else effect_name(s.effect) for s, no in zip(suspects, wrong, strict=True)]
+    return plain if len(set(plain)) == len(plain) else [suspect_phrase(model, each) for each in suspects]
+
+
+def _sentence(plan: Experiment, names: Sequence[str]) -> str:
+    """What to do, how long, and what simulation says of it."""
+    often = f", {plan.passes} times over" if plan.passes > 1 else ""
+    told = f"{names[0]} and {' or '.join(names[1:])} then differ by {plan.apart:.0f} times the noise"
+    sure = f"(expected delta BIC {plan.delta_bic:.0f})"
+    return f"{plan.motion}{often}, {plan.seconds:.0f} s in all: simulated, {told} {sure}"
+
+
+def _nothing(names: Sequence[str], rehearsed: Sequence[Rehearsal]) -> str:
+    """That nothing helps, and how nearly something would."""
+    best = max(rehearsed, key=lambda made: made.apart(_most(made)))
+    left = best.apart(_most(best))
+    told = f"no motion within what this arm has been seen to do tells {names[0]} from {' or '.join(names[1:])}"
+    tried = f"{len(rehearsed)} motions simulated, for up to {LONGEST:.0f} s each"
+    apart = f"{math.sqrt(left):.1f} times the noise apart"
+    if left < SAME:
+        return f"{told}: they are the same law here ({tried}; at best they are {apart})"
+    return f"{told} clearly ({tried}; the best, {best.move.words}, leaves them {apart})"

@@ -1,0 +1,235 @@
+"""A small library of motions of one joint, sized by what the arm has been seen to do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.experiment.reach import Reach
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+REST = 0.4
+"""At the beginning and the end of every motion [s]."""
+SECONDS = 8.0
+"""About as long as one pass of a motion is [s]."""
+LEAST = 0.02
+"""Width of the smoothing that rounds the corners of a path, at least [s]."""
+TELLING = 4
+"""So many of a joint's motions are worth being tried in other circumstances."""
+FADED = 0.7
+"""Share of speed and acceleration that a sine takes, which fades in and out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """A motion to be made.
+
+    Attributes:
+        joint: that moves.
+        words: what to do, such as "sweep elbow at 0.2 rad/s ...".
+        path: positions wanted (samples, n) [rad or m].
+        push: torque added to that of the controller (samples, n) [N m or N].
+        mass: of a known payload at the tip [kg].
+    """
+
+    joint: int
+    words: str
+    path: Array
+    push: Array
+    mass: float = 0.0
+
+    def loaded(self, mass: float) -> Move:
+        """The same with a payload."""
+        return replace(self, words=f"{self.words}, with {short(mass)} kg at the tip", mass=mass)
+
+
+def moves(reach: Reach, j: int, model: FlexibleJointModel, pose: Array, where: str = "") -> list[Move]:
+    """All motions of one joint, the others held, the most telling ones first.
+
+    Args:
+        reach: what the arm has been seen to do.
+        j: the joint.
+        model: of the arm.
+        pose: at which the others are held (n,).
+        where: that pose in words.
+    """
+    if not (reach.high[j] > reach.low[j] and reach.speed[j] > 0.0 and reach.acceleration[j] > 0.0):
+        return []
+    of = _Joint(reach, j, model.joint_names[j], model.robot.angle_unit(j))
+    made = [kind(of) for kind in _KINDS]
+    return [_placed(of, words + where, x, push, pose) for words, x, push in made if len(x) > 2]
+
+
+def short(value: float) -> str:
+    """A number of two digits, as one says it."""
+    text = f"{value:.2g}"
+    return text if "e" not in text else f"{value:.0f}" if abs(value) >= 100.0 else text
+
+
+@dataclass(frozen=True, eq=False)
+class _Joint:
+    """One joint's bounds."""
+
+    reach: Reach
+    j: int
+    name: str
+    unit: str
+
+    @property
+    def low(self) -> float:
+        return float(self.reach.low[self.j])
+
+    @property
+    def high(self) -> float:
+        return float(self.reach.high[self.j])
+
+    @property
+    def middle(self) -> float:
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def half(self) -> float:
+        return 0.5 * (self.high - self.low)
+
+    @property
+    def speed(self) -> float:
+        return float(self.reach.speed[self.j])
+
+    @property
+    def acceleration(self) -> float:
+        return float(self.reach.acceleration[self.j])
+
+    def times(self, seconds: float) -> Array:
+        return np.asarray(np.arange(round(seconds / self.reach.dt)) * self.reach.dt)
+
+    def line(self, points: Sequence[float], speeds: Sequence[float], rest: float = 0.0) -> Array:
+        """From point to point at these speeds, resting at each, corners rounded (samples,)."""
+        t, x = [0.0], [points[0]]
+        for goal, speed in zip(points[1:], speeds, strict=True):
+            t.append(t[-1] + abs(goal - x[-1]) / speed)
+            x.append(goal)
+            if rest:
+                t.append(t[-1] + rest)
+                x.append(goal)
+        path = np.interp(self.times(t[-1]), t, x)
+        width = max(LEAST, 2.0 * max(speeds) / self.acceleration)
+        for each in (width, 0.5 * width):
+            count = max(1, round(each / self.reach.dt))
+            held = np.concatenate([np.full(count - 1, path[0]), path, np.full(count, path[-1])])
+            path = np.convolve(held, np.full(count, 1.0 / count), "valid")
+        return path
+
+    def ends(self, half: float) -> str:
+        return f"between {short(self.middle - half)} and {short(self.middle + half)} {self.unit}"
+
+
+Made = tuple[str, Array, Array | None]
+
+
+def _sweeps(joint: _Joint, shares: Sequence[float]) -> Made:
+    """There and back at constant speeds, one after another, the time shared evenly."""
+    speeds = [share * joint.speed for share in shares]
+    each = SECONDS / (2.0 * len(speeds))
+    half = min(joint.half, 0.5 * max(speeds) * each)
+    points, paced = [joint.middle - half], []
+    for speed in speeds:
+        way, count = min(2.0 * half, speed * each), max(1, round(each * speed / (2.0 * half)))
+        for _ in range(count):
+            points += [points[0] + way, points[0]]
+            paced += [speed, speed]
+    said = [short(speed) for speed in speeds]
+    listed = " and ".join([", ".join(said[:-1]), said[-1]]) if len(said) > 1 else said[0]
+    return f"move {joint.name} at {listed} {joint.unit}/s both ways {joint.ends(half)}", joint.line(points, paced), None
+
+
+def _stairs(joint: _Joint) -> Made:
+    """Rests all over the range, coming from both sides."""
+    steps = np.linspace(joint.low, joint.high, 7)
+    points = [*steps, *steps[-2::-1]]
+    path = joint.line(points, [0.5 * joint.speed] * (len(points) - 1), rest=0.35)
+    return f"step {joint.name} through 7 rests of 0.35 s {joint.ends(joint.half)} and back", path, None
+
+
+def _dithers(joint: _Joint, share: float) -> Made:
+    """Small reversals at the middle, slow and then faster."""
+    half = share * joint.half
+    speeds = [half, 4.0 * half, 16.0 * half]
+    speeds = [min(speed, joint.speed) for speed in speeds]
+    points, paced = [joint.middle], []
+    for speed in speeds:
+        for _ in range(max(1, round(SECONDS / 3.0 * speed / (4.0 * half)))):
+            points += [joint.middle + half, joint.middle - half]
+            paced += [speed, speed]
+    low, high = short(min(speeds)), short(max(speeds))
+    words = f"reverse {joint.name} over {short(2 * half)} {joint.unit} at {low} to {high} {joint.unit}/s"
+    return words, joint.line(points, paced), None
+
+
+def _sines(joint: _Joint, share: float, hertz: float) -> Made:
+    """One sine, as fast as it may be."""
+    amplitude = share * joint.half
+    fastest = min(FADED * joint.speed / amplitude, math.sqrt(FADED * joint.acceleration / amplitude))
+    rate = min(2.0 * math.pi * hertz, fastest)
+    t = joint.times(SECONDS)
+    x = joint.middle + amplitude * _fade(t, 2.0 * math.pi / rate) * np.sin(rate * t)
+    rated = f"{short(rate / (2.0 * math.pi))} Hz"
+    return f"swing {joint.name} by {short(amplitude)} {joint.unit} at {rated}", x, None
+
+
+def _chirp(joint: _Joint) -> Made:
+    """A sine whose frequency grows, never beyond speed and acceleration."""
+    t = joint.times(SECONDS)
+    first, last = 0.2, min(8.0, 0.1 / joint.reach.dt)
+    rate = 2.0 * math.pi * first * (last / first) ** (t / SECONDS)
+    bounds = np.stack([0.5 * joint.half + 0.0 * t, FADED * joint.speed / rate, FADED * joint.acceleration / rate**2])
+    size = (bounds**-4).sum(axis=0) ** -0.25  # below all three, without a corner
+    x = joint.middle + size * _fade(t, 1.0) * np.sin(np.cumsum(rate) * joint.reach.dt)
+    words = f"swing {joint.name} with a sine that rises from {short(first)} to {short(last)} Hz"
+    return f"{words}, {short(size[0])} {joint.unit} and less", x, None
+
+
+def _pushes(joint: _Joint, share: float) -> Made:
+    """Torque steps of both signs with dwells, at rest."""
+    t = joint.times(SECONDS)
+    size = share * float(joint.reach.torque[joint.j])
+    level = size * np.array([0.0, 1.0, 0.0, -1.0])[(t / 0.5).astype(int) % 4] * (1.0 - 0.5 * (t > 0.5 * SECONDS))
+    newton = "N m" if joint.unit == "rad" else "N"
+    words = f"hold {joint.name} at {short(joint.middle)} {joint.unit} and add torque steps of {short(size)} and"
+    words += f" {short(0.5 * size)} {newton}, each way, for 0.5 s each"
+    return words, np.full(len(t), joint.middle), level
+
+
+def _fade(t: Array, seconds: float) -> Array:
+    """From 0 to 1 at the beginning and back at the end."""
+    share = np.clip(np.minimum(t, t[-1] - t) / min(seconds, 0.4 * t[-1]), 0.0, 1.0)
+    return np.asarray(share * share * (3.0 - 2.0 * share))
+
+
+_KINDS: tuple[Callable[[_Joint], Made], ...] = (
+    lambda joint: _sweeps(joint, (0.04, 0.15, 0.6)),
+    lambda joint: _dithers(joint, 0.02),
+    _chirp,
+    lambda joint: _sines(joint, 1.0, 0.3),
+    _stairs,
+    lambda joint: _dithers(joint, 0.2),
+    lambda joint: _sweeps(joint, (1.0,)),
+    lambda joint: _sweeps(joint, (0.02,)),
+    lambda joint: _sines(joint, 0.15, 2.0),
+    lambda joint: _pushes(joint, 0.3),
+)
+
+
+def _placed(joint: _Joint, words: str, x: Array, push: Array | None, pose: Array) -> Move:
+    """A motion of the whole arm, at rest at first and at last."""
+    rest = round(REST / joint.reach.dt)
+    path = np.repeat(pose[None, :], len(x) + 2 * rest, axis=0)
+    path[:, joint.j] = np.concatenate([np.full(rest, x[0]), x, np.full(rest, x[-1])])
+    added = np.zeros_like(path)
+    if push is not None:
+        added[rest:-rest, joint.j] = push
+    return Move(joint.j, words, path, added)

@@ -1,0 +1,116 @@
+"""What an arm has been seen to do in its recordings, which no experiment that is proposed goes beyond."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.effects import Payload
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+NEARLY = 99.0
+"""Percentile of speeds and accelerations that counts as the greatest one seen: noise makes the last ones."""
+USED = 0.9
+"""Share of range, speed and acceleration that a proposed motion takes: its tracking is not perfect."""
+BANDWIDTH = 15.0
+"""Of the joint controller that an experiment is simulated under, at most [rad/s]."""
+SOFT = 0.3
+"""Its share of a joint's own frequency on its spring, at most."""
+PART = 0.3
+"""Of the torque that is left, and of an inertia, that a proposed payload may take."""
+DAMPED = 1.6
+"""Its velocity gain over inertia times bandwidth [1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """Bounds of every joint, in the order of q, and gains of a controller that suits it.
+
+    Attributes:
+        dt: between samples of the recordings [s].
+        ends: of the ranges seen (2, n) [rad or m].
+        fastest: speeds seen (n,) [rad/s or m/s].
+        torque: the greatest asked for (n,) [N m or N].
+        low, high: ends of proposed motions (n,): somewhat less than what was seen.
+        speed: of proposed motions (n,).
+        acceleration: of proposed motions (n,).
+        poses: in the middle of the ranges, then where gravity asks most and least of all joints (poses, n).
+        kp, kd: gains of a joint controller (n,).
+    """
+
+    dt: float
+    ends: Array
+    fastest: Array
+    torque: Array
+    low: Array
+    high: Array
+    speed: Array
+    acceleration: Array
+    poses: Array
+    kp: Array
+    kd: Array
+
+    @classmethod
+    def of(cls, equations: Equations) -> Reach:
+        """Of recordings; limits of the robot's description narrow it."""
+        motions, true, robot = equations.motions, equations.true, equations.true.robot
+        q = np.concatenate([each.q for each in motions])
+        low, high = np.maximum(q.min(axis=0), robot.lower), np.minimum(q.max(axis=0), robot.upper)
+        middle, half = 0.5 * (low + high), 0.5 * USED * np.maximum(high - low, 0.0)
+        v, a = (np.abs(np.concatenate([getattr(each, name) for each in motions])) for name in ("v", "a"))
+        speed, acceleration = (np.percentile(each, NEARLY, axis=0) for each in (v, a))
+        torque = np.max([np.abs(each.data.tau).max(axis=0) for each in motions], axis=0)
+        inertia = np.diag(equations.links.mass_matrix(middle)) + np.where(true.elastic, true.rotor_inertia, 0.0)
+        own = np.sqrt(np.where(true.elastic, true.stiffness, np.inf) / inertia)
+        bandwidth = np.minimum(BANDWIDTH, SOFT * own)
+        return cls(
+            motions[0].dt,
+            np.stack([low, high]),
+            np.minimum(v.max(axis=0), robot.velocity_limit),
+            np.minimum(torque, robot.effort_limit),
+            middle - half,
+            middle + half,
+            USED * np.minimum(speed, robot.velocity_limit),
+            USED * acceleration,
+            np.clip(_poses(equations.links, q, middle), middle - half, middle + half),
+            inertia * bandwidth**2,
+            DAMPED * inertia * bandwidth,
+        )
+
+    def holds(self, q: Array, v: Array, tau: Array) -> bool:
+        """Whether a motion (samples, n) stays within what was seen."""
+        inside = (q >= self.ends[0]).all() and (q <= self.ends[1]).all()
+        return bool(inside and (np.abs(v) <= self.fastest).all() and (np.abs(tau) <= self.torque).all())
+
+
+def _poses(links: LinkSide, q: Array, middle: Array) -> Array:
+    """The middle, and of the poses seen those in which gravity asks most and least of the joints together."""
+    seen = q[:: max(1, len(q) // 500)]
+    weight = np.linalg.norm(links.bias(seen, np.zeros_like(seen)), axis=1)
+    return np.stack([middle, seen[int(np.argmax(weight))], seen[int(np.argmin(weight))]])
+
+
+def load_mass(equations: Equations, reach: Reach) -> float:
+    """A known payload for the tip [kg]: 1, 2 or 5 times a power of ten; 0 where the torques seen leave no room for it.
+
+    In no pose does it take more than a part of the torque that gravity leaves, nor add more than a part of any inertia.
+    """
+    true = equations.true
+    with_it = LinkSide(true.replace(effects=[*true.effects, Payload(mass=1.0, frame=true.robot.tip)]))
+    rest = np.zeros_like(reach.poses)
+    weight = equations.links.bias(reach.poses, rest)
+    more = np.abs(with_it.bias(reach.poses, rest) - weight)
+    M = np.diagonal(equations.links.mass_matrix(reach.poses), axis1=1, axis2=2)
+    heavier = np.diagonal(with_it.mass_matrix(reach.poses), axis1=1, axis2=2) - M
+    room = np.maximum(reach.torque - np.abs(weight), 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = (np.where(of > 0.0, left / of, np.inf) for left, of in ((room, more), (M, heavier)))
+        most = PART * min(float(each.min()) for each in ratios)
+    if not 1e-3 < most < np.inf:
+        return 0.0
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(power * max(k for k in (1.0, 2.0, 5.0) if k * power <= most * (1.0 + 1e-9)))

@@ -1,0 +1,232 @@
+"""A motion tried by simulation: made by one hypothesis, explained by the others as well as they can."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.choice import STIFF
+from flexdyn.commands import PD, Samples
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations.covariance import Noise as Rows
+from flexdyn.diagnose.experiment.apart import Known, Refit, laden, loaded, refitted, space_along
+from flexdyn.diagnose.experiment.moves import Move
+from flexdyn.diagnose.experiment.reach import Reach
+from flexdyn.diagnose.experiment.windowed import as_made, windowed
+from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.shooting.gap import shoot
+from flexdyn.diagnose.shooting.windows import Noise, Windows
+from flexdyn.effects import MemoryEffect, Payload
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide, acting_effects
+from flexdyn.records import Recording
+from flexdyn.run import Run
+from flexdyn.simulate import simulate
+from flexdyn.solvers import Rosenbrock, Solver
+
+Array = NDArray[np.float64]
+PATIENCE = 20.0
+"""Processor time after which a motion runs away and is given up [s]: others take a hundredth of it."""
+WINDOWS = 10
+"""Of a motion, so many are looked at: what they promise, all of them keep."""
+Pair = tuple[Refit, Refit]
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """A motion as one hypothesis makes it.
+
+    Attributes:
+        truth: which one.
+        run: the motion.
+        recording: what would be recorded of it, without noise.
+        space: the equations along it.
+        by_equations: what the hypothesis itself leaves of it, and what each of those it is compared to does.
+        by_windows: the same of simulated windows; empty where they were not looked at.
+    """
+
+    truth: int
+    run: Run
+    recording: Recording
+    space: Workspace
+    by_equations: tuple[Pair, ...]
+    by_windows: tuple[Pair, ...] = ()
+
+    def apart(self, passes: int) -> list[float]:
+        """Expected delta BIC of this hypothesis to each of the others."""
+        kinds = [pairs for pairs in (self.by_equations, self.by_windows) if pairs]
+        return [max(_delta(own, other, passes) for own, other in pairs) for pairs in zip(*kinds, strict=True)]
+
+
+def _delta(own: Refit, other: Refit, passes: int) -> float:
+    return max(other.chi2(passes) - own.chi2(passes), 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Rehearsal:
+    """A motion, and how far the hypotheses part over it.
+
+    Attributes:
+        move: the motion.
+        command: that makes it.
+        sides: as the named hypothesis makes it, then, where that was looked at, as each of its rivals does.
+    """
+
+    move: Move
+    command: PD
+    sides: tuple[Side, ...]
+
+    @property
+    def seconds(self) -> float:
+        """Of one pass."""
+        return float(self.command.reference.duration)
+
+    def apart(self, passes: int = 1) -> float:
+        """Expected delta BIC of the right hypothesis to the nearest other one, the motion made so many times."""
+        return min(min(side.apart(passes)) for side in self.sides)
+
+    @property
+    def reversals(self) -> int:
+        """How often the joint turns back."""
+        way = np.sign(np.round(np.diff(self.sides[0].run.theta[:, self.move.joint]), 9))
+        way = way[way != 0.0]
+        return int((way[1:] != way[:-1]).sum())
+
+    @property
+    def nearest(self) -> int:
+        """The rival that is hardest to tell from the named hypothesis over its motion, counted from 0."""
+        return int(np.argmin(self.sides[0].apart(1)))
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """Hypotheses and what they are tried with.
+
+    Attributes:
+        space: of the recordings.
+        levels: noise of their channels.
+        known: the named hypothesis, then its rivals.
+        reach: of the arm.
+    """
+
+    space: Workspace
+    levels: Noise
+    known: tuple[Known, ...]
+    reach: Reach
+
+    def rehearse(self, move: Move) -> Rehearsal:
+        """The motion made by the named hypothesis, and what the equations say of it.
+
+        Raises:
+            InputError: it leaves what the arm has been seen to do.
+            SimulationError: it cannot be simulated.
+        """
+        command = self._command(move)
+        return Rehearsal(move, command, (self._side(0, move, command),))
+
+    def closer(self, made: Rehearsal, worth: float) -> Rehearsal:
+        """The same with simulated windows looked at, which go through reversals.
+
+        Args:
+            made: of one motion.
+            worth: sum of squares below which windows say nothing.
+        """
+        return replace(made, sides=tuple(self._windowed(side, made.move, worth) for side in made.sides))
+
+    def from_all_sides(self, made: Rehearsal, worth: float) -> Rehearsal:
+        """The same motion made by each of the rivals as well.
+
+        Raises:
+            InputError: it leaves what the arm has been seen to do.
+            SimulationError: it cannot be simulated.
+        """
+        sides = list(made.sides)
+        for k in range(len(sides), len(self.known)):
+            side = self._side(k, made.move, made.command)
+            sides.append(self._windowed(side, made.move, worth) if sides[0].by_windows else side)
+        return replace(made, sides=tuple(sides))
+
+    def windows(self, recording: Recording) -> Windows:
+        """Of a simulated motion, a few that tell."""
+        return Windows.of(self.space.equations.true, [recording], self.levels, most=WINDOWS)
+
+    def load(self, move: Move) -> Payload | None:
+        """What the arm carries in a motion."""
+        return Payload(mass=move.mass, frame=self.space.equations.true.robot.tip) if move.mass else None
+
+    def others(self, truth: int) -> list[Known]:
+        """Those that a hypothesis is compared to: the named one to its rivals, a rival to the named one."""
+        return list(self.known[1:] if truth == 0 else self.known[:1])
+
+    def _side(self, truth: int, move: Move, command: PD) -> Side:
+        load = self.load(move)
+        run, recording = self._made(truth, move, command)
+        levels, true = self.levels, self.space.equations.true
+        noise = Rows(levels.q, levels.theta, levels.tau, np.zeros(true.n))
+        numbers = self.known[0].fitted.hypothesis.factors
+        space = space_along(self.space, numbers, measured(true, recording), noise, load)
+        own = refitted(self.known[truth], space, load, steps=1)
+        pairs = tuple((own, refitted(other, space, load)) for other in self.others(truth))
+        return Side(truth, run, recording, space, pairs)
+
+    def _windowed(self, side: Side, move: Move, worth: float) -> Side:
+        load = self.load(move)
+        model = laden(self.known[side.truth].fitted.hypothesis, load).seen()
+        shot = shoot(model, self.windows(side.recording))
+        own = as_made(shot)
+        pairs = tuple((own, windowed(other, shot, load, own.chi2() + worth)) for other in self.others(side.truth))
+        return replace(side, by_windows=pairs)
+
+    def _command(self, move: Move) -> PD:
+        """Joint control with what the rigid arm needs fed forward."""
+        reach, true = self.reach, self.space.equations.true
+        links, dt = LinkSide(loaded(true, self.load(move))), reach.dt
+        t = np.arange(len(move.path)) * dt
+        v = np.gradient(move.path, dt, axis=0)
+        a = np.gradient(v, dt, axis=0)
+        needed = np.einsum("tij,tj->ti", links.mass_matrix(move.path), a) + links.bias(move.path, v)
+        needed += np.where(true.elastic, true.rotor_inertia, 0.0) * a + move.push
+        path, torques = Samples(t, move.path, "cubic"), Samples(t, needed)
+        return PD(path, reach.kp, reach.kd, 1.0 / dt, feedforward=torques)
+
+    def _made(self, truth: int, move: Move, command: PD) -> tuple[Run, Recording]:
+        """The run, and what would have been recorded of it."""
+        model = laden(self.known[truth].fitted.hypothesis, self.load(move)).seen()
+        seconds, rate, start = command.reference.duration, 1.0 / self.reach.dt, move.path[0]
+        end = time.process_time() + PATIENCE
+
+        def watch(reached: float) -> None:
+            if time.process_time() > end:
+                raise InputError("it runs away", key="t", value=reached)
+
+        solver = _solver(model, move.path, self.reach.dt)
+        run = simulate(model, command, seconds, solver, q0=start, theta0="equilibrium", rate=rate, progress=watch)
+        if not self.reach.holds(run.q, run.v, run.tau):
+            raise InputError("beyond what the arm has been seen to do", key="motion", value=move.words)
+        whole = run.to_recording()
+        kept = {name: values for name, values in whole.channels.items() if self._is_measured(name)}
+        units = {name: unit for name, unit in whole.meta.get("units", {}).items() if name in kept}
+        return run, Recording(run.t, kept, meta={"units": units} if units else None, name="rehearsal")
+
+    def _is_measured(self, channel: str) -> bool:
+        signal, _, joint = channel.partition(".")
+        there = getattr(self.space.equations.data[0], f"has_{signal}", None)
+        return signal == "tau" or (there is not None and bool(there[self.space.equations.true.index(joint)]))
+
+
+def _solver(model: FlexibleJointModel, path: Array, dt: float) -> Solver | str:
+    """For stiff bristles the implicit one: they are slow to follow only where the arm rests, which is where it starts.
+
+    Args:
+        model: that is simulated.
+        path: that it is to follow (samples, n).
+        dt: between its samples [s].
+    """
+    fastest = float(np.abs(np.gradient(path, dt, axis=0)).max())
+    memories = (each for each in acting_effects(model.resolved()) if isinstance(each, MemoryEffect))
+    stiff = any(fastest > STIFF * each.reach for each in memories if each.reach > 0.0)
+    return Rosenbrock() if stiff else "auto"

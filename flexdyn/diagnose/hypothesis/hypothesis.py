@@ -1,0 +1,105 @@
+"""What might be true of a robot, and how far a step may take it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.hypothesis.numbers import IN_TOLERANCE, FileNumber, with_factors
+from flexdyn.effects import Effect, PreslidingFriction, SensorOffset
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+DISCRETE = ("harmonic", "exponent")
+"""Parameters that are counted and not measured."""
+POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
+"""Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
+ROUNDING = 1e-9
+"""Share of a step that is none."""
+BRISTLE = 0.1
+"""Longest time constant of bristles, damping/stiffness [s]: where they hardly bend, nothing holds their damping."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """What might be true: factors of the file's numbers, numbers that are out of tolerance, effects that are missing.
+
+    Attributes:
+        given: the model as it was given.
+        factors: by number of the file; 1 where it is as given.
+        freed: numbers that their tolerance does not hold.
+        effects: added.
+        counts: offsets of the encoders of about a count, as nobody knows whether they round or cut; not reported.
+        measured: parameters that are estimated although they are counted as a rule.
+    """
+
+    given: FlexibleJointModel
+    factors: Mapping[FileNumber, float]
+    freed: frozenset[FileNumber] = frozenset()
+    effects: tuple[Effect, ...] = ()
+    counts: tuple[SensorOffset, ...] = ()
+    measured: frozenset[str] = frozenset()
+
+    def model(self) -> FlexibleJointModel:
+        """The model that this makes."""
+        return with_factors(self.given, self.factors, self.effects)
+
+    def seen(self) -> FlexibleJointModel:
+        """The model as its encoders report it."""
+        return with_factors(self.given, self.factors, (*self.effects, *self.counts))
+
+    def tolerated(self) -> Hypothesis:
+        """The same with its numbers back within their tolerance: what bent them may be gone."""
+        factors = dict(self.factors)
+        for number in set(factors) - self.freed:
+            most = IN_TOLERANCE * number.tolerance
+            factors[number] = float(np.clip(factors[number], 1.0 - most, 1.0 + most))
+        return dataclasses.replace(self, factors=factors)
+
+    def unknowns(self) -> list[tuple[Effect, str]]:
+        """Parameters of the added effects that are estimated."""
+        return [
+            (effect, entry.name)
+            for effect in self.effects
+            for entry in effect.parameters()
+            if (entry.name not in DISCRETE or entry.name in self.measured)
+            and math.isfinite(getattr(effect, entry.name))
+        ]
+
+
+def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
+    """The hypothesis after a step of its numbers; what has bounds stays within them."""
+    factors = {n: max(f + float(dx), 0.02) for (n, f), dx in zip(hypothesis.factors.items(), step, strict=False)}
+    changes: dict[Effect, dict[str, float]] = {}
+    for (effect, name), dx, scale in zip(hypothesis.unknowns(), step[len(factors) :], scales, strict=False):
+        changes.setdefault(effect, {})[name] = bounded(effect, name, float(dx) * scale)
+    effects = tuple(e.replace(**changes.get(e, {})) for e in hypothesis.effects)
+    return dataclasses.replace(hypothesis, factors=factors, effects=effects)
+
+
+def bounded(effect: Effect, name: str, step: float) -> float:
+    """A value after a step that neither leaves its bound nor more than halves or triples what must stay positive."""
+    entry = next(f for f in effect.parameters() if f.name == name)
+    value, lower = getattr(effect, name), entry.metadata["lower"]
+    if name == "harmonic":
+        return float(np.clip(value + step, max(1.0, 0.9 * value), 1.1 * value))
+    if isinstance(effect, PreslidingFriction) and name == "damping":
+        return float(np.clip(_landed(value + step, 0.0, step), 0.0, BRISTLE * effect.stiffness))
+    if (name in POSITIVE or entry.metadata["strict"]) and value > lower == 0.0:
+        return float(np.clip(value + step, value / 2.5, value * 2.5))
+    return float(max(_landed(value + step, lower, step), lower))
+
+
+def _landed(value: float, bound: float, step: float) -> float:
+    """At the bound where only rounding of the step keeps it away: a size of 1e-30 is none."""
+    return bound if abs(value - bound) < ROUNDING * abs(step) else value
+
+
+def kind_and_place(effect: Effect | None) -> tuple[object, ...]:
+    """Of an effect, whatever its numbers are."""
+    return tuple(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame"))

@@ -1,0 +1,170 @@
+"""The least-squares problem that the equations are near a hypothesis: white residuals, slopes and priors."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.abreast import SILENT, abreast
+from flexdyn.diagnose.equations import columns
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis import number_columns
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import ROUNDING, Hypothesis, bounded
+from flexdyn.diagnose.hypothesis.regression import Regression
+from flexdyn.effects import Effect, KinematicError, Payload, SensorEffect
+from flexdyn.errors import SimulationError
+
+Array = NDArray[np.float64]
+FAR = 0.05
+"""Relative distance of a number from its given value beyond which its derivative is another one."""
+NEAR = 5.0
+"""Steps of an unknown's own scale, a hundredth of its value, over which slopes of the file's numbers are the same."""
+LOOSE = 1e3
+"""Relative width of the prior of a number that is out of its tolerance."""
+
+
+def linearised(
+    hypothesis: Hypothesis,
+    space: Workspace,
+    before: Fit | None = None,
+    at: Equations | None = None,
+) -> Fit:
+    """The least-squares problem at a hypothesis; its step is not taken.
+
+    Args:
+        hypothesis: of the model.
+        space: data, weights and the derivatives that do not change.
+        before: the same effects with other numbers; where these are near, its slopes of the file's numbers do.
+        at: the equations there; None: they are made.
+
+    Raises:
+        SimulationError: the equations are not finite there.
+    """
+    at = at or space.equations.of(hypothesis.model())
+    unknowns = hypothesis.unknowns()
+    scales = tuple(tangent_scale(effect, name) for effect, name in unknowns)
+    taken = None if before is None else before.taken or before.hypothesis
+    known = None
+    if before is not None and taken is not None and _near(hypothesis, taken):
+        known = before.regression.X[:, : len(hypothesis.factors)]
+    else:
+        taken = None
+    with SILENT():
+        y, X = _rows(hypothesis, at, space, scales, known)
+        finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
+    if not finite:
+        raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
+    centre, sigma = _priors(hypothesis, space)
+    regression = Regression(
+        y=y,
+        X=X,
+        centre=np.concatenate([centre, np.zeros(space.nuisance.shape[1])]),
+        sigma=np.concatenate([sigma, space.nuisance_sigma]),
+        rows=space.rows,
+        nuisances=space.nuisance.shape[1],
+    )
+    held = _held(hypothesis, regression, scales)
+    if not held:
+        return Fit(hypothesis, at, regression, space, scales, taken=taken)
+    X, sigma = regression.X.copy(), regression.sigma.copy()
+    X[:, held], sigma[list(held)] = 0.0, 1e-9  # the others must do without them
+    bound = dataclasses.replace(regression, X=X, sigma=sigma)
+    return Fit(hypothesis, at, bound, space, scales, held, regression, taken)
+
+
+def _near(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether the numbers of the same effects, and of the file, are so near that the slopes are the same."""
+    pairs = zip(one.unknowns(), other.unknowns(), strict=True)
+    moved = (abs(getattr(a, name) - getattr(b, name)) / tangent_scale(b, name) for (a, name), (b, _) in pairs)
+    factors = zip(one.factors.values(), other.factors.values(), strict=True)
+    return all(x <= NEAR for x in moved) and all(abs(a - b) <= FAR * abs(b) for a, b in factors)
+
+
+def _rows(
+    hypothesis: Hypothesis, at: Equations, space: Workspace, scales: tuple[float, ...], known: Array | None
+) -> tuple[Array, Array]:
+    """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k).
+
+    Those by the numbers may be known.
+    """
+    y = space.whiten(at.residual)
+
+    def slope(unknown: tuple[tuple[Effect, str], float]) -> Array:
+        (effect, name), scale = unknown
+        with SILENT():
+            return space.whiten(scale * columns.of_parameter(at, effect, name, 0.1 * scale))
+
+    own = abreast(slope, zip(hypothesis.unknowns(), scales, strict=True))
+    numbers = _slopes_of_numbers(hypothesis, at, space) if known is None else known
+    return y, np.column_stack([numbers, *own, space.nuisance])
+
+
+def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:
+    """Columns of those unknowns that stand at a bound and would leave it."""
+    first = len(hypothesis.factors)
+    wanted = regression.values[first : first + len(scales)] * np.array(scales)
+    held = []
+    for k, ((effect, name), dx) in enumerate(zip(hypothesis.unknowns(), wanted.tolist(), strict=True)):
+        value = getattr(effect, name)
+        if abs(bounded(effect, name, dx) - value) < ROUNDING * abs(dx):
+            held.append(first + k)
+    return tuple(held)
+
+
+def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
+    """`Fit.reached` without any slopes; infinite where the equations are not finite."""
+    with SILENT():
+        y = space.whiten(at.residual)
+        if not np.isfinite(y @ y):
+            return math.inf
+    centre, sigma = _priors(hypothesis, space)
+    nuisances = space.nuisance.shape[1]
+    alone = Regression(y, space.nuisance, np.zeros(nuisances), space.nuisance_sigma, space.rows, nuisances)
+    return alone.at_zero + float(((centre / sigma) ** 2).sum())
+
+
+def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
+    """Whitened derivatives of the file's numbers (rows, numbers), anew for those that have become other ones.
+
+    These are numbers that are far from what was given, and those of a joint whose encoders or spring were wrong: it
+    winds by less than a sensor may be off. A link's mass, its place and its inertia multiply one another: where one of
+    them is far off or the links carry more, all are taken anew.
+    """
+    numbers, effects = hypothesis.factors, hypothesis.effects
+    far = {n for n, factor in numbers.items() if abs(factor - 1.0) > FAR}
+    links = any(number.joint is None for number in far) or any(isinstance(e, Payload) for e in effects)
+    joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect | KinematicError)}
+    anew = [n for n in numbers if n in far or n.joint in joints or (links and n.joint is None)]
+    if not anew:
+        return space.numbers
+    slopes = space.numbers.copy()
+    with SILENT():
+        taken = space.whiten(number_columns.of_numbers(at, anew)) / np.array([numbers[n] for n in anew])
+    slopes[:, [k for k, number in enumerate(numbers) if number in anew]] = taken
+    return slopes
+
+
+def tangent_scale(effect: Effect, name: str) -> float:
+    """A size of a parameter by which steps and columns are measured."""
+    value = abs(getattr(effect, name))
+    if name in ("phase",):
+        return 1e-2
+    if name in ("rest", "lower", "upper"):
+        return 1e-3
+    return 0.01 * value if value > 0.0 else {"damping": 1e-3, "offset": 1e-4}.get(name, 1e-4)
+
+
+def _priors(hypothesis: Hypothesis, space: Workspace) -> tuple[Array, Array]:
+    """Centres, from where the numbers stand, and standard deviations, in the scales of steps."""
+    centre = [1.0 - factor for factor in hypothesis.factors.values()]
+    sigma = [LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors]
+    for effect, name in hypothesis.unknowns():
+        off, std = (0.0, math.inf) if space.beliefs is None else space.beliefs(effect, name)
+        scale = tangent_scale(effect, name)
+        centre.append(off / scale)
+        sigma.append(std / scale)
+    return np.array(centre), np.array(sigma)

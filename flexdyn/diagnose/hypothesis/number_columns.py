@@ -1,0 +1,83 @@
+"""Derivatives of the residuals with respect to the numbers of a model file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.abreast import SILENT, abreast
+from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, stands_alone
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis.numbers import OF_LINK, FileNumber
+from flexdyn.effects import JointEffect, JointElasticity, ParameterError
+from flexdyn.effects.model_error import effect_place
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+STEP = 1e-3
+"""Relative step of the differences."""
+FOLDED = (ParameterError, JointElasticity)
+"""Effects that a resolved model holds no more."""
+
+
+def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
+    """Derivatives of the residual (rows, numbers) by the factors of the file's numbers, where the model has them.
+
+    Args:
+        equations: of the model.
+        numbers: of its file; those of links take one pass over the motion together.
+    """
+    found = np.empty((len(equations.residual), len(numbers)))
+    links = [k for k, number in enumerate(numbers) if number.joint is None]
+    if links:
+        heavier = [LinkSide(_heavier(equations.true, numbers[k])) for k in links]
+        found[:, links] = equations.of_links(heavier) / STEP
+    joints = [k for k in range(len(numbers)) if k not in links]
+
+    def of_joint(k: int) -> Array:
+        with SILENT():
+            return _of_joint(equations, numbers[k])
+
+    for k, slope in zip(joints, abreast(of_joint, joints), strict=True):
+        found[:, k] = slope
+    return found
+
+
+def _heavier(true: FlexibleJointModel, number: FileNumber) -> FlexibleJointModel:
+    """A resolved model with a number of a link a little larger."""
+    return true.replace(robot=true.robot.with_link_scaled(number.of, **{OF_LINK[number.parameter]: 1.0 + STEP}))
+
+
+def _of_joint(equations: Equations, number: FileNumber) -> Array:
+    """Derivative of the residual (rows,) by the factor of a joint's number."""
+    true = equations.true
+    j = true.index(str(number.joint))
+    effect = _true_effect(equations, number)
+    if effect is not None and stands_alone(equations, effect):
+        more = (1.0 + STEP) * getattr(effect, number.parameter)
+        return of_change(equations, effect, effect.replace(**{number.parameter: more})) / STEP
+    if number.joint == number.of and not (equations.made_up[j] or is_loaded(equations, j)) and true.elastic[j]:
+        if number.parameter == "rotor_inertia":
+            return equations.of_torque(j, lambda along: ("motor", -true.rotor_inertia[j] * along.alpha[:, j]))
+        if number.parameter == "damping":
+            return equations.of_damper(j)
+    model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + STEP)])
+    moved = model.resolved()
+    if number.parameter == "stiffness":  # the scale of the link's equation moves with it
+        return (equations.of(model).residual - equations.residual) / STEP
+    if number.parameter == "rotor_inertia" and not true.elastic[j]:
+        return equations.of_links([LinkSide(moved)])[:, 0] / STEP
+    return (equations.of_joint(j, moved, moved.all_effects) - equations.own(j)) / STEP
+
+
+def _true_effect(equations: Equations, number: FileNumber) -> JointEffect | None:
+    """The effect of the resolved model that a number of the file belongs to; None: it is a joint's."""
+    place = effect_place(number.of)
+    if place is None:
+        return None
+    given, true = equations.model, equations.true
+    folded = 0 if given is true else sum(isinstance(e, FOLDED) for e in given.effects[:place])
+    return on_joint(true.effects[place - folded])

@@ -1,0 +1,131 @@
+"""A user's own effects as hypotheses: wherever they can act, linear in what their law is found to be linear in."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis.law_along import Law
+from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, Unit
+from flexdyn.effects import Effect, JointEffect, catalogue
+from flexdyn.errors import InputError
+from flexdyn.plant import PYTHON_STAGES
+
+MOST = 40
+"""Points of a grid at most; thinned evenly."""
+AROUND = (1.0, 0.3, 3.0)
+"""Values that are tried of a number that is declared, in units of that."""
+
+
+def own_effects(equations: Equations) -> tuple[list[Proposal], list[str]]:
+    """Proposals of all effect classes that users have defined, and a line on each that had to be left out."""
+    found: list[Proposal] = []
+    notes: list[str] = []
+    for kind in catalogue().values():
+        if kind.__module__.startswith("flexdyn."):
+            continue
+        try:
+            found += _everywhere(_checked(kind), equations)
+        except InputError as error:
+            notes.append(f"{kind.name}, an effect of your own, is not proposed: {error.problem}")
+    return found, notes
+
+
+def _checked(kind: type[Effect]) -> type[JointEffect]:
+    """A class whose effects a diagnosis can make up by itself.
+
+    Raises:
+        InputError: why it cannot.
+    """
+    if not issubclass(kind, JointEffect) or kind.stage not in PYTHON_STAGES:
+        raise InputError("it is no torque of stage friction, spring or actuator on a joint", key=kind.name)
+    if kind.torque is Effect.torque:
+        raise InputError("it has no law in Python", key=kind.name)
+    numbers = {entry.name for entry in kind.parameters()} | {"joint", "side"}
+    for entry in dataclasses.fields(kind):
+        if entry.name not in numbers and entry.default is dataclasses.MISSING:
+            raise InputError(f"it needs {entry.name}, which is no number", key=kind.name)
+    return kind
+
+
+def _everywhere(kind: type[JointEffect], equations: Equations) -> Iterator[Proposal]:
+    """Proposals at every joint and side on which the effect can act."""
+    model = equations.true
+    for j, joint in enumerate(model.joint_names):
+        sides = [str(side) for side in PYTHON_STAGES[kind.stage] if side in kind.sides]
+        if not model.elastic[j]:  # link and motor are one
+            sides = [side for side in sides if side != "transmission"][-1:]
+        for side in sides:
+            yield _proposal(kind, {"effect": kind.name, "joint": joint, "side": side}, equations, j)
+
+
+def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equations, j: int) -> Proposal:
+    """One class at one place.
+
+    Raises:
+        InputError: its law fails with all numbers that were tried.
+    """
+    law = Law(kind, place, equations, j)
+    extent = Extent.of(equations, j)
+    grids = {entry.name: _values(entry, extent) for entry in kind.parameters()}
+    points = [dict(zip(grids, numbers, strict=True)) for numbers in _thinned(grids.values(), MOST)]
+    base = law.first_that_works(points)
+    linear = law.linear_in(base)
+    others = [name for name in grids if name not in linear]
+    grid = [p for p in _thinned([grids[name] for name in others], MOST) if law.works(base | _named(others, p))]
+
+    def make(point: Point, x: Sequence[float]) -> Effect | None:
+        try:
+            return law.effect(_named(others, point) | _named(linear, x))
+        except InputError:  # out of its bounds
+            return None
+
+    def units(point: Point) -> list[Unit]:
+        alone = dict.fromkeys(linear, 0.0) | _named(others, point)
+        return [(law.effect(alone | {name: base[name]}), base[name]) for name in linear] or [(law.effect(alone), 1.0)]
+
+    lower = {entry.name: entry.metadata["lower"] for entry in kind.parameters()}
+    return Proposal(
+        place,
+        make=lambda point, x: make(point, [float(value) for value in x] if linear else []),
+        units=units,
+        grid=tuple(grid),
+        positive=tuple(lower[name] >= 0.0 for name in linear),
+        fixed=not linear,
+    )
+
+
+def _named(names: Sequence[str], numbers: Sequence[float]) -> dict[str, float]:
+    return dict(zip(names, numbers, strict=True))
+
+
+def _thinned(grids: Any, most: int) -> list[tuple[float, ...]]:
+    """The product of grids, every so many of it where it is large; the first point always."""
+    whole = list(itertools.product(*grids))
+    return [whole[k] for k in np.unique(np.linspace(0, len(whole) - 1, min(most, len(whole))).astype(int))]
+
+
+def _values(entry: dataclasses.Field[Any], extent: Extent) -> tuple[float, ...]:
+    """What is tried of a number: about its declared value, else what the joint does in that unit."""
+    unit, lower, strict = (entry.metadata[key] for key in ("unit", "lower", "strict"))
+    if entry.default is not dataclasses.MISSING and math.isfinite(entry.default) and entry.default != 0.0:
+        values = [entry.default * factor for factor in AROUND]
+    elif entry.name == "phase":
+        values = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False).tolist()
+    elif unit in ("rad", "rad/s", "s"):
+        size = {"rad": extent.span, "rad/s": extent.speed, "s": extent.seconds}[unit]
+        values = (size * np.geomspace(0.01, 1.0, 5)).tolist()
+        if unit == "rad" and lower < 0.0:
+            values = np.linspace(extent.low, extent.high, 13)[1:-1].tolist()
+    elif unit == "1":
+        values = [*map(float, range(1, 9)), extent.ratio, 2.0 * extent.ratio]
+    else:
+        values = [extent.torque * factor for factor in (0.1, 0.03, 0.3)]
+    kept = [float(v) for v in values if v > lower or (v == lower and not strict)]
+    return tuple(kept) or (lower + 1.0,)

@@ -1,0 +1,47 @@
+"""How wide a joint's play may be, from what its spring winds by and what it has to carry."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.terms import joint_terms
+
+Array = NDArray[np.float64]
+POINTS = 10
+"""Of the grid of half gaps."""
+NARROW, WIDE, WIDEST = 0.003, 0.8, 3.0
+"""Its ends in units of the joint's deflection; the last where that is made up and knows of no gap."""
+LEAST = 0.05
+"""Half gap that is tried in any case, in the same unit."""
+
+
+def half_gaps(equations: Equations, j: int, deflection: float) -> list[float]:
+    """Half gaps to be tried at a joint [rad or m].
+
+    A gap so wide that the spring is never wound would do for a spring that is not there.
+
+    Args:
+        equations: of the model.
+        j: the joint.
+        deflection: nearly the greatest [rad or m].
+    """
+    if equations.made_up[j]:
+        return [float(gap) for gap in deflection * np.geomspace(NARROW, WIDEST, POINTS)]
+    widest = max(_unwound(equations, j), LEAST * deflection)
+    grid = deflection * np.geomspace(NARROW, WIDE, POINTS)
+    return [*(float(gap) for gap in grid if gap < widest), widest]
+
+
+def _unwound(equations: Equations, j: int) -> float:
+    """Median of ``theta - q - tau_s/K`` towards tau_s, where tau_s is large, by the link's equation [rad or m]."""
+    true = equations.true
+    left = []
+    for along in equations.motions:
+        terms = joint_terms(true, true.all_effects, along, j)
+        carried = terms.tau_s - (terms.link - along.inverse_dynamics[:, j])
+        size = np.abs(carried)
+        loaded = size >= np.median(size)
+        left.append((np.sign(carried) * along.delta[:, j] - size / true.stiffness[j])[loaded])
+    return float(np.median(np.concatenate(left)))

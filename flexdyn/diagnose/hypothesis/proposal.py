@@ -1,0 +1,148 @@
+"""A hypothesis of one effect at one place: its linear numbers free, the others on a grid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.effects import Effect, effect_from_dict
+
+Array = NDArray[np.float64]
+Point = tuple[float, ...]
+Unit = tuple[Effect, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """One effect at one place.
+
+    Attributes:
+        place: ``effect``, ``joint``, ``side`` or ``channel``, and what else says where it acts.
+        make: the effect from a grid point and the linear values; None where they make no sense.
+        units: effects at a grid point, one a linear number, each with the size of that number in it.
+        grid: points of the numbers that are not linear; one empty point where there are none.
+        positive: which linear values may not be negative.
+        fixed: nothing is linear: the effect at the grid point is taken as it is.
+        axes: names of the parameters that the grid is of.
+    """
+
+    place: Mapping[str, str]
+    make: Callable[[Point, Array], Effect | None]
+    units: Callable[[Point], Sequence[Unit]]
+    grid: tuple[Point, ...] = ((),)
+    positive: tuple[bool, ...] = ()
+    fixed: bool = False
+    axes: tuple[str, ...] = ()
+
+    def is_of(self, effect: Effect) -> bool:
+        """Whether an effect is of this kind at this place."""
+        return all(getattr(effect, "name" if key == "effect" else key, None) == it for key, it in self.place.items())
+
+
+@dataclass(frozen=True)
+class Extent:
+    """What a joint does in the data, to size the grids by.
+
+    Attributes:
+        speed: nearly the greatest of the rotor [rad/s].
+        span: range of the rotor's position [rad].
+        deflection: nearly the greatest, 0 on a rigid joint [rad].
+        torque: the greatest asked for [N m].
+        seconds: duration of the longest recording [s].
+        low, high: ends of the link's range [rad].
+        ratio: of the gear [1].
+        turns: whether the joint turns, so that what it does may come again once a turn.
+    """
+
+    speed: float
+    span: float
+    deflection: float
+    torque: float
+    seconds: float
+    low: float
+    high: float
+    ratio: float
+    turns: bool = True
+
+    @classmethod
+    def of(cls, equations: Equations, j: int) -> Extent:
+        """Of one joint over all recordings."""
+        omega, theta, delta, tau, q = (
+            np.concatenate([getattr(m, name)[:, j] for m in equations.motions])
+            for name in ("omega", "theta", "delta", "tau", "q")
+        )
+        wound = float(np.percentile(np.abs(delta - np.median(delta)), 99.5)) if equations.true.elastic[j] else 0.0
+        return cls(
+            speed=max(float(np.percentile(np.abs(omega), 99.0)), 1e-9),
+            span=max(float(np.ptp(theta)), 1e-9),
+            deflection=max(wound, 1e-9),
+            torque=max(float(np.abs(tau).max()), 1e-9),
+            seconds=max(float(m.t[-1] - m.t[0]) for m in equations.motions),
+            low=float(q.min()),
+            high=float(q.max()),
+            ratio=float(equations.true.joints[equations.true.joint_names[j]].gear_ratio),
+            turns=equations.true.robot.kinds[j] != "prismatic",
+        )
+
+
+def at(place: Mapping[str, str], **numbers: float) -> Effect:
+    """The effect at a place with these numbers."""
+    entry: dict[str, Any] = {**place, **numbers}
+    return effect_from_dict(entry)
+
+
+def linear(
+    place: Mapping[str, str], name: str, grid: Sequence[Mapping[str, float]] = ({},), *, unit: float = 1.0
+) -> Proposal:
+    """An effect with one linear number, which may not be negative where its bound says so."""
+
+    def build(point: Point, value: float) -> Effect:
+        return at(place, **{name: value}, **dict(zip(grid[0], point, strict=True)))
+
+    points = tuple(tuple(float(number) for number in entry.values()) for entry in grid)
+    bounds = {entry.name: entry.metadata["lower"] for entry in build(points[0], unit).parameters()}
+    return Proposal(
+        place,
+        make=lambda point, values: build(point, float(values[0])),
+        units=lambda point: [(build(point, unit), unit)],
+        grid=points,
+        positive=(bounds[name] >= 0.0,),
+        axes=tuple(grid[0]),
+    )
+
+
+def wave(place: Mapping[str, str], harmonics: Sequence[float], unit: float) -> Proposal:
+    """``amplitude sin(harmonic x + phase)``: linear in its sine and cosine parts."""
+
+    def build(point: Point, amplitude: float, phase: float) -> Effect:
+        return at(place, amplitude=amplitude, harmonic=point[0], phase=phase)
+
+    return Proposal(
+        place,
+        make=lambda point, x: build(point, float(np.hypot(x[0], x[1])), math.atan2(x[1], x[0])),
+        units=lambda point: [(build(point, unit, 0.0), unit), (build(point, unit, math.pi / 2), unit)],
+        grid=tuple((float(h),) for h in harmonics),
+        axes=("harmonic",),
+    )
+
+
+def given(place: Mapping[str, str], names: Sequence[str], grid: Sequence[Point]) -> Proposal:
+    """An effect none of whose numbers is linear, at the points of a grid."""
+
+    def build(point: Point) -> Effect:
+        return at(place, **dict(zip(names, point, strict=True)))
+
+    return Proposal(
+        place,
+        make=lambda point, values: build(point),
+        units=lambda point: [(build(point), 1.0)],
+        grid=tuple(grid),
+        fixed=True,
+        axes=tuple(names),
+    )

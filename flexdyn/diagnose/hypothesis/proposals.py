@@ -1,0 +1,193 @@
+"""The catalogue as hypotheses: every effect wherever the model could have it and the data could show it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis.play import half_gaps
+from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, at, given, linear, wave
+from flexdyn.effects import Effect, JointElasticity
+
+Array = NDArray[np.float64]
+SLOW_HARMONICS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
+"""Cycles per turn of the joint; those of the motor's turns are added."""
+
+
+def proposals(equations: Equations) -> list[Proposal]:
+    """Every effect of the catalogue at every place."""
+    found: list[Proposal] = []
+    names = equations.true.joint_names
+    for j, joint in enumerate(names):
+        extent = Extent.of(equations, j)
+        elastic = bool(equations.true.elastic[j])
+        for side in ("motor", "link") if elastic else ("motor",):
+            found += _friction({"joint": joint, "side": side}, extent)
+        if elastic:
+            found += _transmission(joint, extent, half_gaps(equations, j, extent.deflection))
+        elif equations.true.rotor_inertia[j] > 0.0:
+            found.append(_elasticity(joint))
+        found += _actuator(joint, extent)
+        found += _link(joint, extent)
+        found += _couplings(joint, names)
+        found += _sensors(equations, j, extent)
+    tip = {"effect": "payload", "frame": equations.true.robot.tip}
+    return [*found, linear(tip, "mass", unit=1e-3)]
+
+
+def _friction(place: Mapping[str, str], extent: Extent) -> Iterator[Proposal]:
+    yield linear({"effect": "viscous_friction", **place}, "coefficient")
+    yield linear({"effect": "coulomb_friction", **place}, "level")
+    yield linear({"effect": "quadratic_drag", **place}, "coefficient")
+    speeds = [{"velocity": float(v)} for v in extent.speed * np.geomspace(0.003, 0.4, 9)]
+    yield linear({"effect": "stribeck_friction", **place}, "excess", speeds)
+    times = [{"time_constant": float(s)} for s in extent.seconds * np.geomspace(0.04, 1.5, 7)]
+    yield linear({"effect": "warm_up_friction", **place}, "coefficient", times)
+    yield _asymmetric({"effect": "asymmetric_friction", **place})
+    yield _swinging({"effect": "position_dependent_friction", **place}, extent)
+    yield _presliding({"effect": "presliding_friction", **place}, extent)
+
+
+def _asymmetric(place: Mapping[str, str]) -> Proposal:
+    def build(up: float, down: float) -> Effect:
+        return at(place, level_positive=up, level_negative=down)
+
+    return Proposal(
+        place,
+        make=lambda point, x: build(float(x[0]), float(x[1])),
+        units=lambda point: [(build(1.0, 0.0), 1.0), (build(0.0, 1.0), 1.0)],
+        positive=(True, True),
+    )
+
+
+def _swinging(place: Mapping[str, str], extent: Extent) -> Proposal:
+    """``amplitude (1 + sin(harmonic x + phase)) Sgn(u)``: a level, a sine and a cosine part."""
+
+    def build(point: Point, amplitude: float, phase: float) -> Effect:
+        return at(place, amplitude=amplitude, harmonic=point[0], phase=phase)
+
+    def make(point: Point, x: Array) -> Effect:
+        # The weights are those of 1 + sin, 1 + cos and 1 - sin.
+        return build(point, float(np.hypot(x[0] - x[2], x[1])), math.atan2(x[1], x[0] - x[2]))
+
+    return Proposal(
+        place,
+        make=make,
+        units=lambda point: [(build(point, 1.0, phase), 1.0) for phase in (0.0, math.pi / 2, math.pi)],
+        grid=tuple((h,) for h in (SLOW_HARMONICS if extent.turns else (extent.ratio, 2.0 * extent.ratio))),
+        axes=("harmonic",),
+    )
+
+
+def _presliding(place: Mapping[str, str], extent: Extent) -> Proposal:
+    """Linear in its level at a given reach = level/stiffness."""
+
+    def build(point: Point, level: float) -> Effect | None:
+        return at(place, level=level, stiffness=level / point[0]) if level > 0.0 else None
+
+    return Proposal(
+        place,
+        make=lambda point, x: build(point, float(x[0])),
+        units=lambda point: [(at(place, level=1.0, stiffness=1.0 / point[0]), 1.0)],
+        grid=tuple((float(r),) for r in extent.span * np.geomspace(1e-5, 0.05, 10)),
+        positive=(True,),
+    )
+
+
+def _transmission(joint: str, extent: Extent, gaps: Sequence[float]) -> Iterator[Proposal]:
+    across = {"joint": joint, "side": "transmission"}
+    yield linear({"effect": "load_dependent_friction", "joint": joint, "side": "motor"}, "coefficient")
+    yield linear({"effect": "transmission_damping", **across}, "coefficient")
+    yield linear({"effect": "hardening_spring", **across}, "cubic")
+    widths = [{"width": float(w)} for w in extent.deflection * np.geomspace(0.003, 3.0, 9)]
+    yield linear({"effect": "spring_hysteresis", **across}, "stiffness", widths)
+    yield given({"effect": "backlash", **across}, ("half_gap",), [(gap,) for gap in gaps])
+    turns = (1.0, 2.0, 3.0, 4.0, extent.ratio, 2.0 * extent.ratio, 4.0 * extent.ratio)
+    yield wave({"effect": "kinematic_error", **across}, turns, 1e-6)
+
+
+def _elasticity(joint: str) -> Proposal:
+    """A rigid joint that is not: linear in its compliance."""
+    return Proposal(
+        {"effect": "joint_elasticity", "joint": joint, "side": "transmission"},
+        make=lambda point, x: JointElasticity(joint, stiffness=1.0 / float(x[0])) if x[0] > 0.0 else None,
+        units=lambda point: [(JointElasticity(joint, stiffness=1.0), 1.0)],
+        positive=(True,),
+    )
+
+
+def _actuator(joint: str, extent: Extent) -> Iterator[Proposal]:
+    motor = {"joint": joint, "side": "motor"}
+    yield linear({"effect": "torque_offset", **motor}, "offset")
+    yield linear({"effect": "torque_constant_error", **motor}, "gain")
+    slow = SLOW_HARMONICS if extent.turns else ()
+    turns = (*slow, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0)))
+    yield wave({"effect": "torque_ripple", **motor}, turns, extent.torque)
+    yield given({"effect": "command_delay", **motor}, ("delay",), [(d,) for d in (0.0005, 0.001, 0.002, 0.004, 0.008)])
+    shares, speeds = (0.3, 0.45, 0.6, 0.75, 0.9, 1.2), (1.1, 1.5, 2.0, 3.0, 10.0)
+    lines = [(a * extent.torque, b * extent.speed) for a, b in product(shares, speeds)]
+    yield given({"effect": "torque_speed_limit", **motor}, ("stall_torque", "no_load_speed"), lines)
+
+
+def _link(joint: str, extent: Extent) -> Iterator[Proposal]:
+    link = {"joint": joint, "side": "link"}
+    rests = np.linspace(extent.low - extent.span, extent.high + extent.span, 13)
+    yield linear({"effect": "parallel_spring", **link}, "stiffness", [{"rest": float(r)} for r in rests])
+    yield _end_stop({"effect": "end_stop", **link}, extent)
+    if not extent.turns:
+        return
+    cables, names = {"effect": "position_torque", **link}, ("cos_1", "sin_1", "cos_2", "sin_2")
+    yield Proposal(
+        cables,
+        make=lambda point, x: at(cables, **dict(zip(names, map(float, x), strict=True))),
+        units=lambda point: [(at(cables, **dict(zip(names, row, strict=True))), 1.0) for row in np.eye(4).tolist()],
+    )
+
+
+def _end_stop(place: Mapping[str, str], extent: Extent) -> Proposal:
+    """A one-sided spring beyond a limit within the range that is reached; linear in its stiffness."""
+
+    def build(point: Point, stiffness: float) -> Effect:
+        lower, upper = (point[0], math.inf) if point[1] < 0 else (-math.inf, point[0])
+        return at(place, lower=lower, upper=upper, stiffness=stiffness, damping=0.0)
+
+    depths = (extent.span * np.geomspace(0.003, 0.15, 7)).tolist()
+    return Proposal(
+        place,
+        make=lambda point, x: build(point, float(x[0])) if x[0] > 0.0 else None,
+        units=lambda point: [(build(point, 1.0), 1.0)],
+        grid=(*((extent.low + d, -1.0) for d in depths), *((extent.high - d, 1.0) for d in depths)),
+        positive=(True,),
+    )
+
+
+def _couplings(joint: str, names: tuple[str, ...]) -> Iterator[Proposal]:
+    for other in names:
+        if other != joint:
+            place = {"effect": "joint_coupling", "joint": joint, "side": "motor", "other": other}
+            yield linear(place, "coefficient")
+
+
+def _sensors(equations: Equations, j: int, extent: Extent) -> Iterator[Proposal]:
+    """Lags, discs, gains and offsets of the channels that were measured and can show them."""
+    model, data = equations.true, equations.data[0]
+    joint = model.joint_names[j]
+    both = bool(data.both[j])
+    for signal, there in (("q", data.has_q[j]), ("theta", data.has_theta[j])):
+        if not there:
+            continue
+        place = {"channel": f"{signal}.{joint}"}
+        yield linear({"effect": "channel_lag", **place}, "delay", unit=1e-4)
+        turns = (1.0, 2.0) if signal == "q" else (1.0, 2.0, extent.ratio, 2.0 * extent.ratio)
+        yield wave({"effect": "encoder_eccentricity", **place}, turns, 1e-6)
+        if both or any(model.gravity):  # one encoder alone: gravity's shape tells, inertias would hide a gain
+            yield linear({"effect": "sensor_gain", **place}, "gain", unit=1e-4)
+            yield linear({"effect": "sensor_offset", **place}, "offset", unit=1e-5)
+    if data.has_tau_s[j]:
+        for name, number in (("sensor_offset", "offset"), ("sensor_gain", "gain")):
+            yield linear({"effect": name, "channel": f"tau_s.{joint}"}, number, unit=1e-4)

@@ -1,0 +1,121 @@
+"""Least squares over whitened rows with Gaussian priors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.lazy import lazy
+
+Array = NDArray[np.float64]
+BLOCK = 16
+"""Rows of a block of a tall matrix, for each of its columns."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """``min |y + X b|^2 + sum ((b_k - centre_k)/sigma_k)^2``.
+
+    The last columns may be nuisances: they are fitted anew every time and no step of them is kept.
+
+    Attributes:
+        y: whitened residual (rows,).
+        X: whitened derivatives (rows, columns).
+        centre: of the priors (columns,).
+        sigma: of the priors (columns,); inf: none.
+        rows: that say something.
+        nuisances: how many of the last columns are fitted anew every time.
+    """
+
+    y: Array
+    X: Array
+    centre: Array
+    sigma: Array
+    rows: int
+    nuisances: int = 0
+
+    @lazy
+    def _whole(self) -> Array:
+        return np.vstack([self.X, np.diag(1.0 / self.sigma)])
+
+    @lazy
+    def _scale(self) -> Array:
+        length = np.sqrt((self._whole**2).sum(axis=0))
+        return np.where(length > 0.0, length, 1.0)
+
+    @lazy
+    def _turned(self) -> tuple[Array, Array]:
+        """R of the scaled columns (columns, columns), and Q^T of the target (columns,)."""
+        R, count = _triangle(np.column_stack([self._whole / self._scale, self._target])), self.X.shape[1]
+        return R[:count, :count], R[:count, count]
+
+    @lazy
+    def _target(self) -> Array:
+        return np.concatenate([self.y, -self.centre / self.sigma])
+
+    @lazy
+    def values(self) -> Array:
+        """The coefficients b (columns,)."""
+        return np.asarray(-np.linalg.lstsq(*self._turned, rcond=1e-12)[0] / self._scale)
+
+    @lazy
+    def left(self) -> Array:
+        """What is left of rows and priors (rows + columns,)."""
+        return np.asarray(self._target + self._whole @ self.values)
+
+    @lazy
+    def at_zero(self) -> float:
+        """Sum of squares where no step is taken, but for the nuisance columns, whose prior is centred on none."""
+        nuisance = slice(self.X.shape[1] - self.nuisances, self.X.shape[1])
+        if not self.nuisances:
+            return float(self._target @ self._target)
+        block = self._whole[:, nuisance] / self._scale[nuisance]
+        best = np.linalg.lstsq(block, self._target, rcond=1e-12)[0]
+        after = self._target - block @ best
+        return float(after @ after)
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squares of rows and priors."""
+        return float(self.left @ self.left)
+
+    @property
+    def data_chi2(self) -> float:
+        """Sum of squares of the rows alone."""
+        rows = self.left[: len(self.y)]
+        return float(rows @ rows)
+
+    @lazy
+    def covariance(self) -> Array:
+        """Of the coefficients (columns, columns), for white rows of unit variance."""
+        inverse = np.linalg.pinv(self._turned[0], rcond=1e-12)
+        return np.asarray(inverse @ inverse.T / np.outer(self._scale, self._scale))
+
+    def sandwich(self, block: int) -> Array:
+        """Covariance of the coefficients (columns, columns) that holds for coloured rows.
+
+        ``H^-1 (sum_b g_b g_b^T + P) H^-1`` with the gradients g_b of blocks of rows, which are taken to be independent
+        of one another, H the information and P that of the priors (White, 1980; Newey and West, 1987).
+
+        Args:
+            block: rows in a block, long against the rows' correlation.
+        """
+        bread = self.covariance
+        rows = len(self.y)
+        each = self.X * self.left[:rows, None]
+        gradients = np.add.reduceat(each, np.arange(0, rows, block), axis=0)
+        meat = gradients.T @ gradients + np.diag(1.0 / self.sigma**2)
+        return np.asarray(bread @ meat @ bread)
+
+
+def _triangle(tall: Array) -> Array:
+    """R of a tall matrix: of blocks of rows that stay in the cache, then of their own (Demmel et al., 2012)."""
+    columns = tall.shape[1]
+    blocks = len(tall) // (BLOCK * columns)
+    whole = blocks * BLOCK * columns
+    if blocks > 1:
+        heads = np.asarray(np.linalg.qr(tall[:whole].reshape(blocks, -1, columns), mode="r"))
+        tall = np.vstack([heads.reshape(-1, columns), tall[whole:]])
+    return np.asarray(np.linalg.qr(tall, mode="r"))

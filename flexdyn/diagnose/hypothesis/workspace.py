@@ -1,0 +1,132 @@
+"""Equations, weights and priors of a model over data: what every fit of a search shares."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.filters import SECONDS, Filters
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations import columns
+from flexdyn.diagnose.equations.covariance import Noise, encoders_rule, whitener
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.mask import sign_mask
+from flexdyn.diagnose.equations.noise import encoder_noise, recorded_torque_noise, torque_noise
+from flexdyn.diagnose.hypothesis import number_columns
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.numbers import file_numbers, with_factors
+from flexdyn.effects import SensorOffset
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+MANY = 200.0
+"""Recordings must be so many times as long as a wider filter."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unweighted:
+    """Slopes of equations, before they have weights.
+
+    Attributes:
+        equations: whose.
+        numbers: by the file's numbers (rows, numbers).
+        offsets: by a count more or less of each encoder, as nobody knows whether it rounds or cuts (rows, channels).
+        channels: of these encoders.
+    """
+
+    equations: Equations
+    numbers: Array
+    offsets: Array
+    channels: tuple[str, ...]
+
+    @classmethod
+    def of(cls, equations: Equations, start: Hypothesis) -> Unweighted:
+        """By the numbers of a hypothesis."""
+        data, joints = equations.data[0], equations.true.joint_names
+        there = {"q": data.has_q, "theta": data.has_theta}
+        channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
+        numbers = number_columns.of_numbers(equations, list(start.factors))
+        offsets = [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
+        return cls(equations, numbers, np.stack(offsets, axis=1), channels)
+
+
+def workspace(
+    model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
+) -> tuple[Workspace, Hypothesis, Noise]:
+    """Equations, weights and priors of a model over data; the torque's noise comes from what a first fit leaves.
+
+    Args:
+        model: as it was given.
+        data: to be explained.
+        start: with the effects that were found, where one of them changes which equations there are; None: the model.
+
+    Raises:
+        InputError: no equation says anything at any time.
+    """
+    bare, noise, start = prepared(model, data, start)
+    space = weighed(bare, noise)
+    for _ in range(2):
+        made = fit(start, space, steps=3)
+        left, mask = made.equations.residual, space.whiten.mask
+        noise = dataclasses.replace(noise, tau=torque_noise(made.equations, left, mask, noise))
+        space = weighed(bare, noise, mask)
+    return space, start, noise
+
+
+def prepared(
+    model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
+) -> tuple[Unweighted, Noise, Hypothesis]:
+    """Equations without weights, and the noise of their channels as the records show it.
+
+    Raises:
+        InputError: no equation says anything at any time.
+    """
+    start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
+    torque = np.maximum(recorded_torque_noise(data), 1e-12)
+    noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
+    bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
+    if sign_mask(bare.equations, noise).all():
+        problem = "joints rest, or may rest, so often that no equation says anything"
+        remedy = "let all joints move at once for seconds: while one sticks, nobody knows what friction holds"
+        raise InputError(problem, file=data[0].name, key="t", remedy=remedy)
+    return bare, noise, start
+
+
+def weighed(
+    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_] | None = None, extra: Array | None = None
+) -> Workspace:
+    """Equations with the weights that a noise gives them.
+
+    Args:
+        bare: slopes of the equations to be fitted.
+        noise: of the channels.
+        mask: rows that say nothing; None: found by the noise.
+        extra: variance of the rows beside that of noise (rows,).
+    """
+    equations = bare.equations
+    mask = sign_mask(equations, noise) if mask is None else mask
+    whiten = whitener(equations, noise, mask, extra)
+    sides = (name.partition(".") for name in bare.channels)
+    levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
+    sigma = 2.0 * np.array(levels) + 1e-12
+    return Workspace(equations, whiten, noise, whiten(bare.numbers), whiten(bare.offsets), sigma, bare.channels)
+
+
+def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: Noise) -> Equations:
+    """The equations behind the narrowest filter that leaves the encoders' noise below the torque's.
+
+    Rows that hold little but noise, times a number of the file, would be smaller for a smaller number.
+    """
+    found = Equations(model, data, Filters.of_rate(data[0].dt))
+    for second in SECONDS[1:]:
+        short = min(len(each.t) for each in data) * data[0].dt < MANY * second
+        if short or not encoders_rule(found, noise):
+            break
+        found = Equations(model, data, Filters.of_rate(data[0].dt, second=second))
+    return found

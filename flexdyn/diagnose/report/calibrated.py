@@ -1,0 +1,78 @@
+"""Part of report.html: numbers of the model that moved within their tolerance."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+
+from flexdyn.diagnose.report.digits import PLUS_MINUS, counted, estimate_text, relative
+from flexdyn.diagnose.report.html import folded, section, soft, table
+from flexdyn.diagnose.report.measures import Calibration
+from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.suspects import CONFIDENCE, Number
+from flexdyn.diagnose.report.words import number_phrase
+
+SHOWN = 12
+"""Rows that stand open; the others are folded away."""
+LIMIT = 3.0
+"""Tolerances by which a number may move and be calibrated (SPEC 8)."""
+EDGE = 3.2
+"""Half the width of a number's picture, in tolerances."""
+HEADS = ("number", "factor", "change", "in its tolerances, 95 % interval")
+
+
+def calibration(diagnosis: Diagnosis) -> str:
+    """All of them, those that moved farthest first."""
+    if not diagnosis.calibration:
+        return ""
+    ordered = sorted(diagnosis.calibration, key=_drift, reverse=True)
+    rows = [_row(diagnosis, entry) for entry in ordered]
+    shown = table(HEADS, rows[:SHOWN], name="calibration")
+    if rows[SHOWN:]:
+        rest = table(HEADS, rows[SHOWN:], name="calibration")
+        shown += folded(f"{len(rows) - SHOWN} more, which moved less", rest)
+    beyond = sum(_drift(entry) > LIMIT for entry in ordered)
+    said = f"They moved by no more than {LIMIT:g} of their stated tolerances, so they are no findings."
+    if beyond:
+        said = (
+            f"{counted(beyond, 'number')} moved by more than {LIMIT:g} of the stated tolerances and is no finding all"
+            " the same: what is left unexplained may have bent it."
+        )
+    return section(
+        "Numbers of the model that were calibrated", soft(f"{said} true = factor \u00d7 given.") + shown, "calibration"
+    )
+
+
+def _drift(entry: Calibration) -> float:
+    size = abs(entry.factor - 1.0) / entry.tolerance if entry.tolerance > 0.0 else abs(entry.factor - 1.0)
+    return size if math.isfinite(size) else 0.0
+
+
+def _row(diagnosis: Diagnosis, entry: Calibration) -> list[str]:
+    name = number_phrase(diagnosis.model, entry.of, entry.parameter)
+    held = entry.tolerance <= 0.0 or entry.std < LIMIT * entry.tolerance
+    factor = estimate_text(Number(entry.factor, entry.std, "1")) if held else "not held by these data"
+    tolerance = f'<span class="soft">{PLUS_MINUS}{100.0 * entry.tolerance:.3g} %</span>'
+    return [f"{escape(name)} {tolerance}", factor, relative(entry.factor), _picture(entry)]
+
+
+def _picture(entry: Calibration) -> str:
+    """A dot with its interval on an axis from -3 to 3 tolerances."""
+    if not (entry.tolerance > 0.0 and math.isfinite(entry.factor)):
+        return ""
+    centre = (entry.factor - 1.0) / entry.tolerance
+    half = CONFIDENCE * entry.std / entry.tolerance if math.isfinite(entry.std) else 0.0
+    low, middle, high = (
+        100.0 + 100.0 / EDGE * min(max(x, -EDGE), EDGE) for x in (centre - half, centre, centre + half)
+    )
+    ticks = "".join(
+        f'<line x1="{100 + 100 / EDGE * k:.1f}" x2="{100 + 100 / EDGE * k:.1f}" y1="{2 if k == 0 else 6}"'
+        f' y2="{18 if k == 0 else 14}" stroke="#9ca3af"/>'
+        for k in range(-3, 4)
+    )
+    return (
+        f'<svg class="drift" viewBox="0 0 200 20" role="img" aria-label="{centre:+.1f} tolerances">'
+        f'<line x1="2" x2="198" y1="10" y2="10" stroke="#d1d5db"/>{ticks}'
+        f'<line x1="{low:.1f}" x2="{high:.1f}" y1="10" y2="10" stroke="#1f4e9c" stroke-width="3"/>'
+        f'<circle cx="{middle:.1f}" cy="10" r="4.5" fill="#1f4e9c"/></svg>'
+    )

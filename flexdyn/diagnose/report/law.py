@@ -1,0 +1,58 @@
+"""The law of a finding, drawn with its estimated numbers."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import io
+from typing import Any
+
+from flexdyn.diagnose.report.suspects import Suspect
+from flexdyn.effects import Effect, catalogue
+from flexdyn.errors import InputError
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plots.laws import law_figure
+
+SIZE = (5.0, 3.6)
+"""Of a law's picture [inch]: the letters are as large as those beside it."""
+
+
+def effect_of(suspect: Suspect) -> Effect | None:
+    """The effect with its estimated numbers; None where some were not estimated, or make no sense."""
+    kind = catalogue().get(suspect.effect)
+    if kind is None:
+        return None
+    given: dict[str, Any] = {"joint": suspect.joint, "side": suspect.side, **suspect.place}
+    given |= {name: number.value for name, number in suspect.parameters.items()}
+    known = {field.name for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
+    try:
+        effect = kind.from_dict({key: value for key, value in given.items() if key in known and value is not None})
+    except InputError:
+        return None
+    return None if effect.is_neutral else effect
+
+
+def law_picture(suspect: Suspect, model: FlexibleJointModel) -> str | None:
+    """The law with its fitted numbers, as the address of an SVG picture that stands in the page itself.
+
+    None where the effect has no law to draw.
+
+    Raises:
+        MissingExtra: matplotlib is not installed.
+    """
+    effect = effect_of(suspect)
+    joint = suspect.joint
+    slides = joint in model.joint_names and model.robot.angle_unit(str(joint)) == "m"
+    try:
+        figure = None if effect is None else law_figure(effect, prismatic=slides)
+    except InputError:
+        return None
+    if figure is None:
+        return None
+    import matplotlib
+
+    figure.set_size_inches(SIZE)
+    stream = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "flexdyn"}):
+        figure.savefig(stream, format="svg", metadata={"Date": None}, bbox_inches="tight", pad_inches=0.05)
+    return f"data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode('ascii')}"

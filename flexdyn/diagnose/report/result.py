@@ -1,0 +1,136 @@
+"""The answer of a diagnosis: where model and measurement disagree, what is missing, and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from flexdyn.diagnose.report.experiment import Experiment
+from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, Place, Role, Source
+from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
+from flexdyn.diagnose.report.trace import Trace
+from flexdyn.model import FlexibleJointModel
+
+__all__ = [
+    "ESTABLISHED",
+    "VERDICTS",
+    "Calibration",
+    "Considered",
+    "Diagnosis",
+    "Experiment",
+    "Finding",
+    "Gap",
+    "Interrupted",
+    "JointError",
+    "Left",
+    "Number",
+    "Place",
+    "Role",
+    "Source",
+    "Structure",
+    "Suspect",
+    "Trace",
+    "Verdict",
+]
+
+Verdict = Literal["no_discrepancy", "explained", "partly_explained", "unexplained", "not_converged", "interrupted"]
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer to "where do model and measurement disagree, and what is missing?".
+
+    Attributes:
+        verdict: about the test data (SPEC 8).
+        findings: in the order of their share of the gap.
+        calibration: numbers that moved within three sigma of their tolerance.
+        gap_fit: on the data of the fit; None where it could not be simulated.
+        gap_test: on the test data; None where they were not opened or could not be simulated.
+        errors: of every joint on the test data, by its name.
+        where: in which equations the residual of the calibrated model appears, the largest share first.
+        left: what the corrected model leaves unexplained, the largest share of the torque first.
+        structures: sets of effects that were compared, the most probable first.
+        data: what was read, and what for.
+        model: the corrected model.
+        notes: what the data cannot tell, and what was assumed; a sentence each.
+        seconds: that it took [s].
+        residuals: pictures of what the model left unexplained, before and after, the most telling first.
+        decisions: further reasons, by what was decided: a target of `explain` or a few words.
+        considered: every candidate that the search compared, the most probable first.
+        write_model: False where the corrected model is worse than the given one on the data of the fit: then
+            model.yaml is not written.
+        stopped: estimates that stopped short of a stationary point, in words such as "damping of elbow".
+    """
+
+    verdict: Verdict
+    findings: tuple[Finding, ...]
+    calibration: tuple[Calibration, ...]
+    gap_fit: Gap | None
+    gap_test: Gap | None
+    errors: Mapping[str, JointError]
+    where: tuple[Place, ...]
+    left: tuple[Left, ...]
+    structures: tuple[Structure, ...]
+    data: tuple[Source, ...]
+    model: FlexibleJointModel
+    notes: tuple[str, ...] = ()
+    seconds: float = 0.0
+    residuals: tuple[Trace, ...] = ()
+    decisions: Mapping[str, str] = field(default_factory=dict)
+    considered: tuple[Considered, ...] = ()
+    write_model: bool = True
+    stopped: tuple[str, ...] = ()
+
+    def save(self, folder: str | Path) -> None:
+        """Write report.html, report.json and model.yaml; all of them, or nothing.
+
+        model.yaml is the corrected model, ready to be simulated: calibration, parameter errors and elasticities are
+        folded into its numbers. Where numbers of links changed, a corrected URDF lies beside it. It is left out where
+        `write_model` says so, and one of an earlier report is then removed.
+
+        Args:
+            folder: is made if it is not there; files of an earlier report in it are replaced.
+
+        Raises:
+            InputError: the folder cannot be made or written to.
+            MissingExtra: matplotlib or plotly is not installed.
+        """
+        from flexdyn.diagnose.report.write import write_report
+
+        write_report(self, Path(folder))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As report.json holds it (SPEC 8)."""
+        from flexdyn.diagnose.report.document import document
+
+        return document(self)
+
+    def explain(self, target: str) -> str:
+        """Why an effect was named or was not, from the structures that were compared.
+
+        Args:
+            target: ``EFFECT@JOINT``, such as ``coulomb_friction@elbow``; with a side ``coulomb_friction@elbow.motor``;
+                ``channel_lag@q.elbow``, ``parameter_error@elbow.stiffness``, ``payload``. An effect alone stands for
+                it at every place.
+
+        Raises:
+            InputError: no such effect, or no such place; it names the near miss.
+        """
+        from flexdyn.diagnose.report.explain import explanation
+
+        return explanation(self, target)
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C in the middle of a diagnosis.
+
+    Attributes:
+        diagnosis: what was known by then; None where that was nothing.
+    """
+
+    def __init__(self, diagnosis: Diagnosis | None = None) -> None:
+        super().__init__("the diagnosis was interrupted")
+        self.diagnosis = diagnosis

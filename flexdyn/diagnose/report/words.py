@@ -1,0 +1,159 @@
+"""Effects, places and numbers of a model in plain words that fit into a sentence."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+from flexdyn.diagnose.report.digits import probability_text, relative
+from flexdyn.diagnose.report.suspects import Finding, Suspect
+from flexdyn.effects.model_error import effect_place
+from flexdyn.model import FlexibleJointModel
+
+UNCOUNTED = ("friction", "damping", "elasticity", "drag", "backlash", "hysteresis", "ripple", "eccentricity")
+"""What an effect's name ends with where it takes no article."""
+SIDES = {
+    "link": "on the link side of",
+    "motor": "on the motor side of",
+    "sensor": "at the torque sensor of",
+    "transmission": "in the transmission of",
+    "total": "on motor and link of",
+}
+SIGNALS = {"q": "{}", "theta": "{}", "v": "{}/s", "omega": "{}/s"}
+"""Units of a channel by its signal, of the joint's angle or length; of all others see `channel_unit`."""
+
+
+def finding_phrase(model: FlexibleJointModel, finding: Finding, *, each: bool = False) -> str:
+    """``Stribeck friction or presliding friction on the motor side of elbow``: an effect and what it could be.
+
+    Args:
+        model: whose numbers may be wrong.
+        finding: to be told.
+        each: with the probability of every name by itself, where there are several.
+    """
+    several = each and bool(finding.rivals)
+    here = where_phrase(model, finding.suspect)
+    alike = [] if is_number(finding.suspect) else [rival for rival in finding.rivals if _is_at(model, rival, here)]
+    others = [f"{suspect_phrase(model, rival)}{_own(rival, several)}" for rival in finding.rivals if rival not in alike]
+    if not alike:
+        return ", or ".join([f"{suspect_phrase(model, finding.suspect)}{_own(finding.suspect, several)}", *others])
+    names = " or ".join(f"{effect_name(one.effect)}{_own(one, several)}" for one in (finding.suspect, *alike))
+    return ", or ".join([f"{article(finding.suspect.effect)}{names} {here}".strip(), *others])
+
+
+def suspect_phrase(model: FlexibleJointModel, suspect: Suspect) -> str:
+    """An effect and where it acts, in words that fit into a sentence."""
+    where = where_phrase(model, suspect)
+    if is_number(suspect):
+        factor = suspect.parameters.get("factor")
+        return f"a wrong {where}{'' if factor is None else f' ({relative(factor.value)})'}"
+    return f"{article(suspect.effect)}{effect_name(suspect.effect)} {where}".strip()
+
+
+def title_phrase(model: FlexibleJointModel, suspect: Suspect) -> str:
+    """The same as a title or a row of a table: no article, the first letter a capital one."""
+    return plain_phrase(suspect_phrase(model, suspect))
+
+
+def plain_phrase(phrase: str) -> str:
+    """A phrase without its article, the first letter a capital one."""
+    return capital(phrase.removeprefix("a ").removeprefix("an "))
+
+
+def grouped_phrases(model: FlexibleJointModel, suspects: Iterable[Suspect]) -> list[str]:
+    """Effects in few words: one effect on one side of several joints is said once."""
+    groups: dict[object, list[Suspect]] = {}
+    for place, suspect in enumerate(suspects):
+        groups.setdefault(kind_of(suspect) or place, []).append(suspect)
+    return [suspect_phrase(model, group[0]) if len(group) == 1 else joints_phrase(group) for group in groups.values()]
+
+
+def kind_of(suspect: Suspect) -> tuple[str, str | None] | None:
+    """Effect and side, which others at other joints may share; None: where it acts needs more words."""
+    return None if suspect.joint is None or suspect.place else (suspect.effect, suspect.side)
+
+
+def joints_phrase(suspects: Sequence[Suspect]) -> str:
+    """``Coulomb friction on the motor side of shoulder and elbow``, of one effect at several joints."""
+    where = place_phrase(joined([str(each.joint) for each in suspects]), suspects[0].side)
+    return f"{effect_name(suspects[0].effect)} {where}"
+
+
+def joined(phrases: Sequence[str]) -> str:
+    """``one``, ``one and two``, ``one, two and three``."""
+    *first, last = phrases
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def is_number(suspect: Suspect) -> bool:
+    """Whether it is a number of the model file that is wrong, which reads in another order."""
+    return suspect.effect == "parameter_error"
+
+
+def article(effect: str) -> str:
+    """``a `` or ``an `` where the effect's name takes it."""
+    if effect.endswith(UNCOUNTED):
+        return ""
+    return "an " if effect[:1] in "aeiou" else "a "
+
+
+def effect_name(effect: str) -> str:
+    """``stribeck_friction`` as it is written in a sentence."""
+    return re.sub(r"\b(stribeck|coulomb)\b", lambda name: name[0].capitalize(), effect.replace("_", " "))
+
+
+def capital(text: str) -> str:
+    """As a title: the first letter a capital one, the others as they are."""
+    return text[:1].upper() + text[1:]
+
+
+def where_phrase(model: FlexibleJointModel, suspect: Suspect) -> str:
+    """Where an effect acts: the joint's side, the channel, the frame, or the number that is wrong."""
+    place = suspect.place
+    if "channel" in place:
+        return f"on channel {place['channel']}"
+    if is_number(suspect):
+        return number_phrase(model, place.get("of", suspect.joint or ""), place.get("parameter", "number"))
+    if suspect.joint is None:
+        return f"at frame {place['frame']}" if "frame" in place else "at the end of the arm"
+    other = f", driven by {place['other']}" if "other" in place else ""
+    return f"{place_phrase(suspect.joint, suspect.side)}{other}"
+
+
+def place_phrase(joint: str, side: str | None) -> str:
+    """``on the motor side of elbow``."""
+    return f"{SIDES.get(side or '', 'on')} {joint}"
+
+
+def number_phrase(model: FlexibleJointModel, of: str, parameter: str) -> str:
+    """A number of the model file: ``stiffness of elbow``, ``level of coulomb friction on the motor side of elbow``."""
+    word = parameter.removeprefix("link_").replace("_", " ").replace("urdf", "URDF")
+    word = {"com": "centre of mass"}.get(word, word)
+    place = effect_place(of)
+    if place is None or place >= len(model.effects):
+        return f"{word} of {of}"
+    effect = model.effects[place]
+    joint, side = getattr(effect, "joint", None), getattr(effect, "side", None)
+    return f"{word} of {effect_name(effect.name)}{f' {place_phrase(joint, side)}' if joint else ''}"
+
+
+def channel_unit(model: FlexibleJointModel, channel: str) -> str:
+    """Unit of a channel; empty where it is not known."""
+    signal, _, joint = channel.partition(".")
+    if joint not in model.joint_names:
+        return ""
+    if signal in SIGNALS:
+        return SIGNALS[signal].format(model.robot.angle_unit(joint))
+    return model.robot.torque_unit(joint) if signal.startswith("tau") else ""
+
+
+def _is_at(model: FlexibleJointModel, suspect: Suspect, here: str) -> bool:
+    return not is_number(suspect) and where_phrase(model, suspect) == here
+
+
+def _own(suspect: Suspect, told: bool) -> str:
+    """A name's own probability, in brackets."""
+    if not told or math.isnan(suspect.probability):
+        return ""
+    return f" ({probability_text(suspect.probability)})"

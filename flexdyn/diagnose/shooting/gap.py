@@ -1,0 +1,160 @@
+"""The gap: simulated against measured positions over windows, in units of what noise alone makes there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.shooting.matched import HOPELESS, bounded_residual, matched
+from flexdyn.diagnose.shooting.shooter import Shooter
+from flexdyn.diagnose.shooting.starts import first_states
+from flexdyn.diagnose.shooting.whiten import Filter
+from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.model import FlexibleJointModel
+
+Array = NDArray[np.float64]
+FRAGILE = 3.0
+"""A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A model simulated over windows, each from the first state that suits it best.
+
+    The first state of a window is a nuisance with a loose Gaussian prior: with S its sensitivities, P its prior
+    covariance, G Q G^T the torque noise carried through the simulation and R the sensors' noise, the residual r at the
+    loose start has the covariance C = R + G Q G^T + S P S^T. The start is moved by P S^T C^-1 r and the window is
+    simulated again; what is left then has the covariance R + G Q G^T - S P+ S^T, P+ = P - P S^T C^-1 S P, of which
+    `std` is the diagonal's root.
+
+    Attributes:
+        model: that was simulated.
+        windows: over which.
+        x0: first states (windows, nx).
+        residual: simulated - measured (windows, rows, channels), 0 where nothing was measured.
+        std: what noise alone makes of it, likewise.
+        used: samples that count, likewise.
+        fragile: factor on `std` of windows in which drawn noise does more than it does in the linear response, because
+            it decides whether a joint sticks (windows,) [1].
+        failed: windows that could not be simulated to their end, or in which noise would excuse anything, as it would
+            in many (windows,).
+    """
+
+    model: FlexibleJointModel
+    windows: Windows
+    x0: Array
+    residual: Array
+    std: Array
+    used: NDArray[np.bool_]
+    fragile: Array
+    failed: NDArray[np.bool_]
+    _filter: Filter
+    _moved: Array
+
+    @property
+    def scaled(self) -> Array:
+        """Residual in units of noise (windows, rows, channels)."""
+        return self.residual / self.std
+
+    @property
+    def gap(self) -> float:
+        """Root mean square of `scaled` over all that was measured [1]."""
+        return float(np.sqrt((self.scaled[self.used] ** 2).mean()))
+
+    @property
+    def by_window(self) -> Array:
+        """The gap of every window (windows,) [1]."""
+        count = np.maximum(self.used.sum(axis=(1, 2)), 1)
+        return np.asarray(np.sqrt((self.scaled**2 * self.used).sum(axis=(1, 2)) / count))
+
+    def whitened(self, model: FlexibleJointModel | None = None) -> Array:
+        """Residuals made white: of unit variance and uncorrelated if the model is right (windows, rows of each).
+
+        Samples are averaged over blocks; rows are their one-step surprises to a Kalman filter on the linear response,
+        by its spread. The sum of squares is r^T C^-1 r, linear in r.
+
+        Args:
+            model: another one, simulated from this shot's first states under its weights; None: this one. Differences
+                between such models over a step in a parameter are the Jacobian for Gauss and Newton.
+        """
+        residual = self.residual if model is None else self.residual_of(model)
+        return self._filter.whitened(residual, self._moved) / self.fragile[:, None]
+
+    def residual_of(self, model: FlexibleJointModel) -> Array:
+        """Simulated - measured of another model from this shot's first states (windows, rows, channels)."""
+        shooter = Shooter(model, self.windows)
+        x0 = _fitting(self.x0, self.model, shooter)
+        return bounded_residual(shooter, shooter.run(x0), self.used)
+
+    def floor(self, seed: int = 1) -> float:
+        """The gap that a perfect model has: torques and sensors with drawn noise, simulated by the model itself."""
+        shooter, used = Shooter(self.model, self.windows), self.used
+        residual = _drawn(shooter, self.x0, self.residual, used, seed)
+        wanted = -self._filter.first_error(residual, np.zeros_like(self._moved))
+        left = (
+            residual + bounded_residual(shooter, shooter.run(shooter.bounded(self.x0 + wanted)), used) - self.residual
+        )
+        better = self._filter.scaled(left) < self._filter.scaled(residual)
+        residual[better] = left[better]
+        return float(np.sqrt(((residual / self.std)[used] ** 2).mean()))
+
+
+def shoot(model: FlexibleJointModel, windows: Windows) -> Shot:
+    """Simulate every window open loop and find the first state that suits it best.
+
+    A window that cannot be simulated to its end counts with a bounded residual: three times what the channel moves in
+    the recordings plus 1 rad, for every sample that was not reached or is further off than that.
+
+    Args:
+        model: with any effects; those of sensors act on what is simulated before it is compared.
+        windows: with noise levels.
+    """
+    shooter = Shooter(model, windows)
+    starts = first_states(shooter)
+    used = _used(shooter)
+    fit = matched(shooter, starts, used)
+    x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
+    std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
+    failed = motion.written < windows.rows
+    if filter_.wild.mean() > HOPELESS:  # a response that is none excuses nothing
+        failed |= filter_.wild
+    drawn = _drawn(shooter, x0, residual, used, seed=0)
+    expected = np.repeat(filter_.unfitted, windows.block, axis=1)
+    size = np.sqrt((drawn**2 / expected).sum(axis=(1, 2)) / np.maximum(used.sum(axis=(1, 2)), 1))
+    fragile = np.where((size > FRAGILE) & ~failed, size, 1.0)
+    std *= fragile[:, None, None]
+    std[failed] = windows.sensor_noise
+    return Shot(model, windows, x0, residual, std, used, fragile, failed, filter_, moved)
+
+
+def _used(shooter: Shooter) -> NDArray[np.bool_]:
+    """Samples that were measured, by whole blocks.
+
+    A window into which torques of before the recording arrive does not count, unless there is no other.
+    """
+    windows = shooter.windows
+    measured = np.isfinite(shooter.measured).reshape(len(windows), windows.blocks, windows.block, -1)
+    used = np.repeat(measured.all(axis=2), windows.block, axis=1)
+    unknown = ~shooter.torques_known
+    if not unknown.all():
+        used[unknown] = False
+    return used
+
+
+def _drawn(shooter: Shooter, x0: Array, residual: Array, used: NDArray[np.bool_], seed: int) -> Array:
+    """What drawn noise of torques and sensors makes of the residual, if the model is right."""
+    windows, draw = shooter.windows, np.random.default_rng(seed)
+    noisy = Shooter(
+        shooter.given, windows, draw.standard_normal((*used.shape[:2], shooter.model.n)) * windows.noise.tau
+    )
+    sensor = draw.standard_normal(used.shape) * windows.sensor_noise
+    return np.where(used, residual - bounded_residual(noisy, noisy.run(x0), used) - sensor, 0.0)
+
+
+def _fitting(x0: Array, model: FlexibleJointModel, shooter: Shooter) -> Array:
+    """First states of one model as another one takes them; what the other alone has is made up for by it."""
+    if x0.shape[1] == shooter.size and (model.elastic == shooter.model.elastic).all():
+        return x0
+    return first_states(shooter).x

@@ -1,0 +1,163 @@
+"""First states that suit the windows best, found by linear responses to noise and to the states themselves."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.shooting.shooter import Motion, Shooter
+from flexdyn.diagnose.shooting.spread import spread
+from flexdyn.diagnose.shooting.starts import Starts
+from flexdyn.diagnose.shooting.whiten import Filter
+
+Array = NDArray[np.float64]
+FARTHEST = 100.0
+"""Standard deviations that a first state is moved at most: beyond, it is no correction but a response that explodes."""
+HOPELESS = 0.3
+"""Share of windows that cannot be simulated, or in which noise would excuse anything, from which a law is no law."""
+ROUNDS = 6
+"""Corrections of the first states at most, each with a new linear response."""
+SETTLED = 0.8
+"""Another correction is worth its time if the last one left less than this of the squared residual."""
+STRAY = 4.0
+"""A window so many times as far off as the median one may still be on the wrong side of a stick: it is tried on."""
+SHORTER = 0.3
+"""A correction that made it worse is tried again, this much shorter."""
+FAILED = 3.0
+"""A sample that the simulation did not reach counts as off by so many times what its channel moves (plus 1 rad)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Matched:
+    """Windows from the first states that suit them best.
+
+    Attributes:
+        moved: how far these are from the loose starts (windows, nx).
+        residual: what is left, simulated - measured (windows, rows, channels).
+        motion: that was simulated.
+        filter: by which it is measured.
+    """
+
+    moved: Array
+    residual: Array
+    motion: Motion
+    filter: Filter
+
+    def stray(self, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Windows that are much further off than the others (windows,)."""
+        size = self.filter.scaled(self.residual)
+        return np.asarray(size > STRAY**2 * max(float(np.median(size)), float(used[0].sum())))
+
+
+def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_]) -> Matched:
+    """Move first states until it does not pay any more.
+
+    Strays are tried again from rest, where friction may hold what nobody sees.
+
+    Args:
+        shooter: of the model and the windows.
+        starts: first states and how loosely they are known.
+        used: samples that count (windows, rows, channels).
+    """
+    found = _from(shooter, starts, used, np.zeros_like(starts.x))
+    stray = found.stray(used)
+    if starts.stuck is None or not stray.any():
+        return found
+    begin = np.where(stray[:, None], starts.stuck - starts.x, found.moved)
+    return _better(shooter, starts, used, found, _from(shooter, starts, used, begin, found, stray))
+
+
+def within(starts: Starts, moved: Array) -> Array:
+    """Moves (windows, nx) that are corrections still."""
+    return np.clip(np.nan_to_num(moved), -FARTHEST * starts.std, FARTHEST * starts.std)
+
+
+def _from(
+    shooter: Shooter,
+    starts: Starts,
+    used: NDArray[np.bool_],
+    moved: Array,
+    rest: Matched | None = None,
+    some: NDArray[np.bool_] | None = None,
+) -> Matched:
+    """Correct the first states by linear responses until it does not pay any more.
+
+    Args:
+        shooter: of the model and the windows.
+        starts: first states and how loosely they are known.
+        used: samples that count (windows, rows, channels).
+        moved: where to begin (windows, nx).
+        rest: windows as they were, of which only some are corrected; None: all of them.
+        some: windows to correct (windows,).
+    """
+    some = np.ones(len(moved), bool) if some is None else some
+    motion = shooter.run(starts.x + moved, which=np.flatnonzero(some), others=None if rest is None else rest.motion)
+    residual = bounded_residual(shooter, motion, used)
+    fit = Matched(moved, residual, motion, _filter(shooter, starts, used, motion, some, rest))
+    factor, active = np.ones(len(moved)), some
+    if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
+        return fit
+    for _ in range(ROUNDS):
+        wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
+        wanted = shooter.bounded(starts.x + within(starts, wanted)) - starts.x
+        again = shooter.run(starts.x + wanted, which=np.flatnonzero(active), others=fit.motion)
+        left = bounded_residual(shooter, again, used)
+        before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
+        better = active & (after < before)
+        factor = np.where(better, 1.0, SHORTER * factor)
+        motion = _chosen(better, again, fit.motion)
+        moved = np.where(better[:, None], wanted, fit.moved)
+        fit = Matched(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
+        stray = some & fit.stray(used)
+        if np.minimum(before, after)[some].sum() > SETTLED * before[some].sum() and not stray.any():
+            break
+        active = active & (np.abs(before - after) > (1.0 - SETTLED) * before) | stray
+        fit = dataclasses.replace(fit, filter=_filter(shooter, starts, used, motion, better, fit))
+    return fit
+
+
+def _filter(
+    shooter: Shooter, starts: Starts, used: NDArray[np.bool_], motion: Motion, some: NDArray[np.bool_],
+    rest: Matched | None,
+) -> Filter:  # fmt: skip
+    """By which a motion is measured: made anew for some windows, for the rest as it was."""
+    which = np.flatnonzero(some)
+    if rest is not None and not len(which):
+        return rest.filter
+    made = Filter.of(shooter.windows, spread(shooter, motion, which), starts.std, used, which)
+    return made if rest is None else rest.filter.replaced(which, made)
+
+
+def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matched, other: Matched) -> Matched:
+    """Window by window the fit that leaves less."""
+    wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
+    motion = _chosen(wins, other.motion, one.motion)
+    moved = np.where(wins[:, None], other.moved, one.moved)
+    residual = np.where(wins[:, None, None], other.residual, one.residual)
+    return Matched(moved, residual, motion, _filter(shooter, starts, used, motion, wins, one))
+
+
+def bounded_residual(shooter: Shooter, motion: Motion, used: NDArray[np.bool_]) -> Array:
+    """Simulated - measured, bounded also where the simulation failed."""
+    windows = shooter.windows
+    measured = windows.measured
+    limit = 1.0 + FAILED * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
+    with np.errstate(invalid="ignore", over="ignore"):
+        difference = shooter.reported(motion) - shooter.measured
+    reached = np.arange(windows.rows) < motion.written[:, None]
+    difference = np.where(reached[:, :, None] & np.isfinite(difference), difference, limit)
+    return np.where(used & np.isfinite(shooter.measured), np.clip(difference, -limit, limit), 0.0)
+
+
+def _chosen(better: NDArray[np.bool_], one: Motion, other: Motion) -> Motion:
+    """Window by window the better of two."""
+
+    def pick(name: str) -> Any:
+        a, b = getattr(one, name), getattr(other, name)
+        return np.where(better.reshape(-1, *[1] * (a.ndim - 1)), a, b)
+
+    return Motion(pick("q"), pick("theta"), pick("x"), pick("written"))

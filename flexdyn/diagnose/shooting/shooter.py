@@ -1,0 +1,285 @@
+"""The windows of a recording simulated by the core, over native threads."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn import _core
+from flexdyn.analysis.variants import command_delays, without
+from flexdyn.choice import STIFF, core_settings, fastest_rate
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors, undone
+from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.effects import CommandDelay, Effect, MemoryEffect, WarmUpFriction
+from flexdyn.inputs import SIGNALS
+from flexdyn.model import FlexibleJointModel
+from flexdyn.plant import acting_effects, build_plant
+from flexdyn.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver
+
+Array = NDArray[np.float64]
+PHASE = 0.25
+"""Largest rate times step of the classical method [rad]: 0.5 s of a vibration then end within 0.5 % of it."""
+MOST = 100_000
+"""Evaluations of the equations after which a window has failed: 0.5 s in classical steps of 20 microseconds take as many."""
+BEYOND = 2.0
+"""Internal states of first states are at most so many times their reach: corrections are linear, bristles are not."""
+AT_ONCE = 256
+"""Runs that are given to the threads together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Simulated windows.
+
+    Attributes:
+        q: (windows, rows, n).
+        theta: likewise; q where the joint is rigid.
+        x: whole states at the first sample of every block (windows, blocks, nx).
+        written: samples of each window that were reached; fewer than its rows where the simulation failed (windows,).
+    """
+
+    q: Array
+    theta: Array
+    x: Array
+    written: NDArray[np.int64]
+
+    def copy(self) -> Motion:
+        """The same, in arrays of its own."""
+        return Motion(self.q.copy(), self.theta.copy(), self.x.copy(), self.written.copy())
+
+    def part(self, which: NDArray[np.int64]) -> Motion:
+        """Some of the windows."""
+        return Motion(self.q[which], self.theta[which], self.x[which], self.written[which])
+
+
+class Shooter:
+    """One model made ready to be simulated over windows.
+
+    A command delay, and a lag of the recorded torque, become a shift of the torque in time, so that a window has the
+    torques of before its start; laws that depend on time since the run's start are moved to the window's.
+
+    Args:
+        model: the arm.
+        windows: that will be simulated.
+        extra: torque added to the recorded one (windows, rows, n) [N m].
+    """
+
+    def __init__(self, model: FlexibleJointModel, windows: Windows, extra: Array | None = None) -> None:
+        self.given = model
+        self.model = without(model.resolved(), lambda effect: isinstance(effect, CommandDelay))
+        self.windows = windows
+        self.elastic = np.flatnonzero(self.model.elastic)
+        self.memory = [effect for effect in acting_effects(self.model) if isinstance(effect, MemoryEffect)]
+        timed = any(_timed(effect) for effect in self.model.all_effects)
+        count = len(windows)
+        begins = windows.t[:, 0] - np.array([windows.recordings[k].t[0] for k in windows.places[:, 0]])
+        models = [at_time(self.model, begin) for begin in begins] if timed else [self.model]
+        plants = [build_plant(each) for each in models]
+        self.plants = plants if timed else plants * count
+        self._held = _torques(model.resolved(), windows, extra)
+        self.signals = [_signal(*each) for each in self._held]
+
+    @property
+    def size(self) -> int:
+        """Of the state."""
+        return self.plants[0].state_size
+
+    def run(
+        self, x0: Array, tight: float = 1.0, *, which: NDArray[np.int64] | None = None, others: Motion | None = None
+    ) -> Motion:
+        """Simulate windows.
+
+        Args:
+            x0: first states of all (windows, nx).
+            tight: factor on step or tolerance, below 1 for a check.
+            which: windows to simulate; None: all.
+            others: what the rest of them did.
+        """
+        windows, n = self.windows, self.model.n
+        count, rows = len(windows), windows.rows
+        solver = core_settings(self._solver(x0, tight), MOST)
+        motion = others.copy() if others is not None else Motion(
+            np.zeros((count, rows, n)), np.zeros((count, rows, n)), np.zeros((count, windows.blocks, self.size)),
+            np.zeros(count, np.int64),
+        )  # fmt: skip
+        which = np.arange(count) if which is None else which
+        for begin in range(0, len(which), AT_ONCE):
+            self._some(which[begin : begin + AT_ONCE], x0, solver, motion)
+        return motion
+
+    def _some(self, which: NDArray[np.int64], x0: Array, solver: _core.SolverSettings, motion: Motion) -> None:
+        rows, n = self.windows.rows, self.model.n
+        out = np.full((len(which), len(SIGNALS), rows, n), np.nan)
+        z = np.full((len(which), rows, self.plants[0].internal_states), np.nan)
+        jobs = []
+        for place, w in enumerate(which.tolist()):
+            times = self.windows.t[w] - self.windows.t[w, 0]
+            command = _core.open_loop(self.signals[w])
+            arrays = [*out[place], z[place]]
+            span = float(times[-1])
+            start = np.ascontiguousarray(x0[w])
+            jobs.append(_core.job(self.plants[w], command, [], start, span, solver, times, arrays, None))
+        python = any(effect.is_python for effect in self.model.all_effects)
+        reached = _simulated(jobs, out[:, 0], python=python)
+        q, theta, v, omega = (out[:, k] for k in range(4))
+        every = slice(None, None, self.windows.block)
+        parts = (q, theta[..., self.elastic], v, omega[..., self.elastic], z)
+        motion.q[which], motion.theta[which] = q, theta
+        motion.x[which] = np.nan_to_num(np.concatenate([part[:, every] for part in parts], axis=2))
+        motion.written[which] = reached
+
+    def bounded(self, x0: Array) -> Array:
+        """First states whose internal states are not far beyond their reach, where no path takes them (windows, nx)."""
+        reach = BEYOND * np.array([effect.reach for effect in self.memory])
+        x0 = x0.copy()
+        x0[:, x0.shape[1] - len(reach) :] = np.clip(x0[:, x0.shape[1] - len(reach) :], -reach, reach)
+        return x0
+
+    def torques(self, w: int) -> Array:
+        """Torques that arrive at the first sample of every block of a window (blocks, n)."""
+        breaks, values = self._held[w]
+        times = self.windows.t[w, :: self.windows.block] - self.windows.t[w, 0]
+        return np.ascontiguousarray(values[np.searchsorted(breaks, times + 1e-9, side="right") - 1])
+
+    @lazy
+    def measured(self) -> Array:
+        """What was measured, channels that lag by the model set right (windows, rows, channels); NaN: nothing."""
+        windows, table = self.windows, self.windows.measured
+        for column, name in enumerate(windows.channels):
+            late = lag(sensors(self.model, name))
+            if late == 0.0:
+                continue
+            table = table.copy()
+            for k, recording in enumerate(windows.recordings):
+                mine = windows.places[:, 0] == k
+                if name in recording:
+                    table[mine, :, column] = early(recording, name, late, windows.t[mine])
+        return table
+
+    @property
+    def torques_known(self) -> NDArray[np.bool_]:
+        """Windows in which no torque of before the recording arrives (windows,)."""
+        begins = np.array([self.windows.recordings[k].t[0] for k in self.windows.places[:, 0]])
+        return np.asarray(self.windows.t[:, 0] - begins >= _shifts(self.given.resolved()).max())
+
+    def reported(self, motion: Motion) -> Array:
+        """What the model's sensors would have said, but for their lag (windows, rows, channels)."""
+        windows = self.windows
+        table = np.empty((len(windows), windows.rows, len(windows.channels)))
+        for k, name in enumerate(windows.channels):
+            signal, _, joint = name.partition(".")
+            table[:, :, k] = getattr(motion, signal)[:, :, self.model.index(joint)]
+            effects = sensors(self.model, name)
+            if effects:
+                table[:, :, k] = of_windows(seen, effects, table[:, :, k], windows.t)
+        return table
+
+    def _solver(self, x0: Array, tight: float) -> Solver:
+        """Errors well below the sensors' noise, no more."""
+        some = range(0, len(x0), max(1, len(x0) // 5))
+        rate = max(fastest_rate(self.plants[w], np.ascontiguousarray(x0[w])) for w in some)
+        fast = np.abs(x0[:, self.model.n + len(self.elastic) :]).max()
+        rate = max([rate, *(fast / effect.reach for effect in self.memory if effect.reach > 0)])
+        if rate * self.windows.period < (PHASE if self.plants[0].has_dry_friction else 8 * PHASE):
+            return RungeKutta4(step=tight * min(PHASE / max(rate, 1e-9), self.windows.period))
+        if rate > STIFF:
+            return Rosenbrock(rtol=1e-5 * tight, atol=1e-7 * tight)
+        return DormandPrince(rtol=1e-5 * tight, atol=1e-7 * tight)
+
+
+def _simulated(jobs: Sequence[_core.Job], q: Array, *, python: bool) -> NDArray[np.int64]:
+    """Run jobs and say how many samples each reached; those that take too many steps are stopped."""
+    if python:  # the interpreter takes one at a time, and knows this thread already
+        for each in jobs:
+            with contextlib.suppress(Exception):
+                _core.simulate(each, None)
+    else:
+        _core.simulate_many(jobs, len(os.sched_getaffinity(0)), None)
+    finite = np.asarray(np.isfinite(q).all(axis=2))
+    return np.where(finite.all(axis=1), np.int64(q.shape[1]), finite.argmin(axis=1)).astype(np.int64)
+
+
+def at_time(model: FlexibleJointModel, begin: float) -> FlexibleJointModel:
+    """The model as it is from a time on, that time being its new zero [s]."""
+    return model.replace(effects=[_moved(each, begin) for each in model.all_effects], urdf_dynamics="ignore")
+
+
+def _timed(effect: Effect) -> bool:
+    return (isinstance(effect, WarmUpFriction) or effect.is_python) and not effect.is_neutral
+
+
+def _moved(effect: Effect, begin: float) -> Effect:
+    if isinstance(effect, WarmUpFriction):
+        return replace(effect, coefficient=effect.coefficient * math.exp(-begin / effect.time_constant))
+    if not effect.is_python:
+        return effect
+    moved = copy.copy(effect)
+    law = effect.torque
+
+    def torque(x: float, u: float, *, t: float, tau: float) -> Any:
+        try:
+            return law(x, u, t=t + begin, tau=tau)
+        except Exception:  # a user's code may raise anything, far from the data: the window has failed
+            return math.nan
+
+    object.__setattr__(moved, "torque", torque)
+    return moved
+
+
+def _torques(model: FlexibleJointModel, windows: Windows, extra: Array | None) -> list[tuple[Array, Array]]:
+    """Breaks from the window's start [s] and the torques held between them, of every window."""
+    names, shifts = model.joint_names, _shifts(model)
+    effects = [sensors(model, f"tau.{joint}") for joint in names]
+    tables: list[Array] = []
+    for recording in windows.recordings:
+        columns = np.zeros((len(recording), len(names)))
+        for j, joint in enumerate(names):
+            if recording.has("tau", joint):
+                columns[:, j] = recording[f"tau.{joint}"]
+        for j, each in enumerate(effects):
+            columns[:, j] = undone(each, columns[:, j], recording.t)
+        tables.append(columns)
+    found = []
+    reach = math.ceil(np.abs(shifts).max() / windows.period) + 2
+    for w, (k, row) in enumerate(windows.places):
+        first = max(0, row - reach)
+        near = slice(first, row + windows.rows + reach)
+        tau = tables[k][near].copy()
+        if extra is not None:
+            tau[row - first : row - first + windows.rows] += extra[w]
+        found.append(_held(windows.recordings[k].t[near], tau, shifts, row - first, windows.rows))
+    return found
+
+
+def _shifts(model: FlexibleJointModel) -> Array:
+    """How much later than recorded the torques arrive (n,) [s]."""
+    lags = [lag(sensors(model, f"tau.{joint}")) for joint in model.joint_names]
+    return np.asarray(command_delays(model) - np.array(lags))
+
+
+def _held(t: Array, tau: Array, shifts: Array, row: int, rows: int) -> tuple[Array, Array]:
+    """The torques that arrive within one window, which begins at a row; before the first one that one holds."""
+    if not shifts.any():
+        return t[row : row + rows] - t[row], tau[row : row + rows]
+    begin, end = t[row], t[row + rows - 1]
+    late = np.concatenate([t + shift for shift in np.unique(shifts)])
+    breaks = np.unique(np.concatenate([[begin, end], late[(late > begin + 1e-9) & (late < end - 1e-9)]]))
+    breaks = breaks[np.concatenate([[True], np.diff(breaks) > 1e-9])]
+    values = np.empty((len(breaks), len(shifts)))
+    for j, shift in enumerate(shifts):
+        values[:, j] = tau[np.maximum(np.searchsorted(t, breaks - shift + 1e-9, side="right") - 1, 0), j]
+    return breaks - begin, values
+
+
+def _signal(breaks: Array, values: Array) -> _core.Signal:
+    coef = np.ascontiguousarray(values[:-1, None, :])
+    return _core.signal(np.ascontiguousarray(breaks), coef, np.ascontiguousarray(values[-1]))

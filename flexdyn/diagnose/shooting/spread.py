@@ -1,0 +1,186 @@
+"""How noise spreads through a window: sensitivities to first state and torques along the simulated motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.analysis.jacobian import dry_velocities
+from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.shooting.sensing import of_windows, sensors, slope
+from flexdyn.diagnose.shooting.shooter import Motion, Shooter
+from flexdyn.diagnose.shooting.windows import Windows
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+GAINS_EVERY = 5
+"""Blocks over which the effect of torques on accelerations is taken as one."""
+HUGE = 1e9
+"""Slopes and responses beyond it belong to motions that explode; they are cut off there."""
+STEEP = 20.0
+"""A velocity that feeds itself faster (1/s), as falling friction near rest does, does so for an instant only."""
+SLOW = 10.0
+"""A contact below so many times what noise adds to its velocity over a block may stick by noise."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """The linear response of every window, from the middle of one block to that of the next.
+
+    Attributes:
+        flow: transition into the middle of every block, the first from the window's start (windows, blocks, nx, nx).
+        push: covariance that the torque noise adds on the way (windows, blocks, nx, nx).
+        seen: channels per state at the middle of every block, sensors' slopes included (windows, blocks, channels, nx).
+    """
+
+    flow: Array
+    push: Array
+    seen: Array
+
+    def replaced(self, which: Indices, other: Spread) -> Spread:
+        """The same with the responses of some windows from another one, which holds these alone."""
+        parts = {"flow": self.flow.copy(), "push": self.push.copy(), "seen": self.seen.copy()}
+        for name, part in parts.items():
+            part[which] = getattr(other, name)
+        return Spread(**parts)
+
+
+def spread(shooter: Shooter, whole: Motion, which: Indices) -> Spread:
+    """Linear response of windows along their simulated motion.
+
+    The plant's Jacobian holds over a block; a contact that sticks at its beginning takes its velocity out. What a
+    reversal does to a velocity that slides on is left out.
+
+    Args:
+        shooter: that simulated them.
+        whole: motion of all windows.
+        which: of them are wanted.
+    """
+    windows, n, motion = shooter.windows, shooter.model.n, whole.part(which)
+    A, B = _slopes(shooter, motion, which)
+    still = _still(shooter, motion)
+    free, A[still], B[still] = B.copy(), 0.0, 0.0
+    # A block's mean stands (block - 1)/2 samples after its first one.
+    to, fro = (0.5 * (windows.block + side) * windows.period for side in (-1, 1))
+    (into, pushed_in), (out, pushed_out) = abreast(
+        lambda h: _over(h, A, B, windows, n + len(shooter.elastic)), (to, fro)
+    )
+    unsure = _undecided(shooter, motion, free)
+    positions = np.arange(unsure.shape[2])
+    pushed_out[:, :, positions, positions] += unsure * (to + fro) ** 2
+    keep = 1.0 - still[:, :, None, :]
+    first = into * keep  # out of a state whose sticking velocities are gone
+    flow, pushed = first.copy(), pushed_in.copy()
+    flow[:, 1:] = first[:, 1:] @ out[:, :-1]
+    pushed[:, 1:] += first[:, 1:] @ pushed_out[:, :-1] @ first[:, 1:].transpose(0, 1, 3, 2)
+    return Spread(flow, pushed, _outputs(shooter) * _gains(shooter, motion, which)[..., None])
+
+
+def _over(h: float, A: Array, B: Array, windows: Windows, positions: int) -> tuple[Array, Array]:
+    """Transition over a time h and the covariance that white torque noise adds meanwhile."""
+    count, knots, nx, n = B.shape
+    if h == 0.0:
+        return np.broadcast_to(np.eye(nx), A.shape), np.zeros_like(A)
+    both = np.concatenate([np.concatenate([A, B], 3), np.zeros((count, knots, n, nx + n))], 2)
+    flow = _exponential(both * h)
+    kick = flow[:, :, :nx, nx:] * (windows.noise.tau * np.sqrt(windows.period / h))
+    push = kick @ kick.transpose(0, 1, 3, 2)
+    # Noise that is held over m samples of h moves a position by h^3/3 (1 - 1/4m^2), noise held over h by h^3/4 only.
+    x, u = np.arange(positions), np.arange(positions, 2 * positions)
+    push[:, :, x, x] += push[:, :, u, u] * max(h**2 - windows.period**2, 0.0) / 12.0
+    return flow[:, :, :nx, :nx], push
+
+
+def _slopes(shooter: Shooter, motion: Motion, which: Indices) -> tuple[Array, Array]:
+    """A and B at the start of every block; in B all contacts are free, and no friction falls steeply."""
+    count, knots, nx = motion.x.shape
+    n = shooter.model.n
+    A, B = np.zeros((count, knots, nx, nx)), np.zeros((count, knots, nx, n))
+    for w in np.flatnonzero(motion.written == shooter.windows.rows).tolist():
+        place = int(which[w])
+        shooter.plants[place].slopes_along(motion.x[w], shooter.torques(place), GAINS_EVERY, A[w], B[w])
+    A, B = (np.clip(np.nan_to_num(each), -HUGE, HUGE) for each in (A, B))
+    half = n + len(shooter.elastic)
+    velocities = np.arange(half, 2 * half)
+    steep = A[:, :, velocities, velocities] > STEEP
+    A[:, :, half : 2 * half, half : 2 * half] *= ~steep[:, :, None, :]
+    return A, B
+
+
+def _still(shooter: Shooter, motion: Motion) -> NDArray[np.bool_]:
+    """States that are velocities of contacts which stick (windows, blocks, nx)."""
+    half = shooter.model.n + len(shooter.elastic)
+    still = np.zeros(motion.x.shape, bool)
+    for place in dry_velocities(shooter.model):
+        still[:, :, half + place] = motion.x[:, :, half + place] == 0.0
+    return still
+
+
+def _undecided(shooter: Shooter, motion: Motion, B: Array) -> Array:
+    """Variance of velocities where noise decides whether a contact sticks or slides (windows, blocks, positions).
+
+    There the motion is not linear in the noise: the contact may have moved, or not, by what noise does to a free one.
+    """
+    windows, half = shooter.windows, shooter.model.n + len(shooter.elastic)
+    h = windows.block * windows.period
+    kick = ((B * windows.noise.tau) ** 2).sum(axis=3) * windows.period * h
+    found = np.zeros((*motion.x.shape[:2], half))
+    for place in dry_velocities(shooter.model):
+        speed, spread_ = np.abs(motion.x[:, :, half + place]), np.sqrt(kick[:, :, half + place])
+        near = _around(speed == 0.0) & _around(speed > 0.0) | (speed > 0.0) & (speed < SLOW * spread_)
+        found[:, :, place] = np.where(near, spread_**2, 0.0)
+    return found
+
+
+def _around(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Within two blocks of one that has the flag."""
+    padded = np.pad(flags, ((0, 0), (2, 2)))
+    return np.asarray(np.logical_or.reduce([padded[:, k : k + flags.shape[1]] for k in range(5)]))
+
+
+def _exponential(A: Array) -> Array:
+    """Matrix exponentials of a stack, by scaling, a Taylor series of order 6 and squaring.
+
+    States are measured in units in which rows and columns are alike: stiff springs then ask for few squarings.
+    """
+    from scipy.linalg import matrix_balance
+
+    _, (unit, _) = matrix_balance(np.abs(A).max(axis=tuple(range(A.ndim - 2))), permute=False, separate=True)
+    ratio = unit / unit[:, None]
+    A = A * ratio
+    size = float(np.abs(A).sum(axis=-1).max())
+    halvings = max(0, int(np.ceil(np.log2(max(size, 1e-9) / 0.5))))
+    halvings = min(halvings, 30)
+    small, one = A / 2.0**halvings, np.eye(A.shape[-1])
+    total = one + small / 6.0
+    for order in (5, 4, 3, 2, 1):
+        total = one + small @ total / order
+    for _ in range(halvings):
+        total = np.clip(total @ total, -HUGE, HUGE)
+    return np.asarray(np.clip(total / ratio, -HUGE, HUGE))
+
+
+def _outputs(shooter: Shooter) -> Array:
+    """Which state every channel shows (channels, nx)."""
+    model, e = shooter.model, shooter.elastic.tolist()
+    C = np.zeros((len(shooter.windows.channels), shooter.size))
+    for k, name in enumerate(shooter.windows.channels):
+        signal, _, joint = name.partition(".")
+        j = model.index(joint)
+        C[k, model.n + e.index(j) if signal == "theta" and j in e else j] = 1.0
+    return C
+
+
+def _gains(shooter: Shooter, motion: Motion, which: Indices) -> Array:
+    """Slope of every sensor (windows, blocks, channels)."""
+    windows = shooter.windows
+    gain = np.ones((len(which), windows.blocks, len(windows.channels)))
+    for k, name in enumerate(windows.channels):
+        signal, _, joint = name.partition(".")
+        x = getattr(motion, signal)[:, :: windows.block, shooter.model.index(joint)]
+        effects = sensors(shooter.model, name)
+        if effects:
+            gain[:, :, k] = of_windows(slope, effects, x, windows.t[which, :: windows.block])
+    return gain

@@ -1,0 +1,261 @@
+"""Where every window starts: positions and velocities from the samples around, the rest from the model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.analysis.jacobian import dry_velocities
+from flexdyn.diagnose.shooting.sensing import lag, sensors, undone
+from flexdyn.diagnose.shooting.shooter import Shooter
+from flexdyn.effects import DeflectionEffect, SpringHysteresis
+from flexdyn.plant import LinkSide
+
+Array = NDArray[np.float64]
+REACHES = (0.04, 0.02, 0.01, 0.005)
+"""Half widths of the local cubic [s]; the widest that the noise allows is taken."""
+REST = 0.02
+"""A joint rests where it stays within its noise for so long to both sides [s]."""
+UNSURE = 0.3
+"""Standard deviation of an internal state at a window's start, by its reach or by how far the joint moves, if less."""
+LOOSE = 5.0
+"""The window itself says where it started; what the smoothing found is a bound so many times as wide as its error."""
+
+
+@dataclass(frozen=True, eq=False)
+class Starts:
+    """First states and how loosely they are known.
+
+    Attributes:
+        x: (windows, nx).
+        std: (windows, nx); 0 for what is certain, such as the velocity of a joint that sticks.
+        stuck: the same states with all contacts at rest on sides that were not measured, where friction may hold what
+            nobody sees; None without such contacts.
+    """
+
+    x: Array
+    std: Array
+    stuck: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Local:
+    """One channel around the starts: value, first and second derivative with their errors, and whether it rests."""
+
+    value: Array
+    rate: Array
+    bend: Array
+    value_std: Array
+    rate_std: Array
+    rests: NDArray[np.bool_]
+
+
+def first_states(shooter: Shooter) -> Starts:
+    """First states of every window under a model.
+
+    Positions and velocities come from a local cubic over the samples before and after the start. Where one encoder is
+    missing, the springs carry what the links need for the acceleration that the other one shows. Contacts that rest
+    within the noise start with velocity 0, to the last bit. Internal states follow the measured path up to the start.
+    """
+    windows, model = shooter.windows, shooter.model
+    n, count = model.n, len(windows)
+    found = {name: _around(shooter, name) for name in windows.channels}
+    q, theta, v, omega = (np.zeros((count, n)) for _ in range(4))
+    q_std, theta_std, v_std, omega_std = (np.zeros((count, n)) for _ in range(4))
+    bend, rests = np.zeros((count, n)), np.zeros((count, n), bool)
+    both = np.zeros(n, bool)
+    for j, joint in enumerate(model.joint_names):
+        link, rotor = found.get(f"q.{joint}"), found.get(f"theta.{joint}")
+        one, two = (link or rotor), (rotor or link)
+        if one is None or two is None:
+            v_std[:, j] = omega_std[:, j] = q_std[:, j] = theta_std[:, j] = 0.1
+            continue
+        both[j] = link is not None and rotor is not None
+        q[:, j], v[:, j], q_std[:, j], v_std[:, j] = one.value, one.rate, one.value_std, one.rate_std
+        theta[:, j], omega[:, j], theta_std[:, j], omega_std[:, j] = two.value, two.rate, two.value_std, two.rate_std
+        bend[:, j], rests[:, j] = one.bend, one.rests & two.rests
+    delta = _wound(shooter, np.where(both, 0.5 * (q + theta), q), v, bend)
+    for j, joint in enumerate(model.joint_names):
+        if both[j] or not model.elastic[j]:
+            continue
+        spread = 0.3 * np.abs(delta[:, j]) + 0.1 * np.abs(delta[:, j]).mean()
+        rate = np.gradient(delta[:, j]).std() + np.abs(v[:, j]) * 0.01 + v_std[:, j]
+        if f"q.{joint}" in found:
+            theta[:, j], theta_std[:, j] = q[:, j] + delta[:, j], theta_std[:, j] + spread
+            omega_std[:, j] = omega_std[:, j] + rate
+        else:
+            q[:, j], q_std[:, j] = theta[:, j] - delta[:, j], q_std[:, j] + spread
+            v_std[:, j] = v_std[:, j] + rate
+    e = shooter.elastic
+    x = np.hstack([q, theta[:, e], v, omega[:, e]])
+    std = LOOSE * np.hstack([q_std, theta_std[:, e], v_std, omega_std[:, e]])
+    unseen = _stick(shooter, x, std, rests)
+    z, z_std = _memories(shooter)
+    stuck = np.hstack([x, z])
+    stuck[:, unseen] = 0.0
+    return Starts(np.hstack([x, z]), np.hstack([std, z_std]), stuck if unseen else None)
+
+
+def _around(shooter: Shooter, name: str) -> _Local:
+    """Local cubics of one channel at every start."""
+    windows, effects = shooter.windows, sensors(shooter.model, name)
+    noise = windows.sensor_noise[windows.channels.index(name)]
+    parts: list[Array] = [np.full((0, 7), np.nan)]
+    order = np.argsort(windows.places[:, 0], kind="stable")
+    for k, recording in enumerate(windows.recordings):
+        rows = windows.places[windows.places[:, 0] == k, 1]
+        if not len(rows):
+            continue
+        if name not in recording:
+            parts.append(np.tile([0.0, 0.0, 0.0, 0.1, 0.1, 0.0, 0.0], (len(rows), 1)))
+            continue
+        late = lag(effects)
+        x = undone(effects, np.asarray(recording[name]), recording.t)
+        parts.append(_cubics(recording.t - late, x, recording.t[rows], rows, noise, windows.period))
+    table = np.empty((len(windows), 7))
+    table[order] = np.concatenate(parts)
+    value, rate, bend, value_std, rate_std, rests, _ = table.T
+    return _Local(value, rate, bend, value_std, rate_std, rests > 0)
+
+
+def _cubics(t: Array, x: Array, at: Array, rows: NDArray[np.int64], noise: float, period: float) -> Array:
+    """Value, rate, bend, their errors and rest (starts, 7), by the widest cubic that leaves only noise."""
+    best = np.full((len(rows), 7), np.nan)
+    open_ = np.ones(len(rows), bool)
+    for reach in REACHES:
+        half = max(4, round(reach / period))
+        near = rows[:, None] + np.arange(-half, half + 1)
+        inside = (near >= 0) & (near < len(t))
+        near = np.clip(near, 0, len(t) - 1)
+        u = (t[near] - at[:, None]) / (half * period)
+        inside &= np.abs(u) < 1.5  # not across a gap
+        inside |= np.arange(2 * half + 1) == half
+        weight = inside.astype(float)
+        y = x[near]
+        basis = weight[:, :, None] * u[:, :, None] ** np.arange(4)
+        normal = basis.transpose(0, 2, 1) @ basis + 1e-9 * np.eye(4)
+        inverse = np.linalg.inv(normal)
+        first = y[:, half]
+        fit = (inverse @ (basis.transpose(0, 2, 1) @ (weight * (y - first[:, None]))[:, :, None]))[:, :, 0]
+        left = weight * (y - first[:, None]) - (basis @ fit[:, :, None])[:, :, 0]
+        free = np.maximum(weight.sum(1) - 4, 1.0)
+        size = np.sqrt((left**2).sum(1) / free)
+        scale = 1.0 / (half * period)
+        error = np.maximum(size, noise)
+        value_std, rate_std = (error * np.sqrt(inverse[:, i, i]) for i in (0, 1))
+        row = np.stack([
+            first + fit[:, 0], fit[:, 1] * scale, 2.0 * fit[:, 2] * scale**2, value_std, rate_std * scale,
+            np.zeros(len(rows)), size,
+        ], axis=1)  # fmt: skip
+        best[open_] = row[open_]
+        open_ &= size > 1.3 * noise
+        if not open_.any():
+            break
+    best[:, 5] = _resting(x, rows, max(3, round(REST / period)), noise)
+    return best
+
+
+def _resting(x: Array, rows: NDArray[np.int64], half: int, noise: float) -> Array:
+    near = np.clip(rows[:, None] + np.arange(-half, half + 1), 0, len(x) - 1)
+    y = x[near]
+    trend = np.abs(y[:, : half + 1].mean(1) - y[:, half:].mean(1))
+    still = (y.max(1) - y.min(1) < 8.0 * noise) & (trend < 5.0 * noise / math.sqrt(half) + 1.5 * noise)
+    return np.asarray(still, dtype=float)
+
+
+def _wound(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
+    """Deflection (windows, n) under which the model's links accelerate as measured."""
+    model, elastic = shooter.model, shooter.elastic
+    delta = np.zeros_like(q)
+    if not len(elastic):
+        return delta
+    n, half = model.n, model.n + len(elastic)
+    M = LinkSide(model).mass_matrix(q)
+    stiffness = model.stiffness[elastic]
+    tau, out = np.zeros(n), np.empty(shooter.size)
+    for w in range(len(q)):
+        x = np.zeros(shooter.size)
+        x[:n], x[half : half + n], x[half + n : 2 * half] = q[w], v[w], v[w, elastic]
+        for _ in range(12):
+            x[n:half] = q[w, elastic] + delta[w, elastic]
+            shooter.plants[w].derivative(0.0, x, tau, 1e-3, out)
+            need = (M[w] @ (bend[w] - out[half : half + n]))[elastic]
+            if not np.isfinite(need).all():
+                break
+            step = need / stiffness
+            delta[w, elastic] += step
+            if np.abs(step).max() < 1e-9:
+                break
+    return delta
+
+
+def _stick(shooter: Shooter, x: Array, std: Array, rests: NDArray[np.bool_]) -> list[int]:
+    """Contacts with dry friction that rest within the noise have velocity 0 and no doubt about it.
+
+    Not so on a side that was not measured: there the other side's rest says little, for springs wind up. Velocities of
+    such contacts are returned by their place in the state.
+    """
+    model, e = shooter.model, shooter.elastic.tolist()
+    half, unseen = model.n + len(e), []
+    for place in dry_velocities(model):
+        j = place if place < model.n else e[place - model.n]
+        own = f"{'q' if place < model.n else 'theta'}.{model.joint_names[j]}"
+        if own in shooter.windows.channels or not model.elastic[j]:
+            x[rests[:, j], half + place] = std[rests[:, j], half + place] = 0.0
+        else:
+            unseen.append(half + place)
+    return unseen
+
+
+def _memories(shooter: Shooter) -> tuple[Array, Array]:
+    """Internal states at the starts, along the measured motion since each recording began."""
+    windows = shooter.windows
+    z = np.zeros((len(windows), len(shooter.memory)))
+    std = np.zeros_like(z)
+    for i, effect in enumerate(shooter.memory):
+        std[:, i] = UNSURE * effect.reach
+        for k in range(len(windows.recordings)):
+            mine = windows.places[:, 0] == k
+            path = _path(shooter, effect, k)
+            if path is None or not mine.any():
+                continue
+            rows = windows.places[mine, 1]
+            states = effect.states_along(path[: rows.max() + 1])
+            z[mine, i] = states[rows]
+            std[mine, i] = UNSURE * min(effect.reach, float(np.ptp(path))) * np.where(rows == 0, 3.0, 1.0)
+    return z, std
+
+
+def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
+    """What drives a memory: position on its side, or the deflection, smoothed; None where it was not measured."""
+    model, recording = shooter.model, shooter.windows.recordings[k]
+    joint = str(getattr(effect, "joint", ""))
+
+    def position(signal: str) -> Array | None:
+        name = f"{signal}.{joint}"
+        if name not in recording:
+            return None
+        effects = sensors(model, name)
+        x = undone(effects, np.asarray(recording[name]), recording.t)
+        return np.interp(recording.t, recording.t - lag(effects), x) if lag(effects) else x
+
+    q, theta = position("q"), position("theta")
+    path: Array | None
+    if isinstance(effect, SpringHysteresis):
+        if q is None or theta is None:
+            return None
+        path = theta - q
+        for each in model.all_effects:
+            if isinstance(each, DeflectionEffect) and each.joint == joint and not each.is_neutral:
+                path = each.deflection(path, theta)
+    else:
+        own = q if getattr(effect, "side", "") == "link" else theta
+        path = own if own is not None else theta if q is None else q
+    if path is None:  # neither was measured
+        return None
+    width = max(1, round(0.004 / shooter.windows.period)) * 2 + 1
+    padded = np.pad(path, width // 2, mode="edge")
+    return np.convolve(padded, np.full(width, 1.0 / width), "valid")

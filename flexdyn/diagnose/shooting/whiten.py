@@ -1,0 +1,144 @@
+"""Residuals of windows made white: a Kalman filter on the linear response to first state and torque noise."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.shooting.spread import HUGE, Indices, Spread
+from flexdyn.diagnose.shooting.windows import Windows
+
+Array = NDArray[np.float64]
+EXCUSE = 0.2
+"""Noise excuses no more than this of what a channel moves: an unstable model makes much of little."""
+
+
+@dataclass(frozen=True, eq=False)
+class Filter:
+    """A filter that knows how noise goes through every window; it is linear in the residuals.
+
+    Its state is the error e of the simulated state (simulated - true): e' = flow e + torque noise, and the block means
+    of the residual are ``seen e`` + sensor noise. The error at the window's start is estimated along with it.
+
+    Attributes:
+        response: of the windows.
+        gain: of the state's error by surprise (windows, blocks, nx, channels).
+        first_gain: of the first state's error by surprise, likewise.
+        whitener: inverse Cholesky factors of the surprises' covariances (windows, blocks, channels, channels).
+        variance: of a single sample of the residual after the best first state (windows, blocks, channels).
+        unfitted: the same with the true first state.
+        counted: 1 where a block was measured, else 0 (windows, blocks, channels).
+        block: samples in a block.
+        wild: windows in which noise would excuse anything (windows,).
+    """
+
+    response: Spread
+    gain: Array
+    first_gain: Array
+    whitener: Array
+    variance: Array
+    unfitted: Array
+    counted: Array
+    block: int
+    wild: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, windows: Windows, response: Spread, std: Array, used: NDArray[np.bool_], which: Indices) -> Filter:
+        """Run the covariances through, for some windows.
+
+        Args:
+            windows: all, with the noise levels.
+            response: linear, of the motion of those that are wanted.
+            std: of the prior of the first states (windows, nx).
+            used: samples that count (windows, rows, channels).
+            which: windows are wanted.
+        """
+        flow, push, std = response.flow, response.push, std[which]
+        count, blocks, nx, _ = flow.shape
+        counted = used[which, :: windows.block].astype(float)
+        seen = response.seen * counted[..., None]
+        sensor = windows.sensor_noise**2
+        R = np.eye(len(sensor)) * np.where(counted > 0, sensor / _averaged(windows, which), 1.0)[:, :, None, :]
+        P = np.eye(nx) * (std**2)[:, None, :]
+        cross, first, moved = P.copy(), P.copy(), np.broadcast_to(np.eye(nx), P.shape)
+        V = np.zeros_like(P)
+        channels = len(sensor)
+        gain, first_gain = np.empty((count, blocks, nx, channels)), np.empty((count, blocks, nx, channels))
+        whitener = np.empty((count, blocks, channels, channels))
+        carried, lever = np.empty((count, blocks, channels)), np.empty((count, blocks, channels, nx))
+        for k in range(blocks):
+            F, C = flow[:, k], seen[:, k]
+            Ft, Ct = F.transpose(0, 2, 1), C.transpose(0, 2, 1)
+            P, V, cross, moved = F @ P @ Ft + push[:, k], F @ V @ Ft + push[:, k], cross @ Ft, F @ moved
+            P, V, cross, moved = (np.clip(each, -HUGE, HUGE) for each in (P, V, cross, moved))
+            PC, XC = P @ Ct, cross @ Ct
+            whitener[:, k] = W = _root(C @ PC, R[:, k])
+            inverse = W.transpose(0, 2, 1) @ W
+            gain[:, k], first_gain[:, k] = G, G0 = PC @ inverse, XC @ inverse
+            P = P - G @ PC.transpose(0, 2, 1)
+            first = first - G0 @ XC.transpose(0, 2, 1)
+            cross = cross - G0 @ PC.transpose(0, 2, 1)
+            carried[:, k] = np.einsum("wci,wci->wc", C @ V, C)
+            lever[:, k] = C @ moved
+        doubt = np.einsum("wkci,wkci->wkc", lever @ first[:, None], lever)
+        most = (EXCUSE * (np.nanmax(windows.measured, axis=(0, 1)) - np.nanmin(windows.measured, axis=(0, 1)))) ** 2
+        left = carried - doubt
+        variance = sensor + np.clip(left, 0.0, most)
+        unfitted = sensor + np.minimum(carried, most)
+        wild = ((carried > most) | (left > most)).any(axis=(1, 2))
+        return cls(response, gain, first_gain, whitener, variance, unfitted, counted, windows.block, wild)
+
+    def replaced(self, which: Indices, other: Filter) -> Filter:
+        """The same for all windows but some, for which it is as in another one, which holds these alone."""
+        names = [field.name for field in dataclasses.fields(self) if field.name not in ("response", "block")]
+        parts = {name: getattr(self, name).copy() for name in names}
+        for name, part in parts.items():
+            part[which] = getattr(other, name)
+        return dataclasses.replace(self, response=self.response.replaced(which, other.response), **parts)
+
+    def _run(self, residual: Array, error: Array) -> tuple[Array, Array]:
+        """Whitened surprises (windows, blocks, channels) and the estimated error of the first states (windows, nx)."""
+        count, rows, channels = residual.shape
+        mean = residual.reshape(count, rows // self.block, self.block, channels).mean(axis=2) * self.counted
+        white, now, first = np.empty_like(mean), error[:, :, None], error[:, :, None]
+        seen = self.response.seen * self.counted[..., None]
+        for k in range(mean.shape[1]):
+            now = self.response.flow[:, k] @ now
+            surprise = mean[:, k, :, None] - seen[:, k] @ now
+            now = np.clip(now + self.gain[:, k] @ surprise, -HUGE, HUGE)
+            first = np.clip(first + self.first_gain[:, k] @ surprise, -HUGE, HUGE)
+            white[:, k] = (self.whitener[:, k] @ surprise)[:, :, 0]
+        return white, first[:, :, 0]
+
+    def first_error(self, residual: Array, moved: Array) -> Array:
+        """How far the first states are off by all that was measured (windows, nx); moved: from the prior's centre."""
+        return self._run(residual, moved)[1]
+
+    def whitened(self, residual: Array, moved: Array) -> Array:
+        """Surprises of unit variance (windows, blocks * channels)."""
+        return self._run(residual, moved)[0].reshape(len(residual), -1)
+
+    def scaled(self, residual: Array) -> Array:
+        """Sum of squares of a residual in units of `variance`, of every window (windows,)."""
+        blocks = residual.reshape(len(residual), -1, self.block, residual.shape[2])
+        return np.asarray(((blocks**2).sum(axis=2) / self.variance * self.counted).sum(axis=(1, 2)))
+
+
+def _root(carried: Array, sensor: Array) -> Array:
+    """Inverse Cholesky factors of a sum of covariances; where it is lost to rounding, of its diagonal."""
+    whole = carried + sensor
+    try:
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(whole)))
+    except np.linalg.LinAlgError:
+        size = np.sqrt(np.maximum(np.diagonal(whole, axis1=1, axis2=2), np.diagonal(sensor, axis1=1, axis2=2)))
+        return np.asarray(np.eye(whole.shape[1]) / size[:, :, None])
+
+
+def _averaged(windows: Windows, which: Indices) -> Array:
+    """Independent samples in every block (windows, blocks, channels): an encoder that rests repeats its error."""
+    samples = windows.measured[which].reshape(len(which), windows.blocks, windows.block, -1)
+    moves = (samples != samples[:, :, :1]).any(axis=2)
+    return np.where(moves, float(windows.block), 1.0)

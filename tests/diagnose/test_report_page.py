@@ -1,0 +1,211 @@
+"""report.html in a browser: it opens anywhere, asks nobody for anything, shows all, and agrees with report.json."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.commands import PD, Samples
+from flexdyn.diagnose.report.apart import PICTURES
+from flexdyn.diagnose.report.digits import percent, probability_text, rounded, times
+from flexdyn.diagnose.report.found import OPEN
+from flexdyn.diagnose.report.result import (
+    Considered,
+    Diagnosis,
+    Experiment,
+    Finding,
+    Gap,
+    JointError,
+    Left,
+    Number,
+    Place,
+    Source,
+    Structure,
+    Suspect,
+    Trace,
+)
+from flexdyn.diagnose.report.sentences import next_measurements
+from flexdyn.diagnose.report.verdicts import verdict_sentence
+from tests.browser import open_page
+from tests.diagnose import report_cases as cases
+
+MADE = pytest.mark.parametrize("made", [*cases.CASES, cases.robot])
+
+
+@MADE
+def test_the_page_opens_without_a_network(made: Callable[[], Diagnosis], tmp_path: Path) -> None:
+    """The verdict can be read, residuals are drawn, nothing is wider than the window, nothing is asked for."""
+    diagnosis = made()
+    diagnosis.save(tmp_path)
+    with open_page(tmp_path / "report.html", width=1400) as page:
+        open_pictures = min(len(diagnosis.residuals), PICTURES)
+        page.wait_for(f"document.querySelectorAll('.js-plotly-plot').length == {open_pictures}")
+        heading = page.tab.locator("#verdict")
+        assert heading.is_visible()
+        assert heading.inner_text() == verdict_sentence(diagnosis)
+        told = page.tab.locator("main").inner_text()
+        for note in (*diagnosis.notes, *next_measurements(diagnosis)):
+            assert note in told
+        for width in (1400, 800, 600):
+            page.tab.set_viewport_size({"width": width, "height": 900})
+            page.wait_for(f"document.documentElement.scrollWidth == {width}")
+        tall = "[...document.querySelectorAll('.modebar')].filter(bar => bar.offsetHeight > 40).length"
+        assert page.tab.evaluate(tall) == 0, "buttons cover the pictures, which nobody can point at then"
+
+
+@MADE
+def test_the_page_says_what_the_json_says(made: Callable[[], Diagnosis], tmp_path: Path) -> None:
+    """Probabilities, gaps, errors and what is left, read back from both files."""
+    made().save(tmp_path)
+    document = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    with open_page(tmp_path / "report.html") as page:
+        page.tab.evaluate("document.querySelectorAll('details').forEach(fold => { fold.open = true; })")
+        told = page.tab.locator("main").inner_text().replace("\N{NO-BREAK SPACE}", " ")
+    for finding in document["findings"]:
+        assert probability_text(finding["probability"]) in told
+    for gap in document["gap"].values():
+        for value in (gap or {}).values():
+            assert times(float("inf") if value is None else value) in told
+    for joint, error in document["errors"].items():
+        known = [value for key in ("before", "after") if (value := error["torque"][key]) is not None]
+        assert all(text in told for text in (joint, *map(rounded, known)))
+    for left in document["left"]:
+        assert percent(left["share_of_torque"]) in told
+    assert ("model.yaml was not written" in told) == (not (tmp_path / "model.yaml").exists())
+
+
+def test_an_interruption_is_said_first_and_large(tmp_path: Path) -> None:
+    """Above everything else, in the largest letters of the page, and nothing is said of what no effect explains."""
+    cases.interrupted().save(tmp_path)
+    with open_page(tmp_path / "report.html") as page:
+        assert page.tab.locator("main").inner_text().startswith("INTERRUPTED")
+        size = "element => parseFloat(getComputedStyle(element).fontSize)"
+        stop, heading = (page.tab.locator(each).evaluate(size) for each in (".stop", "#verdict"))
+        assert stop > 1.3 * heading
+        assert "accounts for" not in page.tab.locator("header").inner_text()
+
+
+def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:
+    """Numbers with their intervals and units, evidence, rivals, the experiment, laws as pictures, everything else."""
+    cases.explained().save(tmp_path)
+    with open_page(tmp_path / "report.html") as page:
+        page.tab.evaluate("document.querySelectorAll('details').forEach(fold => { fold.open = true; })")
+        told = page.tab.locator("main").inner_text()
+        widths = page.tab.evaluate("() => [...document.querySelectorAll('article img')].map(each => each.naturalWidth)")
+    for text in (
+        "1.102 to 1.298 N m",
+        "0.0232 to 0.0388 rad/s",
+        "log Bayes factor 406 (very strong evidence)",
+        "On the test data 62 % of the gap goes with it.",
+        "These data do not tell which of these it is:",
+        cases.SWEEPS,
+        "on channel q.elbow",
+        "at frame tip",
+        "rotor inertia of shoulder",
+        "its cause may lie elsewhere",
+        "with presliding friction on the motor side of elbow",
+        cases.RIVAL_NOTE,
+        "5212 structures",
+        "monday.csv",
+        "41.6 to 52 s",
+        "theta.elbow 1.4e\N{MINUS SIGN}07 rad",
+    ):
+        assert text in told, text
+    assert "1. Stribeck friction or presliding friction" in told
+    assert len(widths) == 2, "Stribeck friction and the offset have laws, a payload and a factor have none"
+    assert min(widths) > 100
+
+
+def test_much_is_folded_away_and_drawn_when_it_is_opened(tmp_path: Path) -> None:
+    """Of a robot that lacks much: some findings and pictures stand open, the others come on a click."""
+    diagnosis = cases.robot()
+    diagnosis.save(tmp_path)
+    with open_page(tmp_path / "report.html") as page:
+        page.wait_for(f"document.querySelectorAll('.js-plotly-plot').length == {PICTURES}")
+        assert page.tab.locator("article:visible").count() == OPEN
+        page.tab.locator("#residuals summary").click()
+        page.wait_for(f"document.querySelectorAll('.js-plotly-plot').length == {len(diagnosis.residuals)}")
+        wide = "[...document.querySelectorAll('#residuals .main-svg')].every(each => each.clientWidth > 200)"
+        assert page.tab.evaluate(wide)
+    assert len((tmp_path / "report.html").read_bytes()) < 8e6
+
+
+def test_no_button_sends_data_anywhere(tmp_path: Path) -> None:
+    """Plotly offers to upload a chart to its own cloud; here it does not, and no link leads to another host."""
+    cases.explained().save(tmp_path)
+    with open_page(tmp_path / "report.html") as page:
+        page.wait_for("document.querySelectorAll('.modebar-btn').length > 4")
+        titles = page.tab.evaluate("[...document.querySelectorAll('.modebar-btn')].map(each => each.dataset.title)")
+        assert not [title for title in titles if title and ("hare" in title or "loud" in title or "dit" in title)]
+        assert page.tab.evaluate("[...document.querySelectorAll('a, form, iframe, link[href^=http]')].length") == 0
+        servers = "[...document.querySelectorAll('.js-plotly-plot')].map(each => each._context.plotlyServerURL)"
+        assert set(page.tab.evaluate(servers)) == {""}
+
+
+def test_names_of_any_origin_do_no_harm(tmp_path: Path) -> None:
+    """Joints, files, notes and titles that are markup are shown as they are written, and no script of theirs runs."""
+    evil = "</script><img src=x onerror=\"document.title='stolen'\"><b>{{STYLE}}'&lt;"
+    suspect = Suspect(evil, evil, "motor", {evil: Number(1.0, 0.1, evil)}, {"channel": evil})
+    rival = dataclasses.replace(suspect, place={})
+    diagnosis = dataclasses.replace(
+        cases.unexplained(),
+        findings=(Finding(suspect, 0.99, 20.0, 0.5, (rival,), evil, _plan(evil)),) * 3,
+        gap_test=Gap(3.0, 2.0, 1.0, 1.0),
+        errors={evil: JointError(1.0, 0.5, evil, 0.1, 0.05, 0.1, 0.1, evil)},
+        where=(Place(evil, "motor", 0.5, evil),),
+        left=(Left(evil, 0.1, 0.1, (evil,)),),
+        structures=(Structure((suspect,), 0.9, -1.0), Structure((rival,), 0.1, -2.0)),
+        data=(Source(evil, "fit", 0.0, 1.0, 100.0, {evil: 0.1}),),
+        notes=(evil,),
+        residuals=(Trace(evil, evil, evil, np.arange(3.0), np.arange(3.0), np.arange(3.0)),),
+        decisions={evil: evil},
+        considered=(Considered(suspect, 0.9, 1.0, evil),),
+        stopped=(evil,),
+    )
+    diagnosis.save(tmp_path)
+    with open_page(tmp_path / "report.html") as page:
+        page.wait_for("document.querySelectorAll('.js-plotly-plot .gtitle').length >= 1")
+        assert page.tab.title() == "Diagnosis of scara_two_link"
+        assert evil in page.tab.locator("#verdict").inner_text()
+        assert evil in page.tab.locator(".js-plotly-plot .gtitle").first.text_content()
+        assert page.tab.evaluate("document.querySelectorAll('img, b b').length") == 0
+
+
+def test_no_script_but_its_own_runs(tmp_path: Path) -> None:
+    """The page's policy stops a script that someone put into the file."""
+    cases.no_discrepancy().save(tmp_path)
+    path = tmp_path / "report.html"
+    text = path.read_text(encoding="utf-8").replace("</main>", "</main><script>window.stolen = 1</script>")
+    path.write_text(text, encoding="utf-8")
+    with open_page(path) as page:
+        assert page.tab.evaluate("window.stolen === undefined")
+        assert [error for error in page.errors if "Content Security Policy" in error]
+        page.errors.clear()
+
+
+def test_a_proposed_experiment_is_drawn(tmp_path: Path) -> None:
+    """The motion, and what the rival would leave unexplained."""
+    first, *rest = cases.explained().findings
+    planned = dataclasses.replace(first, plan=_plan("Stribeck friction"))
+    dataclasses.replace(cases.explained(), findings=(planned, *rest), residuals=()).save(tmp_path)
+    with open_page(tmp_path / "report.html") as page:
+        page.wait_for("document.querySelectorAll('#plan-0 .main-svg').length > 0")
+        told = page.tab.locator("#plans").inner_text()
+    assert "Stribeck friction or presliding friction?" in told
+    assert "10 times the noise" in told
+
+
+def _plan(name: str) -> Experiment:
+    t = np.linspace(0.0, 5.0, 50)
+    reference = Samples(t, np.zeros((50, 2)), interpolation="cubic")
+    arm = fd.load_model("scara_two_link")
+    command = PD(reference, kp=100.0, kd=10.0)
+    assert arm.n == 2
+    names, labels = (name, "presliding friction"), ("q [rad]", "left [N m]")
+    return Experiment("sweep", 20.0, 4, 0.0, 100.0, command, names, t, np.sin(t), 0.1 * np.cos(t), 0.01 + 0 * t, labels)
