@@ -43,13 +43,24 @@ def diagnose(
         InputError: recordings that do not fit the model or cannot answer.
         Interrupted: Ctrl-C, with what was known by then.
     """
-    # Here, as `import flexdyn` loads no scipy.
+    # Here, as `import flexdyn` loads no scipy; only what is loaded can be limited, so that is first.
+    import scipy.linalg  # noqa: F401
+    from threadpoolctl import threadpool_limits
+
+    # Threads of the linear algebra share a sum out by their number and round it otherwise: the last digit of every
+    # figure, and a choice between structures that are equally likely, would depend on the machine.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _diagnosed(model, fit, check, progress or (lambda stage, share: None))
+
+
+def _diagnosed(
+    model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[Recording], say: Progress
+) -> Diagnosis:
     from flexdyn.diagnose.decision.conclusion import concluded, interrupted
     from flexdyn.diagnose.decision.corrected import corrected
     from flexdyn.diagnose.inference.passes import posterior
 
     began = time.monotonic()
-    say = progress or (lambda stage, share: None)
     say("reading the equations", 0.0)
     fitted, test = parts(model, fit, check)
     data = tuple(each.data for each in fitted)

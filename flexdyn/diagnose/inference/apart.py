@@ -14,11 +14,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.inference.library import SMALLEST, Candidate
+from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+CHANCE = 5.0
+"""Standard deviations of a sum of squares that chance may make."""
 EVERYWHERE, OFTEN, SELDOM = 100.0, 20.0, 1.0
 """Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest."""
 COMMON = {
@@ -53,13 +56,14 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
 
     The own part of an effect is what no other effect of the structure, no number of the file within its tolerance and
     no plainer law that it contains can do; that of a number is what its distance from the file does and they cannot.
-    What is not explained is the residual beyond the sensors' noise at the same equations, and at least so much as is
-    too small to be anything.
+    What is not explained is the coloured residual beyond the sensors' noise at the same equations, and at least the
+    share of the torque that is left over all equations: noise may hide there what others show.
     """
     columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
     squares = np.array([each.squares(columns, mean) for each in space.equations])
-    excess = np.maximum(squares - space.seen.count, 0.0)
+    excess = _structured(squares, space.noise)
+    typical = _typical(space, excess)
     point, found = dict(structure), {}
     numbers = list(space.library.start.factors.values())
     for c in sorted({*point, *range(len(numbers))}):
@@ -68,19 +72,40 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
         if c < len(numbers):  # in every structure within its tolerance, and in this one perhaps beyond
             mine, does = np.array([c, *mine], np.intp), np.array([value[c] + numbers[c] - 1.0, *does])
         power = _own_power(space, structure, c, mine, does)
-        left = float(excess[power > 0.01 * power.max()].sum()) + _unseen(space, mine, does)
+        left = max(float(excess[power > 0.01 * power.max()].sum()), _unseen(space, mine, does, typical))
         found[c] = float(power.sum()) / max(left, 1e-300)
     return found
 
 
-def _unseen(space: Space, mine: Indices, does: Array) -> float:
-    """Power of something unknown that is too small to be anything: it may be there however little is left.
+def _structured(squares: Array, noise: Discrepancy) -> Array:
+    """Power of what is left that is neither chance nor white: that is noise whose level was misjudged (equations,)."""
+    chance = CHANCE * np.sqrt(2.0 * noise.count * noise.times)
+    return np.asarray(np.maximum(squares - noise.count - chance, 0.0) * (1.0 - 1.0 / noise.times))
 
-    Of an effect whose torque is a share u of its joint's, that of a share SMALLEST has ``(SMALLEST/u)^2`` of the power.
+
+def _typical(space: Space, excess: Array) -> float:
+    """Share of torque that is not explained, root mean square over the equations [1].
+
+    A column's white power over the square of its torque's share tells what a share of the torque is in white rows.
+    """
+    shares = []
+    for e, equation in enumerate(space.equations):
+        k = np.arange(space.base, space.used)
+        k = k[(space.of[k] == e) & (space.size[k] > 0.0)]
+        if len(k):
+            white = np.diag(equation.G)[equation.place[k]]
+            shares.append(excess[e] / max(float(np.median(white / space.size[k] ** 2)), 1e-300))
+    return float(np.sqrt(np.mean(shares))) if shares else 0.0
+
+
+def _unseen(space: Space, mine: Indices, does: Array, typical: float) -> float:
+    """Power of something unknown as large as what is typically left, where noise may hide it.
+
+    Of an effect whose torque is a share u of its joint's, that of a share w has ``(w/u)^2`` of the power.
     """
     whole = sum(float((equation.sum(mine, does) ** 2).sum()) for equation in space.equations)
     share = float(np.sqrt(((space.size[mine] * does) ** 2).sum()))
-    return whole * (SMALLEST / share) ** 2 if share > 0.0 else 0.0
+    return whole * (typical / share) ** 2 if share > 0.0 else 0.0
 
 
 def _own_power(space: Space, structure: Structure, c: int, mine: Indices, does: Array) -> Array:

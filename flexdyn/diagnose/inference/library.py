@@ -44,6 +44,8 @@ ANGLES = {
     "sensor_offset": "offset",
 }
 """Effects on positions, and the parameter that says how large they are [rad or m]."""
+EVERY_MOTOR = "of every motor:"
+"""What the group of a kind begins with that every motor has."""
 WAVES = ("torque_ripple", "kinematic_error", "encoder_eccentricity", "position_dependent_friction")
 """Effects that come again with position."""
 LOOSE = 1e4
@@ -86,6 +88,12 @@ class Candidate:
         if self.proposal is not None:
             return dict(self.proposal.place)
         return {} if self.number is None else {"of": self.number.of, "parameter": self.number.parameter}
+
+    @property
+    def group(self) -> str:
+        """Kind, by which places are counted; what every motor has is a kind of its own on the motor's side."""
+        plain = self.kind in ("viscous_friction", "coulomb_friction") and self.place.get("side") == "motor"
+        return f"{EVERY_MOTOR} {self.kind}" if plain else self.kind
 
     @property
     def width(self) -> int:

@@ -10,7 +10,7 @@ from scipy.special import betaln
 
 from flexdyn.diagnose.hypothesis.nesting import CONTAINS
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.library import Candidate
+from flexdyn.diagnose.inference.library import EVERY_MOTOR, Candidate
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.space import NATURAL, ODDS, UBIQUITOUS, Space, Structure
 
@@ -54,7 +54,7 @@ class Scan:
             if each.stands is None and "harmonic" in each.names and x[0] not in each.natural(x[0])
         ]
         self.grid[odd] -= NATURAL
-        self.kind = np.array([self.kinds.index(candidates[c].kind) for c in self.of])
+        self.kind = np.array([self.kinds.index(candidates[c].group) for c in self.of])
 
     def _clashes(self, c: int) -> NDArray[np.intp]:
         """Candidates that may not stand beside one: itself, and laws that contain it or that it contains."""
@@ -73,8 +73,8 @@ class Scan:
         gain = self.space.gram.additions(self.space.columns(structure), self.tables) + self.grid
         counts = np.zeros(len(self.kinds))
         for c, _ in structure:
-            counts[self.kinds.index(self.space.candidates[c].kind)] += 1
-        a, b = np.array([UBIQUITOUS.get(kind, ODDS) for kind in self.kinds]).T
+            counts[self.kinds.index(self.space.candidates[c].group)] += 1
+        a, b = np.array([UBIQUITOUS if kind.startswith(EVERY_MOTOR) else ODDS for kind in self.kinds]).T
         left = np.maximum(self.total - counts - 1.0, 0.0)
         price = betaln(counts + 1 + a, left + b) - betaln(counts + a, np.maximum(self.total - counts, 0.0) + b)
         gain = gain + price[self.kind]

@@ -12,7 +12,7 @@ from scipy.special import betaln, log_ndtr
 
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior, Products
-from flexdyn.diagnose.inference.library import Candidate, Column, Library
+from flexdyn.diagnose.inference.library import EVERY_MOTOR, Candidate, Column, Library
 from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
@@ -24,8 +24,8 @@ ODDS = (0.3, 6.0)
 
 An effect of many joints so costs less than its members apart (Scott and Berger, 2010).
 """
-UBIQUITOUS = {"viscous_friction": (1.0, 1.0), "coulomb_friction": (1.0, 1.0)}
-"""The same of what every drive has: any share of the places is as likely as any other."""
+UBIQUITOUS = (6.0, 0.3)
+"""The same of friction that every motor has, where the file has none: odds of some 20 to 1."""
 NEGLIGIBLE = 3e-3
 """Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
 NATURAL = 5.0
@@ -95,7 +95,7 @@ class Space:
     def _counted(candidates: Iterable[Candidate]) -> dict[str, int]:
         places: dict[str, int] = {}
         for each in candidates:
-            places[each.kind] = places.get(each.kind, 0) + 1
+            places[each.group] = places.get(each.group, 0) + 1
         return places
 
     def _put(self, place: int, columns: Sequence[Column], spare: int = 0) -> int:
@@ -225,12 +225,12 @@ class Space:
         total = 0.0
         for c, p in structure:
             candidate = self.candidates[c]
-            chosen[candidate.kind] = chosen.get(candidate.kind, 0) + 1
+            chosen[candidate.group] = chosen.get(candidate.group, 0) + 1
             total += self.costs(c, p) - math.log(candidate.choices)
             if "harmonic" in candidate.names and candidate.stands is None:
                 total -= 0.0 if candidate.points[p][0] in candidate.natural(candidate.points[p][0]) else NATURAL
         for kind, m in chosen.items():
-            n, (a, b) = self.places[kind], UBIQUITOUS.get(kind, ODDS)
+            n, (a, b) = self.places[kind], UBIQUITOUS if kind.startswith(EVERY_MOTOR) else ODDS
             total += float(betaln(m + a, n - m + b) - betaln(a, n + b))
         return total
 

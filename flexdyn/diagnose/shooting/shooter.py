@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 PHASE = 0.25
 """Largest rate times step of the classical method [rad]: 0.5 s of a vibration then end within 0.5 % of it."""
 MOST = 100_000
-"""Evaluations of the equations after which a window has failed: 0.5 s in classical steps of 20 microseconds take as many."""
+"""Evaluations of the equations after which a window has failed: as many as 0.5 s in classical steps of 20 us take."""
 BEYOND = 2.0
 """Internal states of first states are at most so many times their reach: corrections are linear, bristles are not."""
 AT_ONCE = 256
