@@ -10,6 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.cli import main
+from flexdyn.effects import base
 
 README = (Path(__file__).parents[1] / "README.md").read_text()
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
@@ -27,8 +28,9 @@ def test_readme_has_examples() -> None:
 
 @pytest.mark.parametrize("body", PYTHON, ids=range(len(PYTHON)))
 def test_python_example(body: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each Python block runs in an empty folder."""
+    """Each Python block runs in an empty folder; effects that it defines are gone after it."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(base, "_registry", dict(base._registry))
     exec(compile(body, "README.md", "exec", dont_inherit=True), {"__name__": "readme"})  # noqa: S102 - our own text
 
 

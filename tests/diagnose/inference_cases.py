@@ -28,6 +28,8 @@ Numbers = float | Sequence[float] | Array
 LENGTHS = (24, 16)
 """Rows of an equation in each recording."""
 TIMES, EQUATIONS = sum(LENGTHS), 2
+EXPECTED = ("viscous_friction", "coulomb_friction")
+"""What every motor has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +203,7 @@ class Case:
         chosen = [self.given[c].kind for c, _ in structure]
         total = 0.0
         for kind in set(chosen):
-            n, odds = kinds.count(kind), UBIQUITOUS.get(kind, ODDS)
+            n, odds = kinds.count(kind), UBIQUITOUS if kind in EXPECTED else ODDS
             total += math.log(share(chosen.count(kind), n, odds) / share(0, n, odds))
         for c, p in structure:
             each = self.given[c]
@@ -264,6 +266,8 @@ def most_likely(mean: float) -> float:
 def share(m: int, n: int, odds: tuple[float, float] = ODDS) -> float:
     """Probability of an effect at m given ones of n places, that at each one having a Beta prior."""
     a, b = odds
+    if b < a:  # the density's pole is at 1: of places without it the share has one at 0
+        return share(n - m, n, (b, a))
     # With p = x^4 the density has no pole at 0.
     found = quad(
         lambda x: 4.0 * x**3 * x ** (4 * m) * (1.0 - x**4) ** (n - m) * float(beta.pdf(x**4, a, b)) if x else 0.0,

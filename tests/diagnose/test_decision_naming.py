@@ -78,3 +78,28 @@ def test_the_order_of_comparison_does_not_matter() -> None:
     """Equal posteriors are ranked by their candidates."""
     shares: dict[tuple[int, ...], float] = {(2,): 0.5, (1,): 0.5}
     assert _masses(shares).sets == _masses(dict(reversed(shares.items()))).sets
+
+
+@pytest.mark.parametrize(("genuine", "wanted"), [({1: 1.0}, 0.98), ({}, 0.98), ({1: 0.5}, 0.49), ({2: 0.5}, 0.98)])
+def test_what_may_be_an_imitation_is_less_probable(genuine: dict[int, float], wanted: float) -> None:
+    """The probability that something is there times that it is what its name says; nothing said: it is."""
+    (name,) = names(_masses({(1,): 0.98, (): 0.02}), frozenset({1}), genuine)
+    assert name.probability == pytest.approx(wanted)
+    assert name.established == (wanted > 0.95)
+
+
+def test_rivals_are_chosen_before_imitations_are_discounted() -> None:
+    """"A or B" is as genuine as A: a rival is no reason to believe in A more."""
+    masses = _masses({(1,): 0.7, (2,): 0.29, (): 0.01})
+    plain, discounted = (names(masses, frozenset({1}), genuine)[0] for genuine in (None, {1: 0.9}))
+    assert plain.rivals == discounted.rivals == (2,)
+    assert plain.probability == pytest.approx(0.99)
+    assert discounted.probability == pytest.approx(0.99 * 0.9)
+    assert plain.established
+    assert not discounted.established
+
+
+def test_only_what_is_asked_for_is_named() -> None:
+    """The caller leaves out what the fitted model does not hold."""
+    masses = _masses({(1, 2): 1.0})
+    assert [each.candidate for each in names(masses, frozenset({1, 2}), of=[2])] == [2]

@@ -9,13 +9,19 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.hypothesis.numbers import FileNumber
-from flexdyn.diagnose.inference.apart import COMMON, SELDOM, genuine, shares
+from flexdyn.diagnose.hypothesis.proposal import Proposal
+from flexdyn.diagnose.inference.apart import CHANCE, COMMON, SELDOM, UNSURE, genuine, shares
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.space import Structure
+from flexdyn.diagnose.inference.library import Candidate
+from flexdyn.diagnose.inference.space import Space, Structure
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column
 
 Array = NDArray[np.float64]
 ROWS = TIMES * EQUATIONS
+ALIKE, SIZE = 4.0, 200.0
+"""Rows that tell one thing, as what is left is coloured, and the root of the sum of squares of a form."""
+POWER, SEEN = SIZE**2, SIZE**2 / ALIKE
+"""Of a form: its sum of squares, and that by the weights of the rows."""
 
 
 def _orthogonal(many: int, size: float, seed: int = 0) -> Array:
@@ -26,7 +32,8 @@ def _orthogonal(many: int, size: float, seed: int = 0) -> Array:
 
 
 def _effect(kind: str, *forms: Array, joint: str = "a", std: float = 0.4) -> Given:
-    return Given(kind, joint, (column(np.stack(forms, axis=1), std),))
+    sizes = np.linalg.norm(forms, axis=1) / SIZE
+    return Given(kind, joint, (column(np.stack(forms, axis=1), std, size=sizes),))
 
 
 def _case(effects: tuple[Given, ...], rows: Array, *numbers: Array, std: float = 1e-6, factor: float = 1.0) -> Case:
@@ -36,22 +43,46 @@ def _case(effects: tuple[Given, ...], rows: Array, *numbers: Array, std: float =
         Given("rotor_inertia", "a", (column(white[:, None], 1.0),), number=name)
         for white, name in zip(numbers, names, strict=True)
     ]
-    always = column(np.stack(numbers, axis=1), std, 1.0 - factor)
+    always = column(np.stack(numbers, axis=1), std, 1.0 - factor, 0.0)
     return Case((*freed, *effects), always, rows, factors=dict.fromkeys(names, factor))
+
+
+def _coloured(case: Case) -> Space:
+    """Of white size, its rows alike."""
+    return case.space(case.noise(times=(ALIKE, ALIKE)))
+
+
+def _excess(squares: Array, times: float | Array = ALIKE) -> Array:
+    """Of sums of squares of TIMES rows, what is neither noise of a level that is not sure, nor chance, nor white."""
+    above = squares - (1.0 + UNSURE) * TIMES - CHANCE * np.sqrt(2.0 * TIMES * np.asarray(times))
+    return np.asarray(np.maximum(above, 0.0) * (1.0 - 1.0 / np.asarray(times)))
+
+
+def _typical(case: Case, excess: Array) -> float:
+    """Mean square of the share of torque that is left, each equation's by the columns that are about it most."""
+    found = []
+    for e in range(EQUATIONS):
+        scales = []
+        for block in (each for given in case.given for each in given.columns):
+            for white, size in zip(block.white.T, block.size, strict=True):
+                power = (white.reshape(-1, EQUATIONS) ** 2).sum(axis=0)
+                scales += [power[e] / size**2] if power.argmax() == e else []
+        found += [excess[e] / np.median(scales)] if scales else []
+    return float(np.mean(found))
 
 
 def _oracle(case: Case, structure: Structure, noise: Discrepancy) -> dict[int, float]:
     """Own parts by least squares on all rows, those of the priors below them."""
     at, found = case.dense(structure, noise), {}
     root = np.tile(1.0 / (noise.scale * np.sqrt(noise.times)), TIMES)[:, None]
-    excess = np.maximum(at.squares - case.seen.count, 0.0)
-    blocks = {c: (block, at.mean[own]) for (c, _), block, own in zip(sorted(structure), at.blocks, at.own, strict=True)}
+    excess = _excess(at.squares, noise.times)
+    blocks = {c: (block, own) for (c, _), block, own in zip(sorted(structure), at.blocks, at.own, strict=True)}
     factors = list(case.factors.values())
     for c in {*blocks, *range(len(factors))}:
         me = case.given[c]
         others = [block for other, (block, _) in blocks.items() if other != c]
         always = [j for j in range(len(factors)) if j != c]
-        does = blocks[c][0].white @ blocks[c][1] if c in blocks else np.zeros(ROWS)
+        does = blocks[c][0].white @ at.mean[blocks[c][1]] if c in blocks else np.zeros(ROWS)
         if me.number is not None:
             does = does + case.always.white[:, c] * (factors[c] + at.mean[c] - 1.0)
         if me.kind == "asymmetric_friction":
@@ -60,101 +91,127 @@ def _oracle(case: Case, structure: Structure, noise: Discrepancy) -> dict[int, f
         X = np.concatenate([case.always.white[:, always], *(each.white for each in others)], axis=1)
         std = np.concatenate([case.always.std[always], *(each.std for each in others)])
         right = np.concatenate([root[:, 0] * does, np.zeros(len(std))])
-        best = np.linalg.lstsq(np.concatenate([root * X, np.diag(1.0 / std)]), right, rcond=None)[0]
-        power = ((does - X @ best).reshape(-1, EQUATIONS) ** 2).sum(axis=0)
-        found[c] = float(power.sum() / excess[power > 0.01 * power.max()].sum())
+        rows = np.concatenate([root * X, np.diag(1.0 / std)])
+        own = right - rows @ np.linalg.lstsq(rows, right, rcond=None)[0]
+        power = (does.reshape(-1, EQUATIONS) ** 2).sum(axis=0)
+        there = power > 0.01 * power.max()
+        share = np.linalg.norm(blocks[c][0].size * at.mean[blocks[c][1]]) if c in blocks else np.inf
+        hidden = float(power.sum()) * _typical(case, excess) / float(share) ** 2
+        left = max(excess[there].sum(), hidden) * (1.0 / (noise.scale**2 * noise.times))[there].mean()
+        found[c] = float(own @ own) / max(float(left), 1e-300)
     return found
 
 
 def test_an_orthogonal_effect_has_all_that_it_does() -> None:
     """Own power over what is left beyond the sensors' noise, by the sums of squares of forms that are known."""
-    number, one, two, rest = _orthogonal(4, 100.0)
+    number, one, two, rest = _orthogonal(4, SIZE)
     case = _case((_effect("viscous_friction", one), _effect("backlash", two)), -one - 0.5 * two + 0.2 * rest, number)
-    found = shares(case.space(), frozenset({(1, 0), (2, 0)}))
-    excess = (0.2 * 100.0) ** 2 - TIMES
+    found = shares(_coloured(case), frozenset({(1, 0), (2, 0)}))
+    excess = float(_excess(0.2**2 * POWER))
     # The prior's mean of zero takes some 1/(1 + 40^2) of each coefficient.
     assert found == {
         0: pytest.approx(0.0, abs=1e-6),  # a number that stays where it is
-        1: pytest.approx(1e4 / excess, rel=5e-3),
-        2: pytest.approx(0.25e4 / excess, rel=5e-3),
+        1: pytest.approx(POWER / excess, rel=5e-3),
+        2: pytest.approx(0.25 * POWER / excess, rel=5e-3),
     }
 
 
 def test_what_is_left_at_other_equations_does_not_matter() -> None:
     """Of an effect that acts on the first equation alone."""
-    number, one, rest = _orthogonal(3, 100.0)
+    number, one, rest = _orthogonal(3, SIZE)
     other = np.zeros((TIMES, EQUATIONS))
     other[:, 1] = 50.0
     rows = -one + 0.2 * rest
     found = [
-        shares(_case((_effect("viscous_friction", one),), left, number).space(), frozenset({(1, 0)}))[1]
+        shares(_coloured(_case((_effect("viscous_friction", one),), left, number)), frozenset({(1, 0)}))[1]
         for left in (rows, rows + other.ravel())
     ]
     assert found[0] == pytest.approx(found[1], rel=1e-12)
 
 
-def test_without_anything_left_every_effect_stands_out() -> None:
-    """However small it is."""
-    number, one, two = _orthogonal(3, 100.0)
-    case = _case((_effect("viscous_friction", one), _effect("backlash", two)), -one - 0.01 * two, number)
-    found = shares(case.space(), frozenset({(1, 0), (2, 0)}))
+@pytest.mark.parametrize("left", [0.0, 0.02])
+def test_what_chance_leaves_says_nothing_of_unknown_effects(left: float) -> None:
+    """Every effect stands out, however small it is; so it does of white noise whose level was misjudged."""
+    number, one, two, rest = _orthogonal(4, SIZE)
+    effects = (_effect("viscous_friction", one), _effect("backlash", two))
+    structure = frozenset({(1, 0), (2, 0)})
+    found = shares(_coloured(_case(effects, -one - 0.01 * two + left * rest, number)), structure)
     assert min(found[1], found[2]) > 1e6
+    noisy = _case(effects, -one - 0.01 * two + 0.5 * rest, number)
+    assert min(shares(noisy.space(), structure)[c] for c in (1, 2)) > 1e6
+
+
+def test_what_one_joint_leaves_may_hide_at_another() -> None:
+    """Nothing is left at the effect's own equation: what it stands out of is the root mean square over all."""
+    number, one, rest = _orthogonal(3, SIZE)
+    there = np.roll(rest.reshape(TIMES, EQUATIONS), 1, axis=1).ravel()
+    effects = (_effect("viscous_friction", one), _effect("backlash", there, joint="b"), _effect("payload", 2.0 * there))
+    case = _case(effects, -one, number)
+    found = shares(_coloured(case), frozenset({(1, 0)}))[1]
+    assert found > 1e6
+    left = np.roll(_orthogonal(4, SIZE)[3].reshape(TIMES, EQUATIONS), 1, axis=1).ravel()
+    found = shares(_coloured(_case(effects, -one + 0.3 * left, number)), frozenset({(1, 0)}))[1]
+    # In shares of the torque: 1 of the effect, and the root mean square over the two equations of what is left.
+    assert found == pytest.approx(1.0 / (0.5 * _excess(0.3**2 * POWER) / POWER), rel=2e-2)
 
 
 def test_a_copy_of_another_effect_has_none() -> None:
     """Both do the same: neither has a part of its own; without the other one, each has all of it."""
-    number, one, rest = _orthogonal(3, 100.0)
+    number, one, rest = _orthogonal(3, SIZE)
     case = _case((_effect("viscous_friction", one), _effect("backlash", one)), -one + 0.2 * rest, number)
-    space = case.space()
+    space = _coloured(case)
     both = shares(space, frozenset({(1, 0), (2, 0)}))
-    assert max(both[1], both[2]) < 1e-4
+    # Each does a half, for which the other would have to be 1, 2.5 standard deviations of its prior.
+    hidden = 0.5**2 * SEEN / (1.0 + 0.4**2 * SEEN) / (_excess(0.2**2 * POWER) / ALIKE)
     for c in (1, 2):
+        assert both[c] == pytest.approx(hidden, rel=1e-2)
         assert shares(space, frozenset({(c, 0)}))[c] > 20.0
 
 
 @pytest.mark.parametrize("joint", ["a", "b"])
 def test_a_law_counts_what_the_plainer_one_that_it_contains_cannot_do(joint: str) -> None:
     """Asymmetric friction is Coulomb friction and a difference; at another joint Coulomb friction does not matter."""
-    number, plain, difference, rest = _orthogonal(4, 100.0)
+    number, plain, difference, rest = _orthogonal(4, SIZE)
     law = _effect("asymmetric_friction", plain + difference, plain - difference)
     rows = -(0.9 * plain + 0.3 * difference) + 0.2 * rest
     case = _case((law, _effect("coulomb_friction", plain, joint=joint)), rows, number)
-    found = shares(case.space(), frozenset({(1, 0)}))[1]
+    found = shares(_coloured(case), frozenset({(1, 0)}))[1]
     own = 0.3**2 if joint == "a" else 0.9**2 + 0.3**2
-    assert found == pytest.approx(own * 1e4 / (0.2**2 * 1e4 - TIMES), rel=2e-2)
+    assert found == pytest.approx(own * POWER / _excess(0.2**2 * POWER), rel=2e-2)
 
 
-@pytest.mark.parametrize(("tolerance", "left"), [(1e-5, 1.0), (1e-2, 0.25), (10.0, 0.0)])
+@pytest.mark.parametrize(("tolerance", "left"), [(1e-5, 1.0), (1e-2, 0.5), (10.0, 0.0)])
 def test_a_number_takes_what_its_tolerance_allows(tolerance: float, left: float) -> None:
     """An effect that a number of the file could be: by ridge regression ``1/(1 + tolerance^2 |x|^2)`` is left of it."""
-    one, rest = _orthogonal(2, 100.0)
+    one, rest = _orthogonal(2, SIZE)
     case = _case((_effect("viscous_friction", one),), -one + 0.2 * rest, one, std=tolerance)
-    mean = case.dense(frozenset({(1, 0)}), case.noise()).mean[-1]
-    found = shares(case.space(), frozenset({(1, 0)}))[1] / (mean**2 * 1e4 / (0.2**2 * 1e4 - TIMES))
-    assert found == pytest.approx((1.0 + tolerance**2 * 1e4) ** -2, rel=1e-2, abs=1e-6)
+    mean = case.dense(frozenset({(1, 0)}), case.noise(times=(ALIKE, ALIKE))).mean[-1]
+    found = shares(_coloured(case), frozenset({(1, 0)}))[1] / (mean**2 * POWER / float(_excess(0.2**2 * POWER)))
+    assert found == pytest.approx((1.0 + tolerance**2 * SEEN) ** -1, rel=1e-2, abs=1e-6)
     assert found == pytest.approx(left, abs=0.01)
 
 
 def test_a_number_that_is_wrong_stands_out_by_all_that_it_does() -> None:
     """Within its tolerance and beyond it; another number, not set free, by what its tolerance allows."""
-    one, two, rest = _orthogonal(3, 100.0)
-    for tolerance in (1e-5, 1e-2, 0.3):
+    one, two, rest = _orthogonal(3, SIZE)
+    for tolerance in (1e-5, 1e-2, 0.03):
         case = _case((), -0.5 * (one + two) + 0.2 * rest, one, two, std=tolerance)
-        found = shares(case.space(), frozenset({(0, 0)}))
-        moved = 0.5 / (1.0 + 1.0 / (tolerance**2 * 1e4))  # by ridge regression
-        excess = 1e4 * (0.2**2 + (0.5 - moved) ** 2) - TIMES
-        wanted = {0: pytest.approx(0.25e4 / excess, rel=1e-2), 1: pytest.approx(moved**2 * 1e4 / excess, rel=1e-2)}
+        found = shares(_coloured(case), frozenset({(0, 0)}))
+        moved = 0.5 / (1.0 + 1.0 / (tolerance**2 * SEEN))  # by ridge regression
+        excess = float(_excess(POWER * (0.2**2 + (0.5 - moved) ** 2)))
+        wanted = {0: pytest.approx(0.25 * POWER / excess, rel=1e-2), 1: pytest.approx(moved**2 * POWER / excess, rel=1e-2)}
         assert found == wanted
 
 
 @pytest.mark.parametrize("factor", [1.0, 0.6, 1.5])
 def test_a_number_is_as_far_off_as_it_is_from_the_file(factor: float) -> None:
     """Wherever the linearisation stands: all of what it does counts, and not what it moved last."""
-    one, rest = _orthogonal(2, 100.0)
+    one, rest = _orthogonal(2, SIZE)
     case = _case((), -(1.3 - factor) * one + 0.2 * rest, one, std=0.3, factor=factor)
-    excess = 0.2**2 * 1e4 - TIMES
-    for structure in (frozenset[tuple[int, int]](), frozenset({(0, 0)})):
-        assert shares(case.space(), structure) == {0: pytest.approx(0.3**2 * 1e4 / excess, rel=1e-2)}
+    excess = float(_excess(0.2**2 * POWER))
+    # Of 0.3 the tolerance takes 0.09/1.09 and its own size the rest, by which the share of torque counts.
+    for structure, hidden in ((frozenset[tuple[int, int]](), 1.0), (frozenset({(0, 0)}), 1.09**2)):
+        assert shares(_coloured(case), structure) == {0: pytest.approx(0.3**2 * POWER / (hidden * excess), rel=1e-2)}
 
 
 @settings(deadline=None, max_examples=40)
@@ -189,6 +246,12 @@ def test_shares_are_those_of_least_squares(
         assert each == pytest.approx(wanted[c], rel=1e-6)
 
 
+def _candidate(kind: str, channel: str = "") -> Candidate:
+    """One place of an effect, which makes nothing."""
+    place = {"effect": kind, **({"channel": channel} if channel else {"joint": "a"})}
+    return Candidate(kind, Proposal(place, lambda point, x: None, lambda point: ()), None, [()], [np.array([0])], 1)
+
+
 @pytest.mark.parametrize("kind", ["viscous_friction", "stribeck_friction", "backlash"])
 @pytest.mark.parametrize("ratio", [0.0, 0.5, 4.0])
 def test_a_genuine_effect_is_more_likely_than_an_imitation(kind: str, ratio: float) -> None:
@@ -197,12 +260,18 @@ def test_a_genuine_effect_is_more_likely_than_an_imitation(kind: str, ratio: flo
     stands_out = drawn / (1.0 - drawn)  # a share s is R = s/(1 - s) over the rest
     imitation = float((stands_out >= ratio).mean())
     odds = COMMON.get(kind, SELDOM)
-    assert genuine(kind, ratio) == pytest.approx(odds / (odds + imitation), rel=5e-3)
+    assert genuine(_candidate(kind), ratio) == pytest.approx(odds / (odds + imitation), rel=5e-3)
 
 
 def test_genuine_is_a_probability_that_grows_with_what_stands_out() -> None:
     """Up to certainty where nothing is left."""
-    values = [genuine("backlash", float(r)) for r in (0.0, 0.1, 1.0, 10.0, 1e6)]
+    values = [genuine(_candidate("backlash"), float(r)) for r in (0.0, 0.1, 1.0, 10.0, 1e6)]
     assert np.all(np.diff(values) > 0.0)
     assert values[0] == pytest.approx(0.5)
-    assert genuine("backlash", np.inf) == pytest.approx(1.0)
+    assert genuine(_candidate("backlash"), np.inf) == pytest.approx(1.0)
+
+
+def test_a_late_torque_is_common_and_a_late_encoder_is_not() -> None:
+    """Drives filter their currents."""
+    late = [genuine(_candidate("channel_lag", channel), 1.0) for channel in ("tau.a", "theta.a", "q.a")]
+    assert late[0] > late[1] == late[2]

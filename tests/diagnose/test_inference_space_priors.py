@@ -13,9 +13,9 @@ from scipy.stats import norm
 
 from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.inference.library import SMALLEST, Column
-from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, Structure
+from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Structure
 from flexdyn.effects import CoulombFriction
-from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column, share
+from tests.diagnose.inference_cases import EQUATIONS, EXPECTED, TIMES, Case, Given, column, share
 
 Array = NDArray[np.float64]
 ROWS = TIMES * EQUATIONS
@@ -47,13 +47,27 @@ def test_priors_of_places_come_from_a_share_that_is_integrated_out() -> None:
         assert space.log_prior(structure) == pytest.approx(math.log(share(m, 3) / share(0, 3)), abs=1e-8)
 
 
-@pytest.mark.parametrize("kind", ["viscous_friction", "coulomb_friction"])
-def test_what_every_drive_has_is_as_likely_on_any_number_of_joints(kind: str) -> None:
-    """A uniform share: every number m of n places has the probability 1/(n + 1), whichever they are."""
+@pytest.mark.parametrize("kind", EXPECTED)
+def test_friction_of_every_motor_is_expected(kind: str) -> None:
+    """Its share of the places is most likely near 1: alone the odds are 20 to 1, and each further one is likelier."""
     space = _places(kind).space()
-    for m in range(4):
-        structure = frozenset((c, 0) for c in range(m))
-        assert space.log_prior(structure) == pytest.approx(-math.log(math.comb(3, m)), abs=1e-10)
+    priors = [space.log_prior(frozenset((c, 0) for c in range(m))) for m in range(4)]
+    for m in range(1, 4):
+        assert priors[m] == pytest.approx(math.log(share(m, 3, UBIQUITOUS) / share(0, 3, UBIQUITOUS)), abs=1e-8)
+    assert priors[3] > max(priors[:3])
+    alone = _places(kind, joints="a").space()
+    assert math.exp(alone.log_prior(ALONE)) == pytest.approx(20.0)
+
+
+def test_friction_of_links_is_not_expected() -> None:
+    """It is a kind of its own, with the odds of any other effect, and what the motors have is no reason for it."""
+    space = _places("viscous_friction", joints="a").space()
+    (motor, *_) = space.candidates
+    motors = math.exp(space.log_prior(ALONE))
+    assert motor.proposal is not None
+    motor.proposal = replace(motor.proposal, place={**motor.proposal.place, "side": "link"})
+    space.places = space._counted(space.candidates)
+    assert motors * math.exp(space.log_prior(ALONE)) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("kind", ["stribeck_friction", "viscous_friction"])
@@ -64,7 +78,7 @@ def test_priors_of_all_structures_add_up_to_one(kind: str) -> None:
     plain = [frozenset(zip(mine, at, strict=True)) for mine in everywhere for at in product(range(2), repeat=len(mine))]
     gridded = [EMPTY, *(frozenset({(3, p)}) for p in range(3))]
     total = sum(math.exp(space.log_prior(one | other)) for one in plain for other in gridded)
-    none = share(0, 3, (1.0, 1.0) if kind == "viscous_friction" else ODDS) * share(0, 1)
+    none = share(0, 3, UBIQUITOUS if kind in EXPECTED else ODDS) * share(0, 1)
     assert total * none == pytest.approx(1.0, abs=1e-8)
 
 

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.held_out import HeldOut, rms
 from flexdyn.diagnose.equations.equations import LINK, TRANSMISSION
+from flexdyn.diagnose.inference.apart import CHANCE, UNSURE
 from flexdyn.diagnose.report.measures import Left, Place
 
 Array = NDArray[np.float64]
 LEAST = 0.01
 """Share of a joint's torque from which something is left [1]: no model of a robot is right to less."""
-CHANCE, UNSURE = 5.0, 0.05
-"""Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
 QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(after a reversal)")
 
 

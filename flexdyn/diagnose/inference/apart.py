@@ -13,15 +13,17 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.gram import lower_factor
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-CHANCE = 5.0
-"""Standard deviations of a sum of squares that chance may make."""
+CHANCE, UNSURE = 5.0, 0.05
+"""Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
 EVERYWHERE, OFTEN, SELDOM = 100.0, 20.0, 1.0
 """Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest."""
 COMMON = {
@@ -63,7 +65,7 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
     squares = np.array([each.squares(columns, mean) for each in space.equations])
     excess = _structured(squares, space.noise)
-    typical = _typical(space, excess)
+    typical, weights = _typical(space, excess), space.gram.weights
     point, found = dict(structure), {}
     numbers = list(space.library.start.factors.values())
     for c in sorted({*point, *range(len(numbers))}):
@@ -71,16 +73,19 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
         does = np.array([value[int(k)] for k in mine])
         if c < len(numbers):  # in every structure within its tolerance, and in this one perhaps beyond
             mine, does = np.array([c, *mine], np.intp), np.array([value[c] + numbers[c] - 1.0, *does])
-        power = _own_power(space, structure, c, mine, does)
-        left = max(float(excess[power > 0.01 * power.max()].sum()), _unseen(space, mine, does, typical))
-        found[c] = float(power.sum()) / max(left, 1e-300)
+        whole = np.array([float((equation.sum(mine, does) ** 2).sum()) for equation in space.equations])
+        there = whole > 0.01 * whole.max()
+        share = float(np.sqrt(((space.size[mine] * does) ** 2).sum()))
+        hidden = whole.sum() * (typical / share) ** 2 if share > 0.0 else 0.0
+        left = max(float(excess[there].sum()), hidden) * float(weights[there].mean())
+        found[c] = _own(space, structure, c, mine, does) / max(left, 1e-300)
     return found
 
 
 def _structured(squares: Array, noise: Discrepancy) -> Array:
     """Power of what is left that is neither chance nor white: that is noise whose level was misjudged (equations,)."""
     chance = CHANCE * np.sqrt(2.0 * noise.count * noise.times)
-    return np.asarray(np.maximum(squares - noise.count - chance, 0.0) * (1.0 - 1.0 / noise.times))
+    return np.asarray(np.maximum(squares - (1.0 + UNSURE) * noise.count - chance, 0.0) * (1.0 - 1.0 / noise.times))
 
 
 def _typical(space: Space, excess: Array) -> float:
@@ -98,31 +103,22 @@ def _typical(space: Space, excess: Array) -> float:
     return float(np.sqrt(np.mean(shares))) if shares else 0.0
 
 
-def _unseen(space: Space, mine: Indices, does: Array, typical: float) -> float:
-    """Power of something unknown as large as what is typically left, where noise may hide it.
+def _own(space: Space, structure: Structure, c: int, mine: Indices, does: Array) -> float:
+    """Weighted squares of what some columns do that all others of a structure cannot, their priors included.
 
-    Of an effect whose torque is a share u of its joint's, that of a share w has ``(w/u)^2`` of the power.
+    ``min_b sum_k w_k |X_k does - Z_k b|^2 + b^T Lambda b``: a number that must leave its tolerance for it counts.
     """
-    whole = sum(float((equation.sum(mine, does) ** 2).sum()) for equation in space.equations)
-    share = float(np.sqrt(((space.size[mine] * does) ** 2).sum()))
-    return whole * (typical / share) ** 2 if share > 0.0 else 0.0
-
-
-def _own_power(space: Space, structure: Structure, c: int, mine: Indices, does: Array) -> Array:
-    """Squares of what some columns do that all others of a structure cannot (equations,)."""
     others = [k for other in structure if other[0] != c for k in space.candidates[other[0]].columns[other[1]].tolist()]
     plain = [k for each in space.contained[c] for k in space.candidates[each].columns[0].tolist()]
     numbers = range(len(space.library.start.factors))
     columns = np.setdiff1d(np.array([*numbers, *others, *plain], np.intp), mine)
-    rows = np.stack([equation.sum(mine, does) for equation in space.equations], axis=1)
-    scale = 1.0 / np.sqrt(space.prior.precision[columns])
-    # The priors stand beside the rows, each with the weight of its equation: a number in its tolerance does no more.
-    tables = [np.zeros((len(rows), len(columns))) for _ in space.equations]
-    for table, equation in zip(tables, space.equations, strict=True):
-        there = equation.place[columns]
-        table[:, there >= 0] = equation.X[:, there[there >= 0]] * scale[there >= 0]
-    weights = space.gram.weights
-    G = sum((w * table.T @ table for w, table in zip(weights, tables, strict=True)), np.eye(len(columns)))
-    b = sum((w * table.T @ y for w, table, y in zip(weights, tables, rows.T, strict=True)), np.zeros(len(columns)))
-    best = np.linalg.solve(G, b)
-    return np.array([((y - table @ best) ** 2).sum() for table, y in zip(tables, rows.T, strict=True)])
+    G, b, power = np.diag(space.prior.precision[columns]), np.zeros(len(columns)), 0.0
+    for w, equation in zip(space.gram.weights, space.equations, strict=True):
+        here, there = equation.place[columns], equation.place[mine]
+        kept, own = here >= 0, there >= 0
+        x, products = does[own], equation.G[np.ix_(here[kept], there[own])]
+        G[np.ix_(kept, kept)] += w * equation.G[np.ix_(here[kept], here[kept])]
+        b[kept] += w * products @ x
+        power += w * float(x @ equation.G[np.ix_(there[own], there[own])] @ x)
+    factor = lower_factor(G)
+    return max(power - float((solve_triangular(factor, b, lower=True) ** 2).sum()), 0.0)

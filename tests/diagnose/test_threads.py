@@ -1,0 +1,40 @@
+"""The answer does not depend on how many threads the linear algebra has."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import flexdyn as fd
+from tests.arms import two_link
+from tests.diagnose.truths import ARM, Levels, two_link_recording
+
+SCRIPT = """
+import json, sys
+import flexdyn as fd
+answer = fd.diagnose(fd.load_model(sys.argv[1]), [fd.read_recording(sys.argv[2])]).to_dict()
+print(json.dumps({key: value for key, value in answer.items() if key != "seconds"}))
+"""
+
+
+def _answered(folder: Path, threads: int) -> str:
+    """The report of a process of its own, which reads its number of threads when it starts."""
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": str(threads), "OMP_NUM_THREADS": str(threads)}
+    command = [sys.executable, "-c", SCRIPT, str(folder / "model.yaml"), str(folder / "fit.npz")]
+    return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+
+
+@pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one core has one thread")
+def test_one_thread_and_two_tell_the_same(tmp_path: Path) -> None:
+    """Every digit of the report but the seconds that it took."""
+    wrong = two_link(ARM, tolerance=0.03).replace(joints={"elbow": {"stiffness": 1.4 * ARM.stiffness[1]}})
+    fd.save_model(wrong, tmp_path / "model.yaml")
+    fd.write_recording(two_link_recording(Levels(), 4), tmp_path / "fit.npz")
+    one, two = (_answered(tmp_path, threads) for threads in (1, 2))
+    assert json.loads(one)["findings"]
+    assert one == two
