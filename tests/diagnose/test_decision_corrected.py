@@ -10,12 +10,16 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import needed, possible
 from flexdyn.diagnose.decision.gaps import Shots
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.inference.library import SMALLEST
+from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.diagnose.shooting.gap import Shot
-from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction, ViscousFriction
+from flexdyn.effects import Effect, EncoderEccentricity, JointElasticity, LoadDependentFriction, ViscousFriction
 from tests.diagnose.truths import sliding
 
 SOFT = {name: JointElasticity(name, stiffness=900.0) for name in ("shoulder", "elbow")}
@@ -82,18 +86,37 @@ def _wheel(folder: Path) -> fd.FlexibleJointModel:
     return fd.FlexibleJointModel(fd.load_robot(path), {}, gravity=[0.0, 0.0, 0.0])
 
 
-@pytest.mark.parametrize(("steps", "named"), [(0.5, False), (10.0, True)])
-def test_a_wave_below_a_step_of_the_encoder_is_not_named(tmp_path: Path, steps: float, named: bool) -> None:
-    """It may be rounding, however much of the torque its second derivative looks like."""
+def _turned(steps: float) -> fd.Recording:
+    """The wheel's motion as an encoder saw it whose disc is off by so many of its steps, three times a turn."""
     t = np.arange(round(8.0 * RATE)) / RATE
     torque = 60.0 * np.sin(2.1 * t + 0.3) + 50.0 * np.sin(5.3 * t) + 30.0 * np.sin(11.0 * t)
     x, _ = sliding(torque, 1.0 / RATE, INERTIA, 0.0)
-    seen = x + steps * STEP * np.sin(7.0 * x + 0.4)
-    draw = np.random.default_rng(1)
-    noisy = torque + 0.02 * draw.standard_normal(len(t))
-    record = fd.Recording(t, {"q.axle": STEP * np.round(seen / STEP), "tau.axle": noisy})
-    found = {each.suspect.effect: each.suspect for each in diagnose(_wheel(tmp_path), [record]).findings}
+    seen = x + steps * STEP * np.sin(3.0 * x + 0.4)
+    noisy = torque + 0.02 * np.random.default_rng(1).standard_normal(len(t))
+    return fd.Recording(t, {"q.axle": STEP * np.round(seen / STEP), "tau.axle": noisy})
+
+
+@pytest.mark.parametrize(("steps", "named"), [(0.7, False), (10.0, True)])
+def test_a_wave_below_a_step_of_the_encoder_is_not_named(tmp_path: Path, steps: float, named: bool) -> None:
+    """It may be rounding, though the posterior is sure that it is there."""
+    answer = diagnose(_wheel(tmp_path), [_turned(steps)])
+    assert answer.considered[0].suspect.effect == "encoder_eccentricity"
+    assert answer.considered[0].probability > 0.99
+    found = {each.suspect.effect: each.suspect.parameters for each in answer.findings}
     assert set(found) == ({"encoder_eccentricity"} if named else set())
     if named:
-        assert found["encoder_eccentricity"].parameters["harmonic"].value == pytest.approx(7.0, rel=1e-3)
-        assert found["encoder_eccentricity"].parameters["amplitude"].value == pytest.approx(steps * STEP, rel=0.1)
+        assert found["encoder_eccentricity"]["harmonic"].value == pytest.approx(3.0, rel=1e-3)
+        assert found["encoder_eccentricity"]["amplitude"].value == pytest.approx(steps * STEP, rel=0.05)
+
+
+def test_the_least_size_of_a_wave_is_a_step_of_the_encoder(tmp_path: Path) -> None:
+    """As a share of the torque it is what the step of the amplitude makes; of friction it is the share itself."""
+    model = _wheel(tmp_path)
+    bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
+    library = posterior(bare, noise, start).space.library
+    for amplitude in (5.0 * STEP, 40.0 * STEP):
+        disc = EncoderEccentricity("q.axle", amplitude=amplitude, harmonic=3.0, phase=0.0)
+        share, least = library.size_of(disc, library.equations.residual * amplitude)
+        assert least / share == pytest.approx(STEP / amplitude, rel=0.1)
+    friction = ViscousFriction("axle", side="motor", coefficient=1e-3)
+    assert library.size_of(friction, library.equations.residual)[1] == SMALLEST

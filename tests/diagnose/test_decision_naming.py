@@ -89,7 +89,7 @@ def test_what_may_be_an_imitation_is_less_probable(genuine: dict[int, float], wa
 
 
 def test_rivals_are_chosen_before_imitations_are_discounted() -> None:
-    """"A or B" is as genuine as A: a rival is no reason to believe in A more."""
+    """What is called "A or B" is as genuine as A: a rival is no reason to believe in A more."""
     masses = _masses({(1,): 0.7, (2,): 0.29, (): 0.01})
     plain, discounted = (names(masses, frozenset({1}), genuine)[0] for genuine in (None, {1: 0.9}))
     assert plain.rivals == discounted.rivals == (2,)

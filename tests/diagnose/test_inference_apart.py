@@ -63,7 +63,7 @@ def _typical(case: Case, excess: Array) -> float:
     found = []
     for e in range(EQUATIONS):
         scales = []
-        for block in (each for given in case.given for each in given.columns):
+        for block in (block for each in case.given for block in each.columns):
             for white, size in zip(block.white.T, block.size, strict=True):
                 power = (white.reshape(-1, EQUATIONS) ** 2).sum(axis=0)
                 scales += [power[e] / size**2] if power.argmax() == e else []
@@ -199,7 +199,10 @@ def test_a_number_that_is_wrong_stands_out_by_all_that_it_does() -> None:
         found = shares(_coloured(case), frozenset({(0, 0)}))
         moved = 0.5 / (1.0 + 1.0 / (tolerance**2 * SEEN))  # by ridge regression
         excess = float(_excess(POWER * (0.2**2 + (0.5 - moved) ** 2)))
-        wanted = {0: pytest.approx(0.25 * POWER / excess, rel=1e-2), 1: pytest.approx(moved**2 * POWER / excess, rel=1e-2)}
+        wanted = {
+            0: pytest.approx(0.25 * POWER / excess, rel=1e-2),
+            1: pytest.approx(moved**2 * POWER / excess, rel=1e-2),
+        }
         assert found == wanted
 
 

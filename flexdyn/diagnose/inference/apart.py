@@ -74,11 +74,14 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
         if c < len(numbers):  # in every structure within its tolerance, and in this one perhaps beyond
             mine, does = np.array([c, *mine], np.intp), np.array([value[c] + numbers[c] - 1.0, *does])
         whole = np.array([float((equation.sum(mine, does) ** 2).sum()) for equation in space.equations])
+        if not whole.any():  # a number that is where the file has it
+            found[c] = 0.0
+            continue
         there = whole > 0.01 * whole.max()
         share = float(np.sqrt(((space.size[mine] * does) ** 2).sum()))
         hidden = whole.sum() * (typical / share) ** 2 if share > 0.0 else 0.0
         left = max(float(excess[there].sum()), hidden) * float(weights[there].mean())
-        found[c] = _own(space, structure, c, mine, does) / max(left, 1e-300)
+        found[c] = _own(space, structure, c, mine, does) / max(left, 1e-9)
     return found
 
 

@@ -80,7 +80,6 @@ class Scan:
         gain = gain + price[self.kind]
         for c, _ in structure:
             gain[np.isin(self.of, self.clash[c])] = -np.inf
-        gain[np.isin(self.of, sorted(self.space.excluded))] = -np.inf
         order = np.lexsort((np.arange(len(gain)), -gain))
         seen: set[int] = set()
         found = []

@@ -52,7 +52,6 @@ class Space:
 
     def __init__(self, library: Library, rows: Array, seen: Seen) -> None:
         self.library, self.seen = library, seen
-        self.excluded: set[int] = set()
         self.candidates, made = library.candidates()
         standing = [column for each, column in zip(self._owners(), made, strict=True) if each.stands is not None]
         rows = rows - sum((each.white[:, 0] for each in standing), np.zeros_like(rows))
