@@ -6,7 +6,7 @@ from flexdyn.diagnose import Diagnosis, Finding, Suspect
 
 
 def findings_text(diagnosis: Diagnosis) -> str:
-    """One line a finding, with what it cannot be told from; a line that says so where there is none."""
+    """One line a finding, with its probability and what it cannot be told from; or a line that there is none."""
     lines = [f"- {_finding(each)}" for each in diagnosis.findings]
     return "\n".join(lines) if lines else "- No finding."
 
@@ -25,11 +25,16 @@ def gap_text(diagnosis: Diagnosis) -> str:
 
 def _finding(each: Finding) -> str:
     suspect = each.suspect
-    numbers = ", ".join(f"{key} {x.value:.4g} +- {x.std:.2g} {x.unit}" for key, x in suspect.parameters.items())
-    rivals = ", ".join(_name(rival) for rival in each.rivals)
-    return f"**{_name(suspect)}**: {numbers}." + (f" Not told apart from: {rivals}." if rivals else "")
+    numbers = ", ".join(
+        f"{key} {x.value:.4g} +- {x.std:.2g} {x.unit if x.unit != '1' else ''}".rstrip()
+        for key, x in suspect.parameters.items()
+    )
+    rivals = ", ".join(f"{_name(rival)}, {rival.probability:.3f}" for rival in each.rivals)
+    told = f"**{_name(suspect)}**, probability {each.probability:.3f}: {numbers}."
+    return told + (f" Not told apart from: {rivals}." if rivals else "")
 
 
 def _name(suspect: Suspect) -> str:
-    place = ", ".join(str(part) for part in (suspect.joint, suspect.side, *suspect.place.values()) if part)
+    parts = dict.fromkeys(str(part) for part in (suspect.joint, suspect.side, *suspect.place.values()) if part)
+    place = ", ".join(parts)
     return f"{suspect.effect.replace('_', ' ')} ({place})"

@@ -19,7 +19,7 @@ from scipy.stats import beta, norm
 from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
-from flexdyn.diagnose.inference.library import Candidate, Column, Library
+from flexdyn.diagnose.inference.library import SHARE, Candidate, Column, Library
 from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Space, Structure
 from flexdyn.effects import Effect
 
@@ -63,7 +63,8 @@ class Given:
             return None
         (each,) = self.columns
         own = slice(0 if self.stands is None else 1, None)  # of what stands, its tangents
-        return column(each.white[:, own], NEGLIGIBLE * each.std[own])
+        usual = SHARE / np.maximum(each.size[own], 1e-300)  # of a drive, where the effect's own nature says more
+        return column(each.white[:, own], NEGLIGIBLE * np.minimum(each.std[own], usual))
 
 
 def column(white: Array, std: Numbers = 0.4, mean: Numbers = 0.0, size: Numbers = 1.0) -> Column:

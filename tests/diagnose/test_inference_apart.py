@@ -52,9 +52,9 @@ def _coloured(case: Case) -> Space:
     return case.space(case.noise(times=(ALIKE, ALIKE)))
 
 
-def _excess(squares: Array, times: float | Array = ALIKE) -> Array:
+def _excess(squares: float | Array, times: float | Array = ALIKE) -> Array:
     """Of sums of squares of TIMES rows, what is neither noise of a level that is not sure, nor chance, nor white."""
-    above = squares - (1.0 + UNSURE) * TIMES - CHANCE * np.sqrt(2.0 * TIMES * np.asarray(times))
+    above = np.asarray(squares) - (1.0 + UNSURE) * TIMES - CHANCE * np.sqrt(2.0 * TIMES * np.asarray(times))
     return np.asarray(np.maximum(above, 0.0) * (1.0 - 1.0 / np.asarray(times)))
 
 
@@ -98,7 +98,7 @@ def _oracle(case: Case, structure: Structure, noise: Discrepancy) -> dict[int, f
         share = np.linalg.norm(blocks[c][0].size * at.mean[blocks[c][1]]) if c in blocks else np.inf
         hidden = float(power.sum()) * _typical(case, excess) / float(share) ** 2
         left = max(excess[there].sum(), hidden) * (1.0 / (noise.scale**2 * noise.times))[there].mean()
-        found[c] = float(own @ own) / max(float(left), 1e-300)
+        found[c] = float(own @ own) / max(float(left), 1e-9)
     return found
 
 

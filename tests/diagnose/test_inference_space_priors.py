@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from flexdyn.diagnose.hypothesis.numbers import FileNumber
-from flexdyn.diagnose.inference.library import SMALLEST, Column
+from flexdyn.diagnose.inference.library import SHARE, SMALLEST, Column
 from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Structure
 from flexdyn.effects import CoulombFriction
 from tests.diagnose.inference_cases import EQUATIONS, EXPECTED, TIMES, Case, Given, column, share
@@ -193,5 +193,5 @@ def test_a_law_is_large_by_what_a_plainer_one_cannot_do(both: float, plain_at: s
         case = replace(case, given=(asymmetric, replace(coulomb, stands=found)), rows=case.rows + one)
     wanted = 0.0
     if both == 1.0 and plain_at == "a":  # of nothing, as sure as the negligible amounts of both laws let it be
-        wanted = float(norm.logcdf(-SMALLEST / (math.sqrt(2.0) * NEGLIGIBLE * 0.4)))
+        wanted = float(norm.logcdf(-SMALLEST / (math.sqrt(2.0) * NEGLIGIBLE * SHARE)))
     assert _large(case) == pytest.approx(wanted, rel=1e-2, abs=1e-6)

@@ -19,12 +19,13 @@ from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import lower_factor
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.effects import catalogue
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 CHANCE, UNSURE = 5.0, 0.05
 """Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
-EVERYWHERE, OFTEN, SELDOM = 100.0, 20.0, 1.0
+EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 1.0
 """Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest."""
 COMMON = {
     "viscous_friction": EVERYWHERE,
@@ -48,7 +49,9 @@ def genuine(candidate: Candidate, share: float) -> float:
         share: power of its own part over that of what is left [1].
     """
     late_encoder = candidate.kind == "channel_lag" and not candidate.place["channel"].startswith("tau")
-    prior = SELDOM if late_encoder else COMMON.get(candidate.kind, SELDOM)
+    law = catalogue().get(candidate.kind)
+    own = law is not None and not law.__module__.startswith("flexdyn.")  # who writes a law expects it
+    prior = SELDOM if late_encoder else COMMON.get(candidate.kind, OFTEN if own else SELDOM)
     odds = prior * (1.0 + min(share, 1e12))
     return odds / (1.0 + odds)
 

@@ -212,7 +212,7 @@ class Library:
             cost = sum(self.log_jacobian(effect) for effect, _ in proposal.units(point))
             return Column(white, np.full(width, FIXED), np.ones(width), np.ones(width, bool), largest, cost)
         scale = SHARE / np.maximum(largest, self._given_size(proposal, point, largest))
-        scale = np.minimum(scale, NATURAL_SIZE.get(proposal.place["effect"], np.inf))
+        scale = np.array([_natural(proposal.place["effect"], float(each)) for each in scale])
         signs = np.array([*proposal.positive, *[False] * width][:width])
         gained = self._rows_of(proposal.place["joint"]) if proposal.place["effect"] == TorqueConstantError.name else 0
         least = max(SMALLEST, self._resolution(proposal.place) * float(largest.max()))
@@ -260,8 +260,8 @@ class Library:
             scale = tangent_scale(effect, name)
             raw = of_parameter(self.equations, effect, name, 0.1 * scale)
             largest = float(self._size(raw[:, None])[0])
-            most = NATURAL_SIZE.get(effect.name, np.inf)
-            return (float(nothing) - value, min(SHARE / largest, most)) if 0.0 < largest < np.inf else (0.0, np.inf)
+            spread = _natural(effect.name, SHARE / largest) if 0.0 < largest < np.inf else np.inf
+            return (float(nothing) - value, spread) if np.isfinite(spread) else (0.0, np.inf)
         proposal = next(p for p in self.proposals if p.is_of(effect))
         if name not in proposal.axes or len(proposal.grid) < 2 or value <= 0.0:
             return 0.0, np.inf
@@ -321,6 +321,8 @@ class Library:
         The rows are measured in recorded torque. Where a law cuts it off, it may be anything beyond: its density is
         then one over its range, not one over its noise.
         """
+        if isinstance(effect, TorqueConstantError):
+            return self._rows_of(effect.joint) * float(np.log(max(1.0 + effect.gain, 0.01)))
         if not isinstance(effect, JointEffect) or effect.stage != "actuator" or isinstance(effect, CommandDelay):
             return 0.0
         j, total = self.equations.true.index(effect.joint), 0.0
@@ -410,3 +412,12 @@ class Library:
             points = [point for point, _ in kept]
             found.append(Candidate(kind, proposal, None, points, places, len(kept), ratio=ratio))
         return found, columns
+
+
+def _natural(kind: str, of_drive: float) -> float:
+    """Prior standard deviation of an effect's size: of the drive's torque, or by its nature if that is less.
+
+    Errors of positions are as large as assembly makes them, however stiff the spring is on which they pull.
+    """
+    natural = NATURAL_SIZE.get(kind, np.inf)
+    return natural if kind in ANGLES else min(of_drive, natural)

@@ -12,7 +12,7 @@ from scipy.special import betaln, log_ndtr
 
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior, Products
-from flexdyn.diagnose.inference.library import EVERY_MOTOR, Candidate, Column, Library
+from flexdyn.diagnose.inference.library import EVERY_MOTOR, SHARE, Candidate, Column, Library
 from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
@@ -81,7 +81,10 @@ class Space:
         ]
         return [
             dataclasses.replace(
-                each, std=NEGLIGIBLE * each.std, mean=np.zeros_like(each.mean), positive=each.positive & False
+                each,
+                std=NEGLIGIBLE * np.minimum(each.std, SHARE / np.maximum(each.size, 1e-300)),
+                mean=np.zeros_like(each.mean),
+                positive=each.positive & False,
             )
             for each in effects
         ]
