@@ -60,14 +60,15 @@ def test_friction_of_every_motor_is_expected(kind: str) -> None:
 
 
 def test_friction_of_links_is_not_expected() -> None:
-    """It is a kind of its own, with the odds of any other effect, and what the motors have is no reason for it."""
+    """It is a kind of its own, as likely as not, and what the motors have is no reason for it."""
     space = _places("viscous_friction", joints="a").space()
     (motor, *_) = space.candidates
     motors = math.exp(space.log_prior(ALONE))
     assert motor.proposal is not None
     motor.proposal = replace(motor.proposal, place={**motor.proposal.place, "side": "link"})
     space.places = space._counted(space.candidates)
-    assert motors * math.exp(space.log_prior(ALONE)) == pytest.approx(1.0)
+    assert motors == pytest.approx(20.0)
+    assert math.exp(space.log_prior(ALONE)) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("kind", ["stribeck_friction", "viscous_friction"])

@@ -3,7 +3,6 @@
 CONTAINS = {
     "asymmetric_friction": ("coulomb_friction", "torque_offset"),
     "presliding_friction": ("coulomb_friction", "viscous_friction"),
-    "stribeck_friction": ("coulomb_friction",),
     "warm_up_friction": ("viscous_friction",),
     "position_dependent_friction": ("coulomb_friction",),
 }

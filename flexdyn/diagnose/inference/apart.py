@@ -61,13 +61,15 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
 
     The own part of an effect is what no other effect of the structure, no number of the file within its tolerance and
     no plainer law that it contains can do; that of a number is what its distance from the file does and they cannot.
-    What is not explained is the coloured residual beyond the sensors' noise at the same equations, and at least the
-    share of the torque that is left over all equations: noise may hide there what others show.
+    What is not explained is the residual beyond the sensors' noise at the same equations, as far as it is coloured:
+    white rows are noise whose level was misjudged. Where that is nothing, it is the share of torque that is left over
+    all equations, as far as noise can hide it.
     """
     columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
     squares = np.array([each.squares(columns, mean) for each in space.equations])
-    excess = _structured(squares, space.noise)
+    below = _undetected(space.noise)
+    excess = np.maximum(squares - space.noise.count - below, 0.0) * (1.0 - 1.0 / space.noise.times)
     typical, weights = _typical(space, excess), space.gram.weights
     point, found = dict(structure), {}
     numbers = list(space.library.start.factors.values())
@@ -76,22 +78,21 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
         does = np.array([value[int(k)] for k in mine])
         if c < len(numbers):  # in every structure within its tolerance, and in this one perhaps beyond
             mine, does = np.array([c, *mine], np.intp), np.array([value[c] + numbers[c] - 1.0, *does])
-        whole = np.array([float((equation.sum(mine, does) ** 2).sum()) for equation in space.equations])
+        whole = weights * [float((equation.sum(mine, does) ** 2).sum()) for equation in space.equations]
         if not whole.any():  # a number that is where the file has it
             found[c] = 0.0
             continue
         there = whole > 0.01 * whole.max()
         share = float(np.sqrt(((space.size[mine] * does) ** 2).sum()))
-        hidden = whole.sum() * (typical / share) ** 2 if share > 0.0 else 0.0
-        left = max(float(excess[there].sum()), hidden) * float(weights[there].mean())
+        hidden = whole[there].sum() * (typical / share) ** 2 if share > 0.0 else 0.0
+        left = max(float((weights * excess)[there].sum()), min(hidden, float((weights * below)[there].sum())))
         found[c] = _own(space, structure, c, mine, does) / max(left, 1e-9)
     return found
 
 
-def _structured(squares: Array, noise: Discrepancy) -> Array:
-    """Power of what is left that is neither chance nor white: that is noise whose level was misjudged (equations,)."""
-    chance = CHANCE * np.sqrt(2.0 * noise.count * noise.times)
-    return np.asarray(np.maximum(squares - (1.0 + UNSURE) * noise.count - chance, 0.0) * (1.0 - 1.0 / noise.times))
+def _undetected(noise: Discrepancy) -> Array:
+    """Power beyond noise that chance and a wrong level of the noise may make (equations,)."""
+    return np.asarray(UNSURE * noise.count + CHANCE * np.sqrt(2.0 * noise.count * noise.times))
 
 
 def _typical(space: Space, excess: Array) -> float:

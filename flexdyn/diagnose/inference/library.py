@@ -44,6 +44,10 @@ ANGLES = {
     "sensor_offset": "offset",
 }
 """Effects on positions, and the parameter that says how large they are [rad or m]."""
+BY_NATURE = (*ANGLES, "sensor_gain")
+"""Effects whose size has nothing to do with a drive's torque."""
+EVERY_DRIVE = ("viscous_friction", "coulomb_friction")
+"""Friction that every drive has."""
 EVERY_MOTOR = "of every motor:"
 """What the group of a kind begins with that every motor has."""
 WAVES = ("torque_ripple", "kinematic_error", "encoder_eccentricity", "position_dependent_friction")
@@ -92,7 +96,7 @@ class Candidate:
     @property
     def group(self) -> str:
         """Kind, by which places are counted; what every motor has is a kind of its own on the motor's side."""
-        plain = self.kind in ("viscous_friction", "coulomb_friction") and self.place.get("side") == "motor"
+        plain = self.kind in EVERY_DRIVE and self.place.get("side") == "motor"
         return f"{EVERY_MOTOR} {self.kind}" if plain else self.kind
 
     @property
@@ -420,4 +424,4 @@ def _natural(kind: str, of_drive: float) -> float:
     Errors of positions are as large as assembly makes them, however stiff the spring is on which they pull.
     """
     natural = NATURAL_SIZE.get(kind, np.inf)
-    return natural if kind in ANGLES else min(of_drive, natural)
+    return natural if kind in BY_NATURE else min(of_drive, natural)

@@ -105,7 +105,8 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         name = frozenset(_identity(space, each) for each in best)
         settled = _nonlinear(space, best) == _nonlinear(space, stands) or name in compared
         compared.add(name)
-        if settled:
+        last = settled or k == PASSES - 1
+        if last:
             space.known = {}
             best = explore(space, [best])
             there = hypothesis_of(space, best, here, whole=True)
@@ -113,11 +114,11 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         for _ in range(WEIGHTINGS):
             work = _for_fit(bare, noise, mask, seen, there)
             work = dataclasses.replace(work, beliefs=beliefs)
-            fitted = _natural(fit(there, work, steps=STEPS if not settled else 8), space, work)
+            fitted = _natural(fit(there, work, steps=STEPS if not last else 8), space, work)
             there = fitted.hypothesis
-            if fitted.reduced > WELL_WEIGHTED:
+            if fitted.reduced > WELL_WEIGHTED * _reduced(work):
                 break
-        if settled:
+        if last:
             break
         here = fitted.hypothesis
     return Posterior(space, best, fitted, noise, settled)
@@ -130,6 +131,12 @@ def _quieter(recorded: Noise, at: Equations, mask: NDArray[np.bool_]) -> Noise:
     """
     left = torque_noise(at, at.residual, mask, recorded)
     return dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
+
+
+def _reduced(work: Workspace) -> float:
+    """Mean square of the weighted rows of a model error as large as it was taken for [1]."""
+    error = work.whiten.error if isinstance(work.whiten, Tempered) else None
+    return 1.0 if error is None else float((error.count / error.times).sum() / error.count.sum())
 
 
 def _for_fit(
@@ -212,7 +219,7 @@ def _strong(space: Space, best: Structure, stands: Structure, least: float) -> S
     """
     value = space.value(best)
     lost = {each: value - space.value(best - {each}) for each in sorted(best - stands)}
-    most = max((x for (c, _), x in lost.items() if c in _nonlinear(space, best)), default=0.0)
+    most = max(lost.values(), default=0.0)
     return best - {each for each, loss in lost.items() if loss < least * most}
 
 

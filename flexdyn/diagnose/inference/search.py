@@ -10,9 +10,9 @@ from scipy.special import betaln
 
 from flexdyn.diagnose.hypothesis.nesting import CONTAINS
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.library import EVERY_MOTOR, Candidate
+from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.refinement import refined
-from flexdyn.diagnose.inference.space import NATURAL, ODDS, UBIQUITOUS, Space, Structure
+from flexdyn.diagnose.inference.space import NATURAL, Space, Structure, odds_of
 
 Array = NDArray[np.float64]
 WINDOW = math.log(1000.0)
@@ -74,7 +74,7 @@ class Scan:
         counts = np.zeros(len(self.kinds))
         for c, _ in structure:
             counts[self.kinds.index(self.space.candidates[c].group)] += 1
-        a, b = np.array([UBIQUITOUS if kind.startswith(EVERY_MOTOR) else ODDS for kind in self.kinds]).T
+        a, b = np.array([odds_of(kind) for kind in self.kinds]).T
         left = np.maximum(self.total - counts - 1.0, 0.0)
         price = betaln(counts + 1 + a, left + b) - betaln(counts + a, np.maximum(self.total - counts, 0.0) + b)
         gain = gain + price[self.kind]

@@ -12,7 +12,7 @@ from scipy.special import betaln, log_ndtr
 
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior, Products
-from flexdyn.diagnose.inference.library import EVERY_MOTOR, SHARE, Candidate, Column, Library
+from flexdyn.diagnose.inference.library import EVERY_DRIVE, EVERY_MOTOR, SHARE, Candidate, Column, Library
 from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
@@ -24,8 +24,9 @@ ODDS = (0.3, 6.0)
 
 An effect of many joints so costs less than its members apart (Scott and Berger, 2010).
 """
-UBIQUITOUS = (6.0, 0.3)
-"""The same of friction that every motor has, where the file has none: odds of some 20 to 1."""
+UBIQUITOUS, PLAIN = (6.0, 0.3), (1.0, 1.0)
+"""The same of friction that every motor has, where the file has none: odds of some 20 to 1; and of the same friction on
+links: any share of the places is as likely as any other."""
 NEGLIGIBLE = 3e-3
 """Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
 NATURAL = 5.0
@@ -232,7 +233,7 @@ class Space:
             if "harmonic" in candidate.names and candidate.stands is None:
                 total -= 0.0 if candidate.points[p][0] in candidate.natural(candidate.points[p][0]) else NATURAL
         for kind, m in chosen.items():
-            n, (a, b) = self.places[kind], UBIQUITOUS if kind.startswith(EVERY_MOTOR) else ODDS
+            n, (a, b) = self.places[kind], odds_of(kind)
             total += float(betaln(m + a, n - m + b) - betaln(a, n + b))
         return total
 
@@ -257,3 +258,10 @@ def _same(one: Candidate, other: Candidate) -> bool:
 def _tangents(column: Column) -> Column:
     """Of an effect that stands, without what it does as it is."""
     return Column(column.white[:, 1:], column.std[1:], column.mean[1:], column.positive[1:], column.size[1:])
+
+
+def odds_of(group: str) -> tuple[float, float]:
+    """Beta prior of the share of places at which effects of a group are."""
+    if group.startswith(EVERY_MOTOR):
+        return UBIQUITOUS
+    return PLAIN if group in EVERY_DRIVE else ODDS
