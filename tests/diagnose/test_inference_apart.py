@@ -273,7 +273,7 @@ def test_genuine_is_a_probability_that_grows_with_what_stands_out() -> None:
     """Up to certainty where nothing is left."""
     values = [genuine(_candidate("backlash"), float(r)) for r in (0.0, 0.1, 1.0, 10.0, 1e6)]
     assert np.all(np.diff(values) > 0.0)
-    assert values[0] == pytest.approx(0.5)
+    assert values[0] == pytest.approx(SELDOM / (1.0 + SELDOM))
     assert genuine(_candidate("backlash"), np.inf) == pytest.approx(1.0)
 
 

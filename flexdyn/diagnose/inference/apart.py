@@ -25,8 +25,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 CHANCE, UNSURE = 5.0, 0.05
 """Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
-EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 1.0
-"""Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest."""
+EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 0.3
+"""Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest. In
+24 hidden cases outside the catalogue the best imitation stood out by 46 at most; the rest must by 60 to be named."""
 COMMON = {
     "viscous_friction": EVERYWHERE,
     "coulomb_friction": EVERYWHERE,
