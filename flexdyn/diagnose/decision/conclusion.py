@@ -46,7 +46,8 @@ def concluded(
     say("simulating windows", 0.0)
     named = names_told(found)
     first = on_fit(plain, calibrated(plain, start), found, parts[0])
-    if not named and not found.explained:  # a gap that nothing explains bends numbers without reason
+    # A gap that nothing explains bends numbers without reason; so does one that only numbers out of tolerance explain.
+    if not named and not (found.explained and found.hypothesis.tolerated().factors == found.hypothesis.factors):
         found, first = first.calibration_alone(found)
     say("opening the test data", 0.5)
     last = on_test(plain, first, found, named, parts[1])

@@ -31,5 +31,7 @@ def gains(rows: HeldOut, calibrated: Hypothesis, found: Corrected, named: Sequen
         return float(np.sqrt((white**2).mean())) if len(white) else np.nan
 
     after, before = off(None), off(calibrated)
+    if not np.isfinite(before - after):  # no row says anything
+        return {each.candidate: np.nan for each in named}
     whole = max(before - min(after, 1.0), 1e-9)
     return {each.candidate: min(1.0, (off(found.without(each.candidate)) - after) / whole) for each in named}

@@ -84,10 +84,21 @@ def held_out(equations: Equations, hypothesis: Hypothesis, data: tuple[Measured,
     given = Equations(equations.model, data, _filters(equations, data[0].dt), equations.stiffness)
     after = given.of(hypothesis.seen())
     recorded = recorded_noise(data)
-    mask = sign_mask(given, recorded) | sign_mask(after, recorded)
+    mask = _mask(given, after, recorded)
     left = torque_noise(after, after.residual, mask, recorded)
     noise = dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
     return HeldOut(given, after, noise, whitener(after, noise, mask))
+
+
+def _mask(given: Equations, after: Equations, noise: Noise) -> NDArray[np.bool_]:
+    """Rows that say nothing by the given or by the corrected model (rows,).
+
+    Where a corrected model's made-up positions would hide all rows of an equation, its own joint's standstill decides.
+    """
+    many = len(after.kinds)
+    mask = (sign_mask(given, noise) | sign_mask(after, noise)).reshape(-1, many)
+    own = (sign_mask(given, noise, alone=True) | sign_mask(after, noise, alone=True)).reshape(-1, many)
+    return np.where(mask.all(axis=0), own, mask).ravel()
 
 
 def recorded_noise(data: tuple[Measured, ...]) -> Noise:

@@ -14,13 +14,19 @@ SIGMAS = 5.0
 """A velocity of fewer standard deviations than this has no certain sign."""
 
 
-def sign_mask(equations: Equations, noise: Noise) -> NDArray[np.bool_]:
-    """Rows (rows,) whose filters reach an instant at which a velocity of their joint has no certain sign."""
+def sign_mask(equations: Equations, noise: Noise, *, alone: bool = False) -> NDArray[np.bool_]:
+    """Rows (rows,) whose filters reach an instant at which a velocity of their joint has no certain sign.
+
+    Args:
+        equations: whose rows they are.
+        noise: of the encoders.
+        alone: whether joints with a made-up position hide no rows of other joints.
+    """
     found = []
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
         hidden = np.zeros((len(at), len(equations.kinds)), dtype=bool)
-        unseen = [(int(i), TOTAL) for i in np.flatnonzero(equations.made_up)]
+        unseen = [] if alone else [(int(i), TOTAL) for i in np.flatnonzero(equations.made_up)]
         for place, (j, kind) in enumerate(equations.kinds):
             if kind != SENSOR:
                 # A made-up position lacks its own joint's stuck friction, and loads every other equation with it.

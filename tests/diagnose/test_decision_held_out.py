@@ -1,0 +1,49 @@
+"""Rows of the test data that a corrected model with made-up positions still shows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import flexdyn as fd
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.held_out import held_out, recorded_noise
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.mask import sign_mask
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.numbers import file_numbers
+from tests.arms import two_link
+from tests.diagnose.truths import ARM, Levels, two_link_recording
+
+
+def _one_joint_rests() -> fd.Recording:
+    """Motor encoders and torques; the elbow stands still."""
+    whole = two_link_recording(Levels(), 0)
+    kept = {name: x.copy() for name, x in whole.channels.items() if name[:2] in ("th", "ta")}
+    kept["theta.elbow"] = kept["theta.elbow"][0] + 1e-5 * np.random.default_rng(0).standard_normal(len(whole.t))
+    return fd.Recording(whole.t, kept)
+
+
+def test_a_joint_at_rest_hides_rows_of_others_only_through_a_made_up_position() -> None:
+    """Alone, each equation is hidden by its own joint's standstill and no other."""
+    model = two_link(ARM)
+    data = measured(model, _one_joint_rests())
+    at, noise = Equations(model, (data,), Filters.of_rate(data.dt)), recorded_noise((data,))
+    assert at.made_up.all()
+    full, alone = (sign_mask(at, noise, alone=each).reshape(-1, 2) for each in (False, True))
+    assert not (alone & ~full).any()
+    assert full.all()
+    assert alone[:, 1].all()
+    assert not alone[:, 0].all()
+
+
+def test_torque_errors_are_known_where_a_joint_rests() -> None:
+    """The equation of the joint that moves is judged by its own standstill."""
+    model = two_link(ARM)
+    data = (measured(model, _one_joint_rests()),)
+    at = Equations(model, data, Filters.of_rate(data[0].dt))
+    rows = held_out(at, Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0)), data)
+    assert rows.seen[:, 0].any()
+    before, after, recorded = rows.torque(0)
+    assert len(before) == len(after) == len(recorded) > 0
+    assert np.isfinite(before).all()
