@@ -18,7 +18,7 @@ from mujoco_friction import harden
 
 import flexdyn as fd
 from flexdyn import _core
-from flexdyn.job import prepare
+from flexdyn.simulation.job import prepare
 
 CHUNK = 128  # runs: what a thread of flexdyn takes at a time, as a study does
 STEP = 1e-3  # s, MuJoCo's

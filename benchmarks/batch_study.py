@@ -14,7 +14,7 @@ from typing import Any
 from batch_problem import DURATION, Batch
 
 import flexdyn as fd
-from flexdyn.yamlfile import dump_yaml
+from flexdyn.io.yaml import dump_yaml
 
 RATE = 20.0  # Hz, of what is stored
 METRICS = ("tip_deflection_max",)

@@ -2,7 +2,7 @@
 
 from importlib.metadata import version as _version
 
-from flexdyn import effects, solvers
+from flexdyn import effects
 from flexdyn.analysis import (
     BaseParameters,
     Equilibrium,
@@ -24,15 +24,14 @@ from flexdyn.analysis import (
     steady_points,
 )
 from flexdyn.batch import run_study
-from flexdyn.commands import PD, Controller, FrameWrench, Samples, State
-from flexdyn.compare import ChannelError, Comparison, compare
+from flexdyn.comparison.compare import ChannelError, Comparison, compare
+from flexdyn.control.commands import PD, Controller, FrameWrench, Samples, State
+from flexdyn.control.servo import Servo
 from flexdyn.diagnose import Diagnosis, diagnose
-from flexdyn.energy import Energy, EnergyWarning
 from flexdyn.errors import FlexdynError, InputError, MissingExtra, SimulationError
-from flexdyn.joint import Joint
-from flexdyn.model import FlexibleJointModel
-from flexdyn.modelfile import load_model, save_model, shipped_models
-from flexdyn.plant import LinkSide
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.joint import Joint
+from flexdyn.model.model_file import load_model, save_model, shipped_models
 from flexdyn.plots import Picture, plot
 from flexdyn.records import (
     ChannelMap,
@@ -47,9 +46,11 @@ from flexdyn.records import (
     write_recording,
 )
 from flexdyn.robot import Robot, load_robot, robot_names
-from flexdyn.run import Run
-from flexdyn.servo import Servo
-from flexdyn.simulate import simulate, simulate_many
+from flexdyn.simulation import solvers
+from flexdyn.simulation.energy import Energy, EnergyWarning
+from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.simulate import simulate, simulate_many
 from flexdyn.viewer import Playback, play
 
 __version__ = _version("flexdyn")

@@ -13,7 +13,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.records import SUFFIXES
-from flexdyn.solvers import SOLVERS
+from flexdyn.simulation.solvers import SOLVERS
 
 ROOT = Path(__file__).parents[1]
 

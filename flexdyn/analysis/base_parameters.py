@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.analysis.along import Along, along_recording, along_samples
+from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.regressor import FRICTION, body_numbers, regressor
-from flexdyn.analysis.variants import checked_model
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.uncertain_parameters import OF_LINK, file_numbers
 from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
@@ -197,8 +198,6 @@ def _combinations(names: tuple[str, ...], W: Array, p: Array) -> tuple[tuple[Com
 
 def _numbers(model: FlexibleJointModel, names: tuple[str, ...], W: Array, friction: bool) -> tuple[Told, ...]:
     """A verdict on every number of links and rotors; friction, where it is unknown, is so besides them."""
-    from flexdyn.diagnose.hypothesis.numbers import OF_LINK, file_numbers
-
     wanted = [each for each in file_numbers(model) if each.parameter in ("rotor_inertia", *OF_LINK)]
     place = {name: k for k, name in enumerate(names)}
     columns = []

@@ -7,13 +7,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.analysis.analysed_model import checked_model, without
 from flexdyn.analysis.jacobian import state_matrix
 from flexdyn.analysis.modes_result import Modes
 from flexdyn.analysis.pose import Pose, pose
 from flexdyn.analysis.statics import Statics
-from flexdyn.analysis.variants import checked_model, without
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 Rotors = Literal["free", "held"]

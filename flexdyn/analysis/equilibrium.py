@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.eigenmodes import Tangent
 from flexdyn.analysis.equilibrium_search import Search
 from flexdyn.analysis.holding import HoldingTorques, holding_at, link_range
 from flexdyn.analysis.jacobian import without_resting_friction
 from flexdyn.analysis.pose import Pose, pose, torques
 from flexdyn.analysis.statics import Statics
-from flexdyn.analysis.variants import checked_model
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 

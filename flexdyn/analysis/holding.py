@@ -7,12 +7,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.pose import Pose, pose, vector
 from flexdyn.analysis.statics import Statics
-from flexdyn.analysis.variants import checked_model
 from flexdyn.effects import JointEffect
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 CREEP = float(np.finfo(float).tiny)

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.analysis.analysed_model import without
 from flexdyn.analysis.statics import Statics
-from flexdyn.analysis.variants import without
 from flexdyn.effects import Effect, JointEffect
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.eigenmodes import Rotors, check_rotors, modes_at, resting_statics
-from flexdyn.analysis.variants import checked_model
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from flexdyn.effects import CoulombFriction, Payload, TorqueOffset, ViscousFriction
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.tree import Tree
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from flexdyn.analysis.balance import roots
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide, build_plant
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import LinkSide, build_plant
 
 Array = NDArray[np.float64]
 ROUNDING = 1e-13

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.commands import PD, Controller, Samples
-from flexdyn.drive import recorded, resolve_command
-from flexdyn.model import FlexibleJointModel
+from flexdyn.control.commands import PD, Controller, Samples
+from flexdyn.control.servo import Servo
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.run import Run
-from flexdyn.servo import Servo
+from flexdyn.simulation.command_input import recorded, resolve_command
+from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 END = 1e-9

@@ -18,15 +18,15 @@ from flexdyn.batch.draws import drawn
 from flexdyn.batch.metrics import metrics_of
 from flexdyn.batch.places import Changes, Place, places
 from flexdyn.batch.study import Study
-from flexdyn.commands import PD
-from flexdyn.drive import make_drive
+from flexdyn.control.commands import PD
 from flexdyn.errors import InputError
-from flexdyn.job import Job, prepare
-from flexdyn.model import FlexibleJointModel
-from flexdyn.modelfile import model_from_dict
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.model_file import model_from_dict
 from flexdyn.records import Recording, read_recording
-from flexdyn.solvers import Solver, make_solver
-from flexdyn.variants import Columns, Variants
+from flexdyn.simulation.command_input import make_drive
+from flexdyn.simulation.job import Job, prepare
+from flexdyn.simulation.parameter_variants import Columns, Variants
+from flexdyn.simulation.solvers import Solver, make_solver
 
 Array = NDArray[np.float64]
 MOST_KEPT = 4

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from flexdyn.batch.aim import Aim, aim_of_run
 from flexdyn.batch.motion import Motion, lengths
 from flexdyn.batch.own_metric import single_number
-from flexdyn.energy import EnergyWarning
 from flexdyn.errors import FlexdynError, InputError
-from flexdyn.run import Run
+from flexdyn.simulation.energy import EnergyWarning
+from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 BAND = 0.02

@@ -18,10 +18,10 @@ from flexdyn.batch.metrics import measure
 from flexdyn.batch.motion import Motion
 from flexdyn.batch.store import Store
 from flexdyn.errors import FlexdynError
-from flexdyn.inputs import SIGNALS
 from flexdyn.robot import Robot
-from flexdyn.run import Run
-from flexdyn.simulate import simulate_many
+from flexdyn.simulation.inputs_and_signals import SIGNALS
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.simulate import simulate_many
 
 Numbers = Mapping[str, NDArray[np.float64]]
 STARTS = ("q0", "v0", "theta0", "omega0")

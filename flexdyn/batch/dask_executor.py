@@ -195,9 +195,9 @@ def work(version: str, packed: bytes, chunk: int) -> Any:
 
 
 def _version() -> str:
-    import flexdyn
+    from flexdyn import __version__
 
-    return flexdyn.__version__
+    return __version__
 
 
 def _is_client(where: Any) -> bool:

@@ -10,12 +10,12 @@ from typing import Any
 
 from flexdyn.batch.cases import cases_of
 from flexdyn.batch.study import Study
-from flexdyn.commands import PD
+from flexdyn.control.commands import PD
 from flexdyn.errors import InputError
-from flexdyn.files import write_text
-from flexdyn.modelfile import save_model
+from flexdyn.io.files import write_text
+from flexdyn.io.yaml import dump_yaml
+from flexdyn.model.model_file import save_model
 from flexdyn.records import Recording, write_recording
-from flexdyn.yamlfile import dump_yaml
 
 OPTIONS = ("step", "rtol", "atol", "smoothing")
 """Settings of solvers that ``flexdyn simulate`` takes."""

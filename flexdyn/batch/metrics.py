@@ -14,7 +14,7 @@ from flexdyn.batch.catalogue import METRICS, Metric, RunMetric
 from flexdyn.batch.motion import Motion
 from flexdyn.batch.own_metric import own_function
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 _SLIDING = {"N m": "N", "rad": "m"}
 """Units at joints that slide."""

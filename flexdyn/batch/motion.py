@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.batch.aim import Aim
-from flexdyn.inputs import SIGNALS
 from flexdyn.robot import Robot, frame_positions
-from flexdyn.run import Run
+from flexdyn.simulation.inputs_and_signals import SIGNALS
+from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 TAIL = 0.1

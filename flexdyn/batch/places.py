@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from flexdyn.commands import PD, per_joint
+from flexdyn.control.commands import PD, per_joint
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.effects.base import unit_for
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.robot import load_robot
 

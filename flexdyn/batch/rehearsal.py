@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from flexdyn.batch.cases import Cases
 from flexdyn.errors import FlexdynError, InputError, did_you_mean
-from flexdyn.job import prepare
+from flexdyn.simulation.job import prepare
 
 
 def rehearse(cases: Cases) -> None:

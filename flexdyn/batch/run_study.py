@@ -115,12 +115,12 @@ def _same(study: Study, path: Path) -> Store:
     Raises:
         InputError: it is not, and what is different.
     """
-    import flexdyn
+    from flexdyn import __version__
 
     store = open_store(path)
     difference = study.difference(store.study)
-    if difference is None and store.version != flexdyn.__version__:
-        difference = f"flexdyn is {flexdyn.__version__} here and {store.version} there"
+    if difference is None and store.version != __version__:
+        difference = f"flexdyn is {__version__} here and {store.version} there"
     if difference is not None:
         remedy = "write to another place, or remove this one"
         raise InputError(f"the store is of another study: {difference}", file=path, remedy=remedy)

@@ -87,9 +87,9 @@ class Store:
     """
 
     def __init__(self, path: Path, study: Study, version: str | None = None) -> None:
-        import flexdyn
+        from flexdyn import __version__
 
-        self.path, self.study, self.version = path, study, version or flexdyn.__version__
+        self.path, self.study, self.version = path, study, version or __version__
 
     def write(self, chunk: int, columns: Mapping[str, Any]) -> None:
         """Write a chunk of runs; each piece is whole or not there.
@@ -172,7 +172,7 @@ def writing(path: Path, remedy: str) -> Iterator[None]:
 
 def _skeleton(study: Study, folder: Path) -> None:
     """Everything of a store that follows from the study alone: metadata and coordinates."""
-    import flexdyn
+    from flexdyn import __version__
 
     arrays = tuple(layouts(cases_of(study)))
     folder.mkdir()
@@ -182,7 +182,7 @@ def _skeleton(study: Study, folder: Path) -> None:
         (place / FILE).write_bytes(encoded(array_metadata(each)))
         if each.values is not None:
             write_piece(place, 0, each.piece, each.values, each.fill)
-    attrs = {"flexdyn_batch": FORMAT, "flexdyn": flexdyn.__version__, "study": study.to_text()}
+    attrs = {"flexdyn_batch": FORMAT, "flexdyn": __version__, "study": study.to_text()}
     (folder / FILE).write_bytes(encoded(group_metadata(attrs, arrays)))
 
 

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from flexdyn.batch.distributions import Distribution, Grid, distribution
 from flexdyn.errors import shown
-from flexdyn.yamlfile import dump_yaml, parse_yaml
+from flexdyn.io.yaml import dump_yaml, parse_yaml
 
 PLACES = ("name", "folder", "model.robot.urdf", "model.robot.package_dirs")
 """Entries that say where things lie (an unnamed model is called after its folder): a study that was moved is the same

@@ -67,9 +67,9 @@ def build() -> Any:
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        import flexdyn
+        from flexdyn import __version__
 
-        typer.echo(f"flexdyn {flexdyn.__version__}")
+        typer.echo(f"flexdyn {__version__}")
         raise typer.Exit
 
 

@@ -10,8 +10,8 @@ import typer
 from flexdyn.cli.options import JsonOption, naming, output_file
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.plot import FromOption, MapsOption, ToOption, load_all, window
-from flexdyn.compare import Comparison
-from flexdyn.compare import compare as compare_two
+from flexdyn.comparison.compare import Comparison
+from flexdyn.comparison.compare import compare as compare_two
 from flexdyn.plots.picture import FILES
 
 COLUMNS = ("channel", "unit", "RMS", "largest", "at [s]", "bias", "RMS / spread")

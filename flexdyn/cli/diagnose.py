@@ -20,7 +20,7 @@ from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError, MissingExtra
 
 if TYPE_CHECKING:
-    from flexdyn.model import FlexibleJointModel
+    from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 CHECK, EXPLAIN = "--check", "--explain"
 Progress = Callable[[str, float], None]

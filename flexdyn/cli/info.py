@@ -18,9 +18,9 @@ from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.target import Target, find
 from flexdyn.effects import Effect, JointEffect, Payload, unit_for
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots import SUFFIXES, draw_frequencies
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 

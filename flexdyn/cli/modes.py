@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.analysis import Modes, PathFrequencies, frequencies_over_path, modes
 from flexdyn.cli.output import number, table
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import read_recording
 
 SHOWN = 0.1

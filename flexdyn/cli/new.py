@@ -15,13 +15,13 @@ from flexdyn.cli.output import number, show
 from flexdyn.cli.target import MODEL_SUFFIXES
 from flexdyn.effects import JointCoupling, catalogue, unit_for
 from flexdyn.errors import InputError
-from flexdyn.files import write_text
-from flexdyn.model import FlexibleJointModel
-from flexdyn.modelfile import model_from_dict, model_to_dict
-from flexdyn.plant import LinkSide
+from flexdyn.io.files import write_text
+from flexdyn.io.yaml import parse_yaml
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.model_file import model_from_dict, model_to_dict
 from flexdyn.plots import example_entry
 from flexdyn.robot import load_robot
-from flexdyn.yamlfile import parse_yaml
+from flexdyn.simulation.plant import LinkSide
 
 _PLAIN = re.compile(r"(\.\.?/)*[A-Za-z_/][A-Za-z0-9_./-]*")
 _WORDS = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")

@@ -12,7 +12,7 @@ from flexdyn.cli.output import note, show
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import find
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.files import is_recording
 

@@ -16,13 +16,13 @@ from flexdyn.cli.options import JsonOption, MapOption, by_joint, decimal, naming
 from flexdyn.cli.output import console, note, number, show, show_json, table
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
-from flexdyn.drive import read_command_file
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.records.files import SUFFIXES
-from flexdyn.run import Run
-from flexdyn.solvers import SOLVERS, Solver, make_solver
+from flexdyn.simulation.command_input import read_command_file
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.solvers import SOLVERS, Solver, make_solver
 
 STARTS = "0.1,0.2 or elbow=1.57,wrist=0"
 # Arguments of the Python interface -> what the user typed.
@@ -175,7 +175,7 @@ def _run(
     rate: float,
     starts: dict[str, Any],
 ) -> Run:
-    from flexdyn.simulate import simulate as integrate
+    from flexdyn.simulation.simulate import simulate as integrate
 
     with _progress(model.name, duration or getattr(command, "duration", None)) as progress:
         return integrate(model, command, duration, solver, rate=rate, progress=progress, **starts)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.model import FlexibleJointModel
-from flexdyn.modelfile import load_model, shipped_models
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.model_file import load_model, shipped_models
 from flexdyn.records.files import is_recording
 from flexdyn.robot import load_robot, robot_names
 

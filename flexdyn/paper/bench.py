@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.commands import Controller, Samples, State
+from flexdyn.control.commands import Controller, Samples, State
 from flexdyn.paper import equations as eq
 from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, Cases, reference
 from flexdyn.records import Recording
-from flexdyn.run import Run
-from flexdyn.simulate import simulate
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.simulate import simulate
 
 Array = NDArray[np.float64]
 Corners = Sequence[tuple[float, float]]

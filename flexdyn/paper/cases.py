@@ -9,14 +9,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.commands import Samples
+from flexdyn.control.commands import Samples
 from flexdyn.effects import CoulombFriction, StribeckFriction, TorqueSpeedLimit, ViscousFriction
-from flexdyn.model import FlexibleJointModel
-from flexdyn.modelfile import load_model
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.model_file import load_model
 from flexdyn.paper.equations import Arm
-from flexdyn.run import Run
-from flexdyn.simulate import simulate
-from flexdyn.solvers import DormandPrince
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.simulate import simulate
+from flexdyn.simulation.solvers import DormandPrince
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from flexdyn.run import Run
+from flexdyn.simulation.run import Run
 
 Drawing = Callable[[Any], None]
 

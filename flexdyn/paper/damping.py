@@ -12,7 +12,7 @@ from flexdyn.paper import style
 from flexdyn.paper.cases import DAMPINGS, DURATION, TORQUE_END, WATCHED, Cases, bang_bang
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.vibration import Residual, amplitude, modes, pluck_rate, residual, slowest_rates
-from flexdyn.run import Run
+from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 ELBOW = np.pi / 2  # rad: the pose of Table I, at which modes are computed

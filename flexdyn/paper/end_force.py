@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.commands import PD, FrameWrench, Samples
+from flexdyn.control.commands import PD, FrameWrench, Samples
 from flexdyn.paper import style
 from flexdyn.paper.cases import PAPER_V, Cases, reference
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.equations import Arm, jacobian, tip
-from flexdyn.run import Run
-from flexdyn.simulate import simulate
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.simulate import simulate
 
 Array = NDArray[np.float64]
 FORCE = np.array([-0.2, 0.0])  # N, along -x: across the second link as it stands

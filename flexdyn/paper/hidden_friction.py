@@ -16,7 +16,7 @@ from flexdyn.diagnose.report.words import effect_name, place_phrase
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Noise, Windows
 from flexdyn.effects import Effect
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper.bench import LINK_STEP, TORQUE_NOISE, Bench, motor_step
 from flexdyn.paper.cases import Cases
 from flexdyn.paper.chapter import Chapter, Check, Figure, check

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper import style
 from flexdyn.records import Recording
-from flexdyn.simulate import simulate
+from flexdyn.simulation.simulate import simulate
 
 if TYPE_CHECKING:
     from flexdyn.paper.hidden_friction import Step

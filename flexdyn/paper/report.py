@@ -10,7 +10,7 @@ from typing import Any
 
 from flexdyn.paper.chapter import Chapter, Check
 from flexdyn.paper.readings import Reading
-from flexdyn.run import Run
+from flexdyn.simulation.run import Run
 
 TITLE = "The Effect of Friction on the Formulation and Numerical Solution of Elastic Joint Manipulators"
 

@@ -10,7 +10,7 @@ from flexdyn.paper import style
 from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, Cases
 from flexdyn.paper.chapter import Chapter, Check, Figure, check
 from flexdyn.paper.vibration import amplitude, ringing_after
-from flexdyn.run import Run
+from flexdyn.simulation.run import Run
 
 
 def responses(cases: Cases) -> Chapter:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from flexdyn.paper import style
 from flexdyn.paper.cases import SMOOTH_AMPLITUDE, SMOOTH_END, Cases, smooth_samples
 from flexdyn.paper.chapter import Chapter, Figure, check
-from flexdyn.simulate import simulate
-from flexdyn.solvers import DormandPrince
+from flexdyn.simulation.simulate import simulate
+from flexdyn.simulation.solvers import DormandPrince
 
 Array = NDArray[np.float64]
 FACTORS = 10.0 ** np.arange(0.0, 6.01, 0.5)  # times the K of Table I

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError, MissingExtra
-from flexdyn.files import write_text
+from flexdyn.io.files import write_text
 from flexdyn.paper import style
 from flexdyn.paper.cases import Cases
 from flexdyn.paper.chapter import Chapter, Check

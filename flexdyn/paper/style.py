@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import MissingExtra
-from flexdyn.files import replacing
+from flexdyn.io.files import replacing
 from flexdyn.paper.cases import TORQUE_END
 from flexdyn.paper.chapter import Figure
 

@@ -12,7 +12,7 @@ from flexdyn.paper.cases import TORQUE_END, WATCHED, Cases
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.equations import tip
 from flexdyn.robot import frame_positions
-from flexdyn.run import Run
+from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 

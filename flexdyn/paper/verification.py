@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from flexdyn.paper import equations as eq
 from flexdyn.paper.cases import PAPER_V, Cases, smooth_samples, smooth_torque
 from flexdyn.paper.chapter import Chapter, Check, check
-from flexdyn.plant import LinkSide
 from flexdyn.robot import frame_positions
-from flexdyn.run import Run
-from flexdyn.simulate import simulate
-from flexdyn.solvers import DormandPrince
+from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.simulate import simulate
+from flexdyn.simulation.solvers import DormandPrince
 
 Array = NDArray[np.float64]
 STATES = 1000

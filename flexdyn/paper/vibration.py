@@ -8,12 +8,12 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebfit, chebval
 from numpy.typing import NDArray
 
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper.cases import TORQUE_END, WATCHED
 from flexdyn.paper.equations import Arm, mass_matrix
-from flexdyn.run import Run
-from flexdyn.simulate import simulate
-from flexdyn.solvers import DormandPrince
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.simulate import simulate
+from flexdyn.simulation.solvers import DormandPrince
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexdyn.compare import ChannelError, Comparison
-from flexdyn.difference import common_rows, difference
+from flexdyn.comparison.compare import ChannelError, Comparison
+from flexdyn.comparison.difference import common_rows, difference
+from flexdyn.comparison.motion_sources import HELD
 from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.palette import INK, hue, shade
 from flexdyn.plots.panel import Bar, Curve, Key, Panel, check_times, limits, short
@@ -16,7 +17,6 @@ from flexdyn.plots.picture import Picture
 from flexdyn.plots.thinning import outline
 from flexdyn.plots.views import TIME
 from flexdyn.records.units import split_name
-from flexdyn.source import HELD
 
 MOST_BARS = 28
 """Channels of a unit that are drawn."""

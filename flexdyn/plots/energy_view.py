@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.energy import Energy
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots.file_energy import FileEnergy, file_energy
 from flexdyn.plots.palette import INK, LOSSES, PARTS
 from flexdyn.plots.panel import Curve, Panel, limits
 from flexdyn.plots.scene import Scene
 from flexdyn.plots.thinning import outline
 from flexdyn.plots.views import TIME
+from flexdyn.simulation.energy import Energy
 
 Array = NDArray[np.float64]
 Entries = dict[str, tuple[Array, str]]

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from flexdyn.effects import SensorEffect
 from flexdyn.errors import InputError
-from flexdyn.inputs import SIGNALS
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide, build_plant
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.recorded_model import model_in
 from flexdyn.records import Recording
+from flexdyn.simulation.inputs_and_signals import SIGNALS
+from flexdyn.simulation.plant import LinkSide, build_plant
 
 Array = NDArray[np.float64]
 
@@ -81,8 +82,6 @@ def file_energy(recording: Recording, model: FlexibleJointModel | None) -> FileE
 
 
 def _model_in(recording: Recording) -> FlexibleJointModel:
-    from flexdyn.viewer.sources import model_in
-
     found = model_in(recording)
     if found is None:
         raise InputError("the file does not hold its model; give it as model (--model)")

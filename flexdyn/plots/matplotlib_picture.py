@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.errors import MissingExtra
-from flexdyn.files import replacing
+from flexdyn.io.files import replacing
 from flexdyn.plots.palette import INK, RULE, SOFT
 from flexdyn.plots.panel import Curve, Key, Panel
 from flexdyn.plots.picture import KEY, Picture

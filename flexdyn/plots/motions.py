@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import FlexdynError, InputError, did_you_mean
-from flexdyn.model import FlexibleJointModel
-from flexdyn.modelfile import load_model
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.model_file import load_model
 from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.energy_view import energy_panels
 from flexdyn.plots.panel import Key, Panel, short

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError, MissingExtra
-from flexdyn.files import replacing
+from flexdyn.io.files import replacing
 
 SUFFIXES = (".png", ".pdf", ".svg")
 """Formats of pictures."""

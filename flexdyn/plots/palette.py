@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from flexdyn.source import Source
+from flexdyn.comparison.motion_sources import Source
 
 HUES = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#B8860B", "#3BA3D9", "#332288", "#7A5230")
 """Of joints, in their order and then from the start again: Okabe and Ito's, darkened where pale, and Tol's."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.errors import MissingExtra
-from flexdyn.files import write_text
+from flexdyn.io.files import write_text
 from flexdyn.plots.palette import INK, RULE, SOFT
 from flexdyn.plots.panel import Curve, Key, Panel
 from flexdyn.plots.picture import KEY, Picture

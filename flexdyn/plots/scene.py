@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.difference import common_rows
+from flexdyn.comparison.difference import common_rows
+from flexdyn.comparison.motion_sources import HELD, Source, as_sources, unit_in, windowed
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.plots.palette import hue, shade
 from flexdyn.plots.panel import Curve, Key, check_times, short
@@ -18,7 +19,6 @@ from flexdyn.plots.thinning import outline, outline_in_plane
 from flexdyn.records import Recording
 from flexdyn.records.meta import as_plain
 from flexdyn.records.table import Table
-from flexdyn.source import HELD, Source, as_sources, unit_in, windowed
 
 Array = NDArray[np.float64]
 FEW = 150

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexdyn.difference import Difference, difference
+from flexdyn.comparison.difference import Difference, difference
+from flexdyn.comparison.motion_sources import HELD
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, shade
 from flexdyn.plots.panel import Curve, Key, Panel, limits, short
 from flexdyn.plots.scene import DEFLECTION, Scene, Trace
 from flexdyn.plots.thinning import outline
-from flexdyn.source import HELD
 
 TIME = "t [s]"
 RESIDUAL = "residual"

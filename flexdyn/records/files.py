@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.files import is_file, replacing
+from flexdyn.io.files import is_file, replacing
 from flexdyn.records import npz_file, parquet_file
 from flexdyn.records.channelmap.apply import apply_map
 from flexdyn.records.channelmap.description import ChannelMap

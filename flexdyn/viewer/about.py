@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.viewer.dials import NEEDLE
 from flexdyn.viewer.frames import Frames
 from flexdyn.viewer.layout import Extent

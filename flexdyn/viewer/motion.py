@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.run import Run
+from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from flexdyn.files import write_text
+from flexdyn.io.files import write_text
 from flexdyn.viewer import sources
 from flexdyn.viewer.show import show
 from flexdyn.viewer.sources import Model, Source

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flexdyn.commands import Samples
+from flexdyn.control.commands import Samples
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.run import Run
-from flexdyn.simulate import simulate
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.simulate import simulate
 from flexdyn.viewer.motion import Motion, of_run
 
 RIGID = "rigid"

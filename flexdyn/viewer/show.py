@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot import frame_positions
 from flexdyn.viewer.about import about_it, legend
 from flexdyn.viewer.animation import Move

@@ -10,17 +10,16 @@ from pathlib import Path
 import numpy as np
 
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
-from flexdyn.modelfile import load_model, model_from_dict
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.model_file import load_model
+from flexdyn.model.recorded_model import NAME_IT, model_in
 from flexdyn.records import Recording, read_recording
-from flexdyn.run import Run
+from flexdyn.simulation.run import Run
 from flexdyn.viewer.motion import Motion, at_rest, of_recording, of_run
 from flexdyn.viewer.rigid import RIGID, without_elasticity
-from flexdyn.yamlfile import parse_yaml
 
 Model = FlexibleJointModel | str | Path
 Source = Run | Recording | Model
-NAME_IT = "name it: model=..., on the command line --model MODEL"
 
 
 @dataclass(frozen=True)
@@ -88,24 +87,6 @@ def same_arm(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
         and np.allclose(getattr(mine, name), getattr(its, name), atol=1e-9)
         for name in names
     )
-
-
-def model_in(recording: Recording) -> FlexibleJointModel | None:
-    """The model that a run's recording holds in its meta; None if it holds none.
-
-    Raises:
-        InputError: it is no model, or its URDF is not there any more.
-    """
-    text = recording.meta.get("model")
-    if text is None:
-        return None
-    try:
-        if not isinstance(text, str):
-            raise InputError("the text of a model file is needed", value=text)
-        return model_from_dict(parse_yaml(text), Path.cwd(), name=recording.name)
-    except InputError as error:
-        problem = f"the model that the recording holds cannot be read: {error.problem}"
-        raise InputError(problem, **{**error.data, "remedy": NAME_IT}) from None
 
 
 def _read(source: Source, key: str) -> tuple[Run | Recording | FlexibleJointModel, Path | None]:

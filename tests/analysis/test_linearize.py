@@ -15,7 +15,7 @@ from scipy.signal import lsim
 
 import flexdyn as fd
 from flexdyn import analysis
-from flexdyn.plant import build_plant
+from flexdyn.simulation.plant import build_plant
 from tests.analysis.arms import DAMPER, MASS, ROTOR, SPRING, WEIGHT, two_mass
 from tests.arms import EXACT, state, two_link
 from tests.oracles.two_link import TwoLink

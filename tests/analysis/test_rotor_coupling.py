@@ -13,7 +13,7 @@ from scipy.linalg import eigh, expm
 
 import flexdyn as fd
 from flexdyn import analysis
-from flexdyn.plant import build_plant
+from flexdyn.simulation.plant import build_plant
 from tests.analysis.arms import gravity_slope
 from tests.arms import EXACT, state
 from tests.oracles.riding_arms import RIGID, Planar, planar, riding_model, skew, too_light

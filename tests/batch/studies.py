@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import flexdyn as fd
-from flexdyn.yamlfile import dump_yaml
+from flexdyn.io.yaml import dump_yaml
 
 ARM: dict[str, Any] = {
     "flexdyn": 1,

@@ -13,7 +13,7 @@ import pytest
 import flexdyn as fd
 from flexdyn.batch.cases import Cases
 from flexdyn.batch.studyfile import read_study
-from flexdyn.modelfile import model_from_dict
+from flexdyn.model.model_file import model_from_dict
 from tests.batch.studies import ARM, write_study
 
 FULL = ARM | {"initial": {"q": {"elbow": 1.0}, "v": {"shoulder": 0.5}}, "tolerance": 0.05}

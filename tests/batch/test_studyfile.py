@@ -13,7 +13,7 @@ import flexdyn as fd
 from flexdyn.batch.study import Study
 from flexdyn.batch.studyfile import read_study, study_from_dict
 from flexdyn.errors import InputError
-from flexdyn.yamlfile import dump_yaml
+from flexdyn.io.yaml import dump_yaml
 from tests.batch.studies import ARM, STUDY, write_study
 
 PD: dict[str, Any] = {"reference": "path.csv", "kp": 20.0, "kd": 0.4}

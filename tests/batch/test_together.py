@@ -16,7 +16,7 @@ from flexdyn.batch.draws import table
 from flexdyn.batch.metrics import measure, metrics_of
 from flexdyn.batch.motion import Motion
 from flexdyn.batch.studyfile import read_study
-from flexdyn.inputs import SIGNALS
+from flexdyn.simulation.inputs_and_signals import SIGNALS
 from tests.arms import EXACT
 from tests.batch.studies import write_study
 

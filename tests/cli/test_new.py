@@ -8,8 +8,8 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.cli.new import quoted
-from flexdyn.modelfile import model_to_dict
-from flexdyn.yamlfile import parse_yaml
+from flexdyn.io.yaml import parse_yaml
+from flexdyn.model.model_file import model_to_dict
 from tests.arms import SLIDER
 from tests.cli.conftest import Runner
 

@@ -16,12 +16,12 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 from scipy.stats import beta, norm
 
-from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.library import SHARE, Candidate, Column, Library
 from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Space, Structure
 from flexdyn.effects import Effect
+from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
 Numbers = float | Sequence[float] | Array

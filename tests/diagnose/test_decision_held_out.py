@@ -11,7 +11,7 @@ from flexdyn.diagnose.decision.held_out import held_out, recorded_noise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.numbers import file_numbers
+from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, Levels, two_link_recording
 

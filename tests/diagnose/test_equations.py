@@ -13,7 +13,7 @@ from flexdyn.diagnose.equations.covariance import Noise, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.noise import encoder_noise, torque_noise
 from flexdyn.diagnose.hypothesis import number_columns
-from flexdyn.diagnose.hypothesis.numbers import file_numbers
+from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, Levels, two_link_motion, two_link_recording
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from flexdyn import _core
-from flexdyn.choice import core_settings
 from flexdyn.diagnose.shooting import shooter as shooting
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.inputs import SIGNALS
-from flexdyn.plant import build_plant
-from flexdyn.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver, TimeStepping
+from flexdyn.simulation.inputs_and_signals import SIGNALS
+from flexdyn.simulation.plant import build_plant
+from flexdyn.simulation.solver_choice import core_settings
+from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver, TimeStepping
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, Levels, two_link_recording
 

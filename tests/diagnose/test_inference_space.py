@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
-from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.library import CERTAIN
 from flexdyn.diagnose.inference.space import SPARE, Structure
 from flexdyn.effects import CoulombFriction
+from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column, in_order
 
 Array = NDArray[np.float64]

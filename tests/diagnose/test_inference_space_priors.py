@@ -11,10 +11,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.inference.library import SHARE, SMALLEST, Column
 from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Structure
 from flexdyn.effects import CoulombFriction
+from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, EXPECTED, TIMES, Case, Given, column, share
 
 Array = NDArray[np.float64]

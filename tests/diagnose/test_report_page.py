@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.commands import PD, Samples
+from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.report.apart import PICTURES
 from flexdyn.diagnose.report.digits import percent, probability_text, rounded, times
 from flexdyn.diagnose.report.found import OPEN

@@ -21,7 +21,7 @@ from flexdyn.effects import (
     PreslidingFriction,
     SpringHysteresis,
 )
-from flexdyn.plant import build_plant
+from flexdyn.simulation.plant import build_plant
 from tests.effects.arms import catalogue_examples, model_of
 from tests.effects.reference import Arm
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from screw_study import DRIVES, Studied, bounds, studied
+from screw_result import Studied
+from screw_study import DRIVES, bounds, studied
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT.parent / "shared" / "data" / "screw_drives"

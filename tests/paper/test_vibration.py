@@ -11,7 +11,7 @@ import scipy.linalg
 from flexdyn.paper import equations as eq
 from flexdyn.paper.cases import PULSE, SMOOTH_AMPLITUDE, SMOOTH_END, TORQUE_END, Cases, smooth_samples, smooth_torque
 from flexdyn.paper.vibration import amplitude, decay_rate, modes, residual, ringing_after
-from flexdyn.simulate import simulate
+from flexdyn.simulation.simulate import simulate
 
 
 def test_decay_rate_of_an_exponential() -> None:

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.hypothesis.numbers import file_numbers
+from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import coupled, two_link
 from tests.diagnose.truths import slider_model
 from tests.oracles.two_link import TwoLink

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 import flexdyn as fd
 from flexdyn.errors import InputError
+from flexdyn.io.yaml import dump_yaml, parse_yaml
 from flexdyn.records.channelmap import file as channelmap_file
 from flexdyn.records.repairs import Repair
-from flexdyn.yamlfile import dump_yaml, parse_yaml
 from tests.records.mapping import channel_map
 
 FULL = """\

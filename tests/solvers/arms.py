@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.effects import CoulombFriction, Effect
-from flexdyn.solvers import DormandPrince, Solver, TimeStepping
+from flexdyn.simulation.solvers import DormandPrince, Solver, TimeStepping
 from tests.arms import ROD
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.effects import AsymmetricFriction
-from flexdyn.solvers import DormandPrince, Rosenbrock, Solver, TimeStepping
+from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, Solver, TimeStepping
 from tests.solvers.arms import Array, label
 
 INSTANT = 1e-7

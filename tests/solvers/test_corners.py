@@ -12,7 +12,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.effects import Backlash, EndStop, TorqueSpeedLimit
-from flexdyn.solvers import DormandPrince, Rosenbrock, Solver
+from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, Solver
 from tests.effects.arms import model_of, states
 from tests.effects.reference import Arm
 from tests.solvers.arms import Array, label

@@ -10,7 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.effects import AsymmetricFriction, CoulombFriction, Effect
-from flexdyn.solvers import Solver
+from flexdyn.simulation.solvers import Solver
 from tests.solvers.arms import NAMES, STICKING, coulomb, label, planar
 
 STIFFNESSES = (5.5, 1e3, 1e5, 1e7)

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import flexdyn as fd
-from flexdyn.solvers import DormandPrince, Rosenbrock, Solver
+from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, Solver
 from tests.oracles.two_link import TwoLink
 from tests.solvers.arms import Array, coulomb, label, planar, positions
 

@@ -9,7 +9,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.effects import CoulombFriction, Effect, PreslidingFriction, SpringHysteresis, ViscousFriction
-from flexdyn.solvers import DormandPrince, Rosenbrock, Solver, TimeStepping
+from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, Solver, TimeStepping
 from tests.solvers.arms import coulomb, planar, positions
 
 EXACT = DormandPrince(rtol=1e-13, atol=1e-14)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.solvers import DormandPrince, RungeKutta4
+from flexdyn.simulation.solvers import DormandPrince, RungeKutta4
 from tests.solvers.arms import planar
 
 DRY = [

@@ -10,7 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.effects import CoulombFriction, StribeckFriction
-from flexdyn.solvers import DormandPrince
+from flexdyn.simulation.solvers import DormandPrince
 from tests.solvers.arms import planar
 
 HEAVY = 1e13

@@ -10,7 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.effects import Backlash, Effect, EndStop, PreslidingFriction, SpringHysteresis, ViscousFriction
-from flexdyn.solvers import DormandPrince, TimeStepping
+from flexdyn.simulation.solvers import DormandPrince, TimeStepping
 from tests.solvers.arms import Array, coulomb, planar, positions
 
 pytestmark = pytest.mark.filterwarnings("ignore::flexdyn.EnergyWarning")  # what a first-order step damps is its error

@@ -11,7 +11,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.effects import Backlash, CoulombFriction, Effect, ViscousFriction
-from flexdyn.solvers import DormandPrince, Rosenbrock, Solver, TimeStepping
+from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, Solver, TimeStepping
 from tests.effects.reference import Arm
 from tests.solvers.arms import coulomb, label, planar, positions, side_by_side
 

@@ -18,7 +18,7 @@ from told import findings_text, gap_text
 if TYPE_CHECKING:
     from measure import Bound
     from pendulum_data import Windows
-    from pendulum_study import Study
+    from pendulum_result import Study
 
 COLOURS = {"without friction, as given": "#b3261e", "published friction": "#8a6d00", "found": "#1b5e9e"}
 

@@ -10,12 +10,13 @@ does nothing.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from pendulum_data import CHECK, FIT, HERE, JOINTS, Current, Windows, current, published, read_records, windows
+from pendulum_data import CHECK, FIT, HERE, JOINTS, current, published, read_records, windows
+from pendulum_page import write_page
+from pendulum_result import Study
 
 import flexdyn as fd
 
@@ -26,21 +27,6 @@ from measure import Bound
 
 MOST = {"joint1": 0.03, "joint2": 0.05}
 """Bounds of the errors on 143524 [rad]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Study:
-    """All that the page shows.
-
-    Attributes:
-        diagnosis: of the frictionless model.
-        windows: by model and record.
-        currents: by record and joint.
-    """
-
-    diagnosis: fd.Diagnosis
-    windows: Mapping[str, Mapping[str, Windows]]
-    currents: Mapping[str, Mapping[str, Current]]
 
 
 def study(folder: Path) -> Study:
@@ -80,8 +66,6 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
 
 def outcome(folder: Path) -> Outcome:
     """The study with its bounds and its page."""
-    from pendulum_page import write_page
-
     made = study(folder)
     held = bounds(made)
     return Outcome(held, results(made, held), lambda place: write_page(made, held, place))

@@ -15,7 +15,7 @@ from result_tables import markdown_table
 from told import findings_text, gap_text
 
 if TYPE_CHECKING:
-    from emps_study import Study
+    from emps_result import Study
     from measure import Bound
 
 BEFORE, AFTER, PUBLISHED = "plain axis, as given", "found", "published model"

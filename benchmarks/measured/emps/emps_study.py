@@ -10,24 +10,20 @@ says so and does nothing.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from emps_data import (
     HERE,
     NAMES,
-    Inverse,
-    Loop,
-    closed_loop,
-    inverse,
     least_squares,
     published,
     read_records,
     replayed_controller,
 )
 from emps_friction import ViscousAsymmetry
+from emps_page import write_page
+from emps_result import Account, Study
 
 import flexdyn as fd
 
@@ -38,48 +34,6 @@ from measure import Bound
 
 MOST = {"closed loop, DATA_EMPS": 0.039, "closed loop, PULSES": 0.05, "inverse model, DATA_EMPS": 0.032}
 """Bounds of the force errors [1]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Account:
-    """One model held against both records.
-
-    Attributes:
-        loops: by record, the published controller in the loop.
-        inverses: by record, along the measured motion.
-    """
-
-    loops: Mapping[str, Loop]
-    inverses: Mapping[str, Inverse]
-
-    @classmethod
-    def of(cls, model: fd.FlexibleJointModel, records: Mapping[str, fd.Recording], delay: int = 0) -> Account:
-        """Of a model; `delay` is the controller's, in samples."""
-        loops = {name: closed_loop(model, each, delay) for name, each in records.items()}
-        return cls(loops, {name: inverse(model, each) for name, each in records.items()})
-
-    def errors(self) -> dict[str, float]:
-        """Force errors by kind and record [1]."""
-        found = {f"inverse model, {name}": each.error for name, each in self.inverses.items()}
-        found |= {f"closed loop, {name}": each.force_error for name, each in self.loops.items()}
-        return found | {f"closed loop position, {name}": each.position_error for name, each in self.loops.items()}
-
-
-@dataclass(frozen=True, eq=False)
-class Study:
-    """All that the page shows.
-
-    Attributes:
-        diagnosis: of the plain axis.
-        accounts: by model.
-        late: errors of the controller's law along the measured positions, by delay in samples [1].
-        reference: force errors of plain least squares with friction of either direction, by record [1].
-    """
-
-    diagnosis: fd.Diagnosis
-    accounts: Mapping[str, Account]
-    late: Mapping[int, Mapping[str, float]]
-    reference: Mapping[str, float]
 
 
 def published_either_way(plain: fd.FlexibleJointModel) -> fd.FlexibleJointModel:
@@ -127,8 +81,6 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
 
 def outcome(folder: Path) -> Outcome:
     """The study with its bounds and its page."""
-    from emps_page import write_page
-
     made = study(folder)
     held = bounds(made)
     return Outcome(held, results(made, held), lambda place: write_page(made, held, place))

@@ -11,7 +11,7 @@ from kuka_encoders import Account, Ripple
 from kuka_pictures import draw
 
 if TYPE_CHECKING:
-    from kuka_study import Study
+    from kuka_result import Study
     from measure import Bound
 
 AXIS = 1

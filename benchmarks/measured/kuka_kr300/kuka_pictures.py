@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from kuka_study import Study
+    from kuka_result import Study
 
 AXIS = 1
 

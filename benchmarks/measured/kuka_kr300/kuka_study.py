@@ -9,12 +9,14 @@ with the page, its pictures and the diagnosis' own report. Without the data fold
 from __future__ import annotations
 
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from kuka_encoders import Account, Difference, Ripple, account, differences, ripple
-from kuka_torque import HERE, RECORDS, Inverse, inverse, motor_side, read_records, references, torque_noise
+from kuka_encoders import account, differences, ripple
+from kuka_page import write_page
+from kuka_result import Study
+from kuka_torque import HERE, RECORDS, inverse, motor_side, read_records, references, torque_noise
 
 import flexdyn as fd
 
@@ -29,31 +31,6 @@ BOTH = (0, 1, 2)
 """Axes with two encoders."""
 MOST = 0.20
 """Bound of the second axis' torque error on B and C [1]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Study:
-    """All that the page shows.
-
-    Attributes:
-        references: errors of plain least squares by law and record.
-        diagnosis: of the rigid model.
-        before: the published model along every record.
-        after: the corrected one.
-        told: what record A says of the model's numbers.
-        differences: theta - q of axes 1 to 3 by record.
-        accounts: what it is made of.
-        ripples: sines over position in it.
-    """
-
-    references: dict[str, dict[str, float]]
-    diagnosis: fd.Diagnosis
-    before: dict[str, Inverse]
-    after: dict[str, Inverse]
-    told: fd.BaseParameters
-    differences: list[dict[str, Difference]]
-    accounts: list[Account]
-    ripples: list[Ripple]
 
 
 def study(folder: Path) -> Study:
@@ -110,8 +87,6 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
 
 def outcome(folder: Path) -> Outcome:
     """The study with its bounds and its page."""
-    from kuka_page import write_page
-
     made = study(folder)
     held = bounds(made)
     return Outcome(held, results(made, held), lambda place: write_page(made, held, place))

@@ -11,7 +11,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from measure import Bound
-    from screw_study import Studied
+    from screw_result import Studied
 
 RPM = 30.0 / math.pi
 NOTES = """What this cannot tell:

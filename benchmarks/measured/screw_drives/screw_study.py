@@ -12,11 +12,13 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from screw_page import write_page
+from screw_result import Drive, Stretch, Studied
 
 import flexdyn as fd
 
@@ -30,67 +32,12 @@ EDITED = {"driveNo3": ("1.csv", "2.csv", "n1.csv")}
 """Files in which somebody typed over measured values: left out."""
 
 
-@dataclass(frozen=True)
-class Drive:
-    """One drive.
-
-    Attributes:
-        name: its folder.
-        words: what it is.
-        map: channel map.
-        joint: that it moves.
-        ratio: gear ratio [1 or rad/m].
-        said: what the authors' parameters say of Stribeck friction.
-    """
-
-    name: str
-    words: str
-    map: str
-    joint: str
-    ratio: float
-    said: str
-
-
 LEAD = 2.0 * math.pi / 0.002
 DRIVES = (
     Drive("driveNo1", "lead screw", "map_lead_screw.yaml", "nut", LEAD, "increment 0.1, velocity 6.4 rad/s (61 rpm)"),
     Drive("driveNo2", "anti-backlash lead screw", "map_lead_screw.yaml", "nut", LEAD, "velocity 0: none"),
     Drive("driveNo3", "worm 60:1", "map_worm.yaml", "wheel", 60.0, "increment 0.06, velocity 0.688 rad/s (6.6 rpm)"),
 )
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Motion in one direction in a start-stop file, which took no part.
-
-    Attributes:
-        file: and speed and direction.
-        speed: mean of the motor [rpm].
-        torque: mean of the motor, once it is under way [mN m].
-        std: of that mean.
-        predicted: by the curve with all laws that were named [mN m].
-        plain: by the best curve of Coulomb and viscous friction [mN m].
-        start: how far the first 0.2 s of motion exceed the mean, in standard deviations of single samples [1].
-    """
-
-    file: str
-    speed: float
-    torque: float
-    std: float
-    predicted: float
-    plain: float
-    start: float
-
-
-@dataclass(frozen=True, eq=False)
-class Studied:
-    """One drive's points of steady and of start-stop files, curves, and what the curves say of the latter."""
-
-    drive: Drive
-    points: tuple[fd.SteadyPoint, ...]
-    check: tuple[fd.SteadyPoint, ...]
-    curves: Mapping[int, fd.SteadyFriction]
-    stretches: tuple[Stretch, ...]
 
 
 def studied(folder: Path, drive: Drive) -> Studied:
@@ -200,8 +147,6 @@ def asdict_of(trial: fd.LawTrial) -> dict[str, Any]:
 
 def outcome(folder: Path) -> Outcome:
     """The study with its bounds and its page."""
-    from screw_page import write_page
-
     made = tuple(studied(folder, drive) for drive in DRIVES)
     held = bounds(made)
     return Outcome(held, results(made, held), lambda place: write_page(made, held, place))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.effects import ChannelLag, EncoderEccentricity, SensorEffect, SensorGain, SensorOffset
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 ROUNDS, SETTLED = 20, 1e-15

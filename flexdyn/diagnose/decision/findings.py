@@ -10,11 +10,12 @@ from scipy.special import ndtr
 from flexdyn.diagnose.decision.corrected import Corrected, effect_of
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
-from flexdyn.diagnose.hypothesis.numbers import IN_TOLERANCE, FileNumber
+from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE
 from flexdyn.diagnose.inference.passes import hypothesis_of
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.uncertain_parameters import FileNumber
 
 
 def findings(

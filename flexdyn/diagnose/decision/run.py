@@ -11,7 +11,7 @@ from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import Noise
 from flexdyn.diagnose.equations.noise import encoder_noise
 from flexdyn.diagnose.report.measures import Role, Source
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
 Array = NDArray[np.float64]

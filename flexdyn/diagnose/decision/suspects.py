@@ -6,14 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.decision.masses import Masses
-from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.suspects import Considered, Number, Structure, Suspect
 from flexdyn.effects import Effect, unit_for
 from flexdyn.effects.model_error import effect_place
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.uncertain_parameters import FileNumber
 
 PLACES = ("channel", "other", "frame", "of", "parameter")
 SIDES = {"rotor_inertia": "motor", "stiffness": "transmission", "damping": "transmission"}

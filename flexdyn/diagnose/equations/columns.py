@@ -23,7 +23,7 @@ from flexdyn.effects import (
     TorqueConstantError,
 )
 from flexdyn.errors import InputError
-from flexdyn.plant import LinkSide
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from flexdyn.diagnose.equations.shared import same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect, TorqueConstantError
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmission", "sensor"

@@ -9,8 +9,8 @@ from flexdyn.diagnose.data.kernel import Kernel
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import Backlash, HardeningSpring, JointEffect, SpringHysteresis
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 KNOWN = ("viscous_friction", "coulomb_friction", "quadratic_drag", "stribeck_friction", "asymmetric_friction")

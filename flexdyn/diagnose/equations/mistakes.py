@@ -15,8 +15,8 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.motion import Motion, Smoothed, motion, smoothed
 from flexdyn.diagnose.equations.terms import joint_terms
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 SMOOTHING = 0.012

@@ -13,8 +13,8 @@ from flexdyn.diagnose.data.kernel import Kernel
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.made_up import made_up
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp] | slice

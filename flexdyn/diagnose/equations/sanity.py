@@ -25,8 +25,8 @@ from flexdyn.diagnose.equations.mistakes import (
 )
 from flexdyn.diagnose.equations.noise import encoder_noise
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 SHORTEST = 2.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexdyn.effects import ParameterError, Payload, SensorEffect
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 
 def same_signals(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:

@@ -20,7 +20,7 @@ from flexdyn.effects import (
     LoadDependentFriction,
     MemoryEffect,
 )
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 ROUNDS = 4

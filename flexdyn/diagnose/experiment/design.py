@@ -23,7 +23,7 @@ from flexdyn.diagnose.report.suspects import Finding
 from flexdyn.diagnose.report.words import effect_name, suspect_phrase
 from flexdyn.diagnose.shooting.windows import Noise
 from flexdyn.errors import FlexdynError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 CLEAR = 50.0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.effects import Payload
-from flexdyn.plant import LinkSide
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 NEARLY = 99.0

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.choice import STIFF
-from flexdyn.commands import PD, Samples
+from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.covariance import Noise as Rows
 from flexdyn.diagnose.experiment.apart import Known, Refit, laden, loaded, refitted, space_along
@@ -21,12 +20,13 @@ from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Noise, Windows
 from flexdyn.effects import MemoryEffect, Payload
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide, acting_effects
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.run import Run
-from flexdyn.simulate import simulate
-from flexdyn.solvers import Rosenbrock, Solver
+from flexdyn.simulation.plant import LinkSide, acting_effects
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.simulate import simulate
+from flexdyn.simulation.solver_choice import STIFF
+from flexdyn.simulation.solvers import Rosenbrock, Solver
 
 Array = NDArray[np.float64]
 PATIENCE = 20.0

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.equations.covariance import Noise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect
+from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
 BLOCK = 0.5

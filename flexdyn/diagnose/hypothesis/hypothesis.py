@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.hypothesis.numbers import IN_TOLERANCE, FileNumber, with_factors
 from flexdyn.effects import Effect, PreslidingFriction, SensorOffset
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.uncertain_parameters import FileNumber, with_factors
 
 Array = NDArray[np.float64]
 DISCRETE = ("harmonic", "exponent")
@@ -23,6 +23,8 @@ ROUNDING = 1e-9
 """Share of a step that is none."""
 BRISTLE = 0.1
 """Longest time constant of bristles, damping/stiffness [s]: where they hardly bend, nothing holds their damping."""
+IN_TOLERANCE = 3.0
+"""Standard deviations of its tolerance within which a number of the file is calibrated and not wrong."""
 
 
 @dataclass(frozen=True, eq=False)

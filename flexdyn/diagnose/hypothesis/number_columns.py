@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, stands_alone
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.hypothesis.numbers import OF_LINK, FileNumber
 from flexdyn.effects import JointEffect, JointElasticity, ParameterError
 from flexdyn.effects.model_error import effect_place
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import LinkSide
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.uncertain_parameters import OF_LINK, FileNumber
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 STEP = 1e-3

@@ -15,7 +15,7 @@ from flexdyn.diagnose.hypothesis.law_along import Law
 from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, Unit
 from flexdyn.effects import Effect, JointEffect, catalogue
 from flexdyn.errors import InputError
-from flexdyn.plant import PYTHON_STAGES
+from flexdyn.simulation.plant import PYTHON_STAGES
 
 MOST = 40
 """Points of a grid at most; thinned evenly."""

@@ -19,10 +19,10 @@ from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.numbers import file_numbers, with_factors
 from flexdyn.effects import SensorOffset
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.uncertain_parameters import file_numbers, with_factors
 
 Array = NDArray[np.float64]
 MANY = 200.0

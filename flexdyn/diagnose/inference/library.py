@@ -16,11 +16,11 @@ from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, TRANSMISSION, Equ
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
-from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import CommandDelay, Effect, JointEffect, LoadDependentFriction, TorqueConstantError
+from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

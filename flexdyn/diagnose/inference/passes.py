@@ -19,7 +19,6 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
-from flexdyn.diagnose.hypothesis.numbers import FileNumber
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.inference.autoregression import runs_of
@@ -31,6 +30,7 @@ from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
 from flexdyn.diagnose.inference.whitening import Tempered
 from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction
+from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
 PASSES = 5

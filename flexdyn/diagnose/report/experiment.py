@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.commands import PD
+from flexdyn.control.commands import PD
 
 
 @dataclass(frozen=True, eq=False)

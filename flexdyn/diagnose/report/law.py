@@ -10,7 +10,7 @@ from typing import Any
 from flexdyn.diagnose.report.suspects import Suspect
 from flexdyn.effects import Effect, catalogue
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots.laws import law_figure
 
 SIZE = (5.0, 3.6)

@@ -10,11 +10,11 @@ from typing import Any, TypeGuard
 
 from flexdyn.effects import Effect, JointElasticity, ParameterError
 from flexdyn.errors import InputError
-from flexdyn.folding import OF_LINK, OF_URDF
-from flexdyn.model import FlexibleJointModel
-from flexdyn.modelfile import model_to_dict
+from flexdyn.io.yaml import dump_yaml
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.model_file import model_to_dict
+from flexdyn.model.resolved_parameters import OF_LINK, OF_URDF
 from flexdyn.robot.rewrite import corrected_urdf
-from flexdyn.yamlfile import dump_yaml
 
 MODEL = "model.yaml"
 MARK = "corrected by flexdyn diagnose"

@@ -11,7 +11,7 @@ from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, Place, Role, Source
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
 from flexdyn.diagnose.report.trace import Trace
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 __all__ = [
     "ESTABLISHED",

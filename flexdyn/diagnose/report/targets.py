@@ -9,7 +9,7 @@ from flexdyn.diagnose.report.suspects import Key, Suspect
 from flexdyn.diagnose.report.words import is_number
 from flexdyn.effects import SensorEffect, catalogue
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 KEY = "explain"
 SIDES = ("link", "motor", "transmission", "sensor")

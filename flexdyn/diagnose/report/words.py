@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from flexdyn.diagnose.report.digits import probability_text, relative
 from flexdyn.diagnose.report.suspects import Finding, Suspect
 from flexdyn.effects.model_error import effect_place
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 UNCOUNTED = ("friction", "damping", "elasticity", "drag", "backlash", "hysteresis", "ripple", "eccentricity")
 """What an effect's name ends with where it takes no article."""

@@ -11,7 +11,7 @@ from flexdyn.diagnose.report.model_files import MARK, MODEL, corrected_files
 from flexdyn.diagnose.report.page import page
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.errors import InputError
-from flexdyn.files import replacing
+from flexdyn.io.files import replacing
 
 PAGE, JSON = "report.html", "report.json"
 

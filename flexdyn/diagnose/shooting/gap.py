@@ -12,7 +12,7 @@ from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.diagnose.shooting.starts import first_states
 from flexdyn.diagnose.shooting.whiten import Filter
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 FRAGILE = 3.0

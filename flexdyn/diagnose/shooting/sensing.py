@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.effects import ChannelLag, SensorEffect, measure
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
 Array = NDArray[np.float64]

@@ -14,16 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.analysis.variants import command_delays, without
-from flexdyn.choice import STIFF, core_settings, fastest_rate
+from flexdyn.analysis.analysed_model import command_delays, without
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors, undone
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.effects import CommandDelay, Effect, MemoryEffect, WarmUpFriction
-from flexdyn.inputs import SIGNALS
-from flexdyn.model import FlexibleJointModel
-from flexdyn.plant import acting_effects, build_plant
-from flexdyn.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.inputs_and_signals import SIGNALS
+from flexdyn.simulation.plant import acting_effects, build_plant
+from flexdyn.simulation.solver_choice import STIFF, core_settings, fastest_rate
+from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver
 
 Array = NDArray[np.float64]
 PHASE = 0.25

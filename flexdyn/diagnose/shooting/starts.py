@@ -12,7 +12,7 @@ from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.diagnose.shooting.sensing import lag, sensors, undone
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.effects import DeflectionEffect, SpringHysteresis
-from flexdyn.plant import LinkSide
+from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 REACHES = (0.04, 0.02, 0.01, 0.005)

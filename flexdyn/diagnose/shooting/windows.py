@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.errors import InputError
-from flexdyn.model import FlexibleJointModel
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
 Array = NDArray[np.float64]

@@ -10,9 +10,9 @@ import numpy as np
 
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.yaml import check_keys
 from flexdyn.records.channelmap.description import Channel, Coupling
 from flexdyn.records.table import FloatArray
-from flexdyn.yamlfile import check_keys
 
 KEYS = ("joints", "position", "torque", "signals")
 MOTIONS = ("q", "v", "theta", "omega")

@@ -31,6 +31,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError
+from flexdyn.io.yaml import check_keys, read_yaml
 from flexdyn.records.channelmap.couplings import couplings_of
 from flexdyn.records.channelmap.description import FORMAT, Channel, ChannelMap
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
@@ -40,7 +41,6 @@ from flexdyn.records.channelmap.values import POSITIVE, as_choice, as_finite, as
 from flexdyn.records.repairs import repairs_of
 from flexdyn.records.table import check_name
 from flexdyn.records.units import SIGNALS
-from flexdyn.yamlfile import check_keys, read_yaml
 
 TOP_KEYS = ("flexdyn_map", "source", "time", "joints", "channels", "couplings", "others", "repair")
 CHANNEL_KEYS = tuple("from" if item.name == "source" else item.name for item in fields(Channel) if item.name != "name")

@@ -7,11 +7,11 @@ from dataclasses import fields
 from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.yaml import check_keys
 from flexdyn.records.channelmap.description import TIME, TimeSource
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
 from flexdyn.records.channelmap.values import as_choice, as_finite, as_source, as_text
 from flexdyn.records.request import Layout
-from flexdyn.yamlfile import check_keys
 
 TIME_KEYS = ("from", "unit", "rate", "start", "shift")
 SOURCE_KEYS = tuple(item.name for item in fields(Layout))

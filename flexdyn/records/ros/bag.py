@@ -14,12 +14,12 @@ from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from flexdyn.errors import InputError
+from flexdyn.io.yaml import read_yaml
 from flexdyn.records.ros.definitions import stored
 from flexdyn.records.ros.guard import MOST_MESSAGE, BoundedReader, check_index, check_mcap, unpack_file, unpacked
 from flexdyn.records.ros.walk import Fields, Layout, lay_out
 from flexdyn.records.ros.words import check_word, listed
 from flexdyn.records.table import damage_named
-from flexdyn.yamlfile import read_yaml
 
 _SQLITE_LIMIT_LENGTH = 0
 

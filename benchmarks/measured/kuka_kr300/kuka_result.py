@@ -1,0 +1,35 @@
+"""What the KUKA's study gives: torques, told numbers, and what the difference of the encoders is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kuka_encoders import Account, Difference, Ripple
+from kuka_torque import Inverse
+
+import flexdyn as fd
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """All that the page shows.
+
+    Attributes:
+        references: errors of plain least squares by law and record.
+        diagnosis: of the rigid model.
+        before: the published model along every record.
+        after: the corrected one.
+        told: what record A says of the model's numbers.
+        differences: theta - q of axes 1 to 3 by record.
+        accounts: what it is made of.
+        ripples: sines over position in it.
+    """
+
+    references: dict[str, dict[str, float]]
+    diagnosis: fd.Diagnosis
+    before: dict[str, Inverse]
+    after: dict[str, Inverse]
+    told: fd.BaseParameters
+    differences: list[dict[str, Difference]]
+    accounts: list[Account]
+    ripples: list[Ripple]

@@ -1,0 +1,43 @@
+"""The model that is analysed: true numbers, and some effects left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects import CommandDelay, Effect
+from flexdyn.errors import InputError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+
+
+def checked_model(model: Any) -> FlexibleJointModel:
+    """The model with parameter errors and joint elasticities folded into its numbers, and without command delays.
+
+    A delay is no law of this instant: it changes no torque at rest, and `command_delays` has it for responses.
+
+    Raises:
+        InputError: it is no model.
+    """
+    if not isinstance(model, FlexibleJointModel):
+        raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
+    return without(model.resolved(), lambda effect: isinstance(effect, CommandDelay))
+
+
+def command_delays(model: FlexibleJointModel) -> NDArray[np.float64]:
+    """Dead time between the torque asked for and the motor's (n,) [s]."""
+    delays = np.zeros(model.n)
+    for effect in model.resolved().effects:
+        if isinstance(effect, CommandDelay):
+            delays[model.index(effect.joint)] += effect.delay
+    return delays
+
+
+def without(model: FlexibleJointModel, leave_out: Callable[[Effect], bool]) -> FlexibleJointModel:
+    """The model without some of its effects; the same if it has none of them."""
+    kept = [effect for effect in model.all_effects if not leave_out(effect)]
+    if len(kept) == len(model.all_effects):
+        return model
+    return model.replace(effects=kept, urdf_dynamics="ignore")

@@ -1,0 +1,171 @@
+"""compare: how far two motions are apart, channel by channel, in numbers."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.comparison.difference import common_rows, difference, root_mean_square
+from flexdyn.comparison.motion_sources import Source, as_sources, unit_in
+from flexdyn.errors import InputError, did_you_mean
+
+if TYPE_CHECKING:
+    from flexdyn.plots.picture import Picture
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ChannelError:
+    """How far one channel of the second is from that of the first; error = second - first.
+
+    Attributes:
+        channel: such as ``q.elbow``.
+        unit: of all numbers but `relative`; empty where it is not known.
+        rms: root of the mean of the squared error over the samples.
+        largest: greatest absolute error.
+        at: time of that error [s].
+        bias: mean of the error.
+        relative: rms over the standard deviation of the first's samples; None where the first does not vary.
+    """
+
+    channel: str
+    unit: str
+    rms: float
+    largest: float
+    at: float
+    bias: float
+    relative: float | None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Errors of the second motion against the first over the time both cover.
+
+    Attributes:
+        first: name of the first, the reference.
+        second: name of the second.
+        start: first common time [s].
+        end: last common time [s].
+        samples: of the first in that time: errors are taken there.
+        rows: one a common channel, in the first's order.
+        only_first: channels that the second lacks.
+        only_second: channels that the first lacks.
+        sources: the two motions themselves.
+    """
+
+    first: str
+    second: str
+    start: float
+    end: float
+    samples: int
+    rows: tuple[ChannelError, ...]
+    only_first: tuple[str, ...]
+    only_second: tuple[str, ...]
+    sources: tuple[Source, Source] = field(repr=False, compare=False)
+
+    def __getitem__(self, channel: str) -> ChannelError:
+        """Errors of one channel.
+
+        Raises:
+            InputError: it is not among the common ones.
+        """
+        for row in self.rows:
+            if row.channel == channel:
+                return row
+        remedy = did_you_mean(channel, (row.channel for row in self.rows))
+        raise InputError("no such common channel", key=channel, remedy=remedy)
+
+    def __contains__(self, channel: object) -> bool:
+        """Whether both have a channel of that name."""
+        return any(row.channel == channel for row in self.rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the samples, as JSON can hold it."""
+        skipped = ("rows", "sources")
+        plain = {key: getattr(self, key) for key in self.__dataclass_fields__ if key not in skipped}
+        return plain | {"channels": [asdict(row) for row in self.rows]}
+
+    def plot(self, path: str | Path | None = None) -> Picture:
+        """Draw it: errors by channel, and the worst channel of each unit over time.
+
+        Args:
+            path: of a file to write, if given: .png, .pdf, .svg, .html.
+
+        Returns:
+            The picture, which can be shown and saved.
+
+        Raises:
+            InputError: the suffix is not known, or the file cannot be written.
+            MissingExtra: matplotlib or plotly is not installed.
+        """
+        from flexdyn.plots.comparison import draw_comparison
+
+        picture = draw_comparison(self)
+        if path is not None:
+            picture.save(path)
+        return picture
+
+
+def compare(first: Any, second: Any, *, start: float | None = None, end: float | None = None) -> Comparison:
+    """How far the second motion is from the first, channel by channel.
+
+    Errors are second - first at the times of the first's samples that lie in the time both cover. The second is taken
+    there on the straight line between its samples; ``tau`` and ``tau_applied``, which are held from one sample to
+    the next, as held. Every sample counts alike. Of a run its true signals are taken, not what its sensors report.
+
+    Args:
+        first: the reference, such as what was measured: a run, a recording, or the path of one.
+        second: what is held against it.
+        start: first time to be compared [s]; default: as early as both go.
+        end: last time to be compared [s]; default: as late as both go.
+
+    Raises:
+        InputError: the two have no channel or no time in common, or a channel in different units.
+    """
+    one, two = as_sources([first, second])
+    common = [name for name in one.recording.channels if name in two.recording]
+    if not common:
+        problem = f"{one.name} and {two.name} have no channel in common"
+        remedy = f"the one has {_listed(one)}; the other {_listed(two)}; rename channels by a map"
+        raise InputError(problem, key="channels", remedy=remedy)
+    rows = common_rows(one, two, start, end)
+    errors = tuple(_channel_error(one, two, name, rows) for name in common)
+    t = one.recording.t[rows]
+    return Comparison(
+        first=one.name,
+        second=two.name,
+        start=float(t[0]),
+        end=float(t[-1]),
+        samples=len(t),
+        rows=errors,
+        only_first=tuple(name for name in one.recording.channels if name not in two.recording),
+        only_second=tuple(name for name in two.recording.channels if name not in one.recording),
+        sources=(one, two),
+    )
+
+
+def _channel_error(one: Source, two: Source, channel: str, rows: slice) -> ChannelError:
+    unit = unit_in((one, two), channel)
+    both = difference(one, two, channel, rows)
+    error, worst = both.error, int(np.argmax(np.abs(both.error)))
+    spread = root_mean_square(both.first - both.first.mean())
+    varies = spread > 1e-12 * float(np.abs(both.first).max())
+    return ChannelError(
+        channel=channel,
+        unit=unit,
+        rms=both.rms,
+        largest=float(abs(error[worst])),
+        at=float(both.t[worst]),
+        bias=float(error.mean()),
+        relative=both.rms / spread if varies else None,
+    )
+
+
+def _listed(source: Source) -> str:
+    names = list(source.recording.channels)
+    return ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")

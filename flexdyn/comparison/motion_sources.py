@@ -1,0 +1,153 @@
+"""What can be drawn and compared: runs, recordings and files of them, brought to one form."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.errors import InputError
+from flexdyn.records import Recording, read_recording
+from flexdyn.simulation.inputs_and_signals import SIGNALS
+from flexdyn.simulation.run import Run
+
+Array = NDArray[np.float64]
+HELD = ("tau", "tau_applied")
+"""Signals that hold from their sample to the next; all others go straight from one sample to the next."""
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A motion to be drawn or compared.
+
+    Attributes:
+        name: that pictures and tables call it by.
+        recording: its samples; of a run the true ones, not what its sensors would report.
+        run: that it comes from, if it was handed over as one.
+    """
+
+    name: str
+    recording: Recording
+    run: Run | None = None
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Joints that have a signal."""
+        return self.recording.joints
+
+    @property
+    def measured(self) -> bool:
+        """Whether it was measured: no run, no file that a run was saved to.
+
+        Such a file holds a solver's settings in its meta; one of a format without meta has all seven signals of a run
+        for every joint.
+        """
+        if self.run is not None or "solver" in self.recording.meta:
+            return False
+        return not all(self.recording.has(signal, joint) for joint in self.joints for signal in SIGNALS)
+
+    def stated_unit(self, channel: str) -> str:
+        """Unit of a channel where the run's robot or the file's meta says it; empty where it would be assumed."""
+        units = self.recording.meta.get("units", {})
+        return self.recording.unit(channel) if self.run is not None or channel in units else ""
+
+    def renamed(self, name: str) -> Source:
+        """The same motion under another name."""
+        return Source(name, self.recording, self.run)
+
+
+def as_source(given: Any, name: str = "") -> Source:
+    """One form for all that can be drawn.
+
+    Args:
+        given: a run, a recording, or the path of a recording.
+        name: to call it by; default: that of the recording or of the run's model.
+
+    Raises:
+        InputError: it is something else, or the file is wrong.
+    """
+    if isinstance(given, Source):
+        return given
+    if isinstance(given, Run):
+        return Source(printable(name or given.model.name) or "run", _true(given), given)
+    if isinstance(given, str | os.PathLike):
+        given = read_recording(Path(given))
+    if not isinstance(given, Recording):
+        remedy = "give what fd.simulate or fd.read_recording returned, or the path of a recording"
+        raise InputError("neither a run nor a recording", value=given, remedy=remedy)
+    return Source(printable(name or given.name) or "recording", given)
+
+
+def printable(name: str) -> str:
+    """A name without what neither pictures nor terminals should obey."""
+    return "".join(letter if letter.isprintable() else " " for letter in name).strip()
+
+
+def as_sources(given: Sequence[Any]) -> tuple[Source, ...]:
+    """Several of them; those that share a name are numbered.
+
+    Raises:
+        InputError: one of them is neither run nor recording.
+    """
+    sources = [as_source(entry) for entry in given]
+    names = [source.name for source in sources]
+    counts: dict[str, int] = {}
+    for i, name in enumerate(names):
+        counts[name] = counts.get(name, 0) + 1
+        if names.count(name) > 1:
+            sources[i] = sources[i].renamed(f"{name} ({counts[name]})")
+    return tuple(sources)
+
+
+def unit_in(sources: Sequence[Source], channel: str) -> str:
+    """Unit of a channel in all of them: as one of them states it, else as its name has it.
+
+    Raises:
+        InputError: two of them state different ones.
+    """
+    having = [source for source in sources if channel in source.recording]
+    stated = {unit: source for source in having if (unit := source.stated_unit(channel))}
+    if len(stated) > 1:
+        (mine, first), (its, second) = list(stated.items())[:2]
+        problem = f"the channel is in {mine} in {first.name} and in {its} in {second.name}"
+        raise InputError(problem, key=channel, remedy="a revolute and a prismatic joint share a name: rename one")
+    return next(iter(stated), "") or having[0].recording.unit(channel)
+
+
+def windowed(source: Source, start: float | None, end: float | None) -> NDArray[np.intp]:
+    """Which samples lie in a window of time, as indices.
+
+    Args:
+        source: whose samples.
+        start: first time [s]; None: the first sample's.
+        end: last time [s]; None: the last sample's.
+
+    Raises:
+        InputError: fewer than two.
+    """
+    t = source.recording.t
+    low = t[0] if start is None else start
+    high = t[-1] if end is None else end
+    first, last = np.searchsorted(t, low, "left"), np.searchsorted(t, high, "right")
+    if last - first < 2:
+        problem = f"{source.name} has {max(0, last - first)} samples from {low:g} to {high:g} s"
+        remedy = f"its samples go from {t[0]:g} to {t[-1]:g} s; choose a window with two or more"
+        raise InputError(problem, key="start, end", remedy=remedy)
+    return np.arange(first, last, dtype=np.intp)
+
+
+def _true(run: Run) -> Recording:
+    """The run's own arrays as a recording."""
+    robot, names = run.model.robot, run.joint_names
+    channels = {f"{signal}.{name}": getattr(run, signal)[:, j] for signal in SIGNALS for j, name in enumerate(names)}
+    units: dict[str, str] = {}
+    for j, name in enumerate(names):
+        angle, torque = robot.angle_unit(j), robot.torque_unit(j)
+        by_signal = {"q": angle, "theta": angle, "v": f"{angle}/s", "omega": f"{angle}/s"}
+        units |= {f"{signal}.{name}": by_signal.get(signal, torque) for signal in SIGNALS}
+    return Recording(run.t, channels, meta={"units": units}, name=run.model.name)

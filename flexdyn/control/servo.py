@@ -1,0 +1,128 @@
+"""Servo: a drive's cascade as it runs on a real robot, sample by sample: position loop, velocity loop, limit."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn.control.commands import Samples, State, checked_rate, per_joint
+from flexdyn.errors import InputError
+
+Array = NDArray[np.float64]
+Gains = float | ArrayLike | Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Servo:
+    """A position loop around a velocity loop at a control rate, the torque held in between.
+
+    ``u = velocity_gain (position_gain (reference - y) + speed_feedforward reference' - dy)``, late by `delay` samples,
+    cut to ``[-limit, limit]``; then ``tau = u + added``. y is theta or q as it is at the sample, dy its difference over
+    the last `span` samples, as a drive without a velocity sensor takes it. With the recorded reference of a robot and
+    its drives' gains this puts the controller into the loop: what is held against the recording is then the torque that
+    the model asks for. After the reference's end the arm is held where it ended.
+
+    Args:
+        reference: positions [rad or m]: `Samples`, or a recording with ``reference``, ``theta`` or ``q`` columns (the
+            first of these that it has; it gives the first state too), or its path.
+        position_gain: [1/s], one for all, one per joint, or a mapping by joint.
+        velocity_gain: [N m s/rad], likewise.
+        rate: of the controller [Hz].
+        feedback: ``theta`` (motor side) or ``q`` (link side).
+        span: samples over which the velocity is taken; 2 is the difference of means of two samples; 0: the true one.
+        speed_feedforward: share of the reference's velocity that the velocity loop is given [1].
+        limit: of the torque [N m], one for all, one per joint, or a mapping by joint.
+        delay: samples by which the controller's torque is late.
+        added: torques behind the limit (`Samples`), such as a test signal at the amplifier's input.
+
+    Raises:
+        InputError: a number that makes no sense.
+    """
+
+    reference: Any
+    position_gain: Gains
+    velocity_gain: Gains
+    rate: float = 1000.0
+    feedback: Literal["theta", "q"] = "theta"
+    span: int = 1
+    speed_feedforward: float = 0.0
+    limit: Gains = math.inf
+    delay: int = 0
+    added: Samples | None = None
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without a robot."""
+        if self.feedback not in ("theta", "q"):
+            raise InputError("no such feedback", key="servo.feedback", value=self.feedback, remedy="it is theta or q")
+        for key in ("span", "delay"):
+            value = getattr(self, key)
+            if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+                raise InputError("a number of samples is needed", key=f"servo.{key}", value=value)
+        if self.added is not None and not isinstance(self.added, Samples):
+            raise InputError("Samples are needed", key="servo.added", value=self.added)
+        object.__setattr__(self, "rate", checked_rate("servo.rate", self.rate))
+
+    def law(self, reference: Samples, joint_names: Sequence[str]) -> Callable[[float, State], Array]:
+        """A controller at the start of a run; it remembers what it has seen, so every run needs its own.
+
+        Args:
+            reference: positions over time.
+            joint_names: of the model.
+
+        Raises:
+            InputError: gains, limits or columns that do not fit the joints.
+        """
+        names = tuple(joint_names)
+        gains = [per_joint(f"servo.{key}", getattr(self, key), names) for key in ("position_gain", "velocity_gain")]
+        limit = _limits(self.limit, names)
+        wanted = _at_ticks(reference, names, self.rate)
+        rates = self.speed_feedforward * np.gradient(wanted, axis=0) * self.rate if self.speed_feedforward else None
+        added = None if self.added is None else _at_ticks(self.added, names, self.rate)
+        seen: deque[Array] = deque(maxlen=self.span + 1)
+        asked: deque[Array] = deque(maxlen=self.delay + 1)
+
+        def torque(t: float, state: State) -> Array:
+            k = round(t * self.rate)
+            now = min(k, len(wanted) - 1)
+            y, dy = (state.theta, state.omega) if self.feedback == "theta" else (state.q, state.v)
+            if not seen:  # before the run the joint moved as it does at its start
+                seen.extend(y - dy * age / self.rate for age in range(self.span, 0, -1))
+            seen.append(y.copy())
+            speed = (y - seen[0]) * (self.rate / self.span) if self.span else dy
+            ahead = rates[now] if rates is not None and k < len(wanted) else 0.0
+            u = gains[1] * (gains[0] * (wanted[now] - y) + ahead - speed)
+            asked.append(u)
+            tau = np.clip(asked[0] if len(asked) > self.delay else np.zeros_like(u), -limit, limit)
+            return np.asarray(tau + added[k] if added is not None and k < len(added) else tau)
+
+        return torque
+
+
+def _limits(given: Gains, names: tuple[str, ...]) -> Array:
+    """Limits by joint (n,), above 0; infinite: none."""
+    if isinstance(given, float | int) and math.isinf(given) and given > 0:
+        return np.full(len(names), math.inf)
+    limit = per_joint("servo.limit", given, names)
+    if not (limit > 0.0).all():
+        raise InputError("a limit above 0 is needed", key="servo.limit", value=given)
+    return limit
+
+
+def _at_ticks(samples: Samples, names: tuple[str, ...], rate: float) -> Array:
+    """Values at the controller's ticks (ticks, n), from the first sample to the last."""
+    columns, t = samples.columns(names), samples.t - samples.t[0]
+    ticks = np.arange(math.floor(t[-1] * rate + 1e-6) + 1) / rate
+    if samples.interpolation == "cubic":
+        from scipy.interpolate import CubicSpline
+
+        return np.asarray(CubicSpline(t, columns)(np.minimum(ticks, t[-1])))
+    if samples.interpolation == "linear":
+        return np.column_stack([np.interp(ticks, t, column) for column in columns.T])
+    slack = 1e-3 / rate  # clocks that are a little late belong to their own tick
+    return np.asarray(columns[np.clip(np.searchsorted(t, ticks + slack, "right") - 1, 0, None)])

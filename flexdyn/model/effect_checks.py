@@ -1,0 +1,96 @@
+"""Whether effects fit the arm: what they name is there, and what they act on can have them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from flexdyn.effects import (
+    Effect,
+    JointCoupling,
+    JointEffect,
+    JointElasticity,
+    LoadDependentFriction,
+    Payload,
+    SensorEffect,
+    effect_from_dict,
+)
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.model.joint import Joint
+from flexdyn.robot import Robot
+
+MEASURED = ("q", "v", "theta", "omega", "tau", "tau_applied", "tau_s")
+"""Signals that a sensor effect can act on."""
+
+
+def fitted(robot: Robot, joints: Mapping[str, Joint], entries: Iterable[Any]) -> tuple[Effect, ...]:
+    """The effects, each checked against the arm and against those beside it.
+
+    Args:
+        robot: whose joints and frames they name.
+        joints: its drives by name.
+        entries: effects, or entries of a model file.
+
+    Raises:
+        InputError: one that does not fit; its key is ``effects[i]``.
+    """
+    effects: list[Effect] = []
+    for i, entry in enumerate(entries):
+        try:
+            effects.append(entry if isinstance(entry, Effect) else effect_from_dict(entry))
+        except InputError as error:
+            raise error.at(key=f"effects[{i}]") from None
+    softened = {effect.joint for effect in effects if isinstance(effect, JointElasticity) and not effect.is_neutral}
+    for i, effect in enumerate(effects):
+        try:
+            _check(robot, joints, softened, effect)
+        except InputError as error:
+            raise error.at(key=f"effects[{i}]") from None
+    return tuple(effects)
+
+
+def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect: Effect) -> None:
+    if isinstance(effect, Payload):
+        frame = robot.frame(robot.tip if effect.frame is None else effect.frame)
+        robot.tree.with_point_mass(frame, effect.mass)  # refuses one on the base
+    elif isinstance(effect, SensorEffect):
+        _check_channel(robot, effect)
+    elif isinstance(effect, JointEffect):
+        name = robot.joint_names[robot.joint_index(effect.joint)]
+        if isinstance(effect, JointCoupling):
+            _check_other(robot, effect)
+        if isinstance(effect, JointElasticity):
+            _check_softening(name, joints[name])
+        elif not joints[name].elastic and name not in softened and _needs_spring(effect):
+            remedy = f"give joints.{name} a finite stiffness, or the effect joint_elasticity"
+            raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=name, remedy=remedy)
+
+
+def _needs_spring(effect: JointEffect) -> bool:
+    return effect.side == "transmission" or isinstance(effect, LoadDependentFriction)
+
+
+def _check_softening(name: str, joint: Joint) -> None:
+    if joint.elastic:
+        remedy = f"change joints.{name}.stiffness, or use hardening_spring"
+        raise InputError("joint_elasticity needs a rigid joint", key="joint", value=name, remedy=remedy)
+    if joint.rotor_inertia == 0:
+        remedy = f"give joints.{name}.rotor_inertia in kg m^2 on the motor side"
+        raise InputError("joint_elasticity needs a rotor that has inertia", key="joint", value=name, remedy=remedy)
+
+
+def _check_other(robot: Robot, effect: JointCoupling) -> None:
+    try:
+        robot.joint_index(effect.other)
+    except InputError as error:
+        raise InputError(error.problem, key="other", value=effect.other, remedy=error.remedy) from None
+
+
+def _check_channel(robot: Robot, effect: SensorEffect) -> None:
+    key = "channel"
+    if effect.signal not in MEASURED:
+        remedy = did_you_mean(effect.signal, MEASURED)
+        raise InputError("no such signal", key=key, value=effect.channel, remedy=remedy)
+    if effect.joint not in robot.joint_names:
+        remedy = did_you_mean(effect.joint, robot.joint_names)
+        raise InputError("the robot has no such joint", key=key, value=effect.channel, remedy=remedy)

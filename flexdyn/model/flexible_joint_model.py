@@ -1,0 +1,253 @@
+"""FlexibleJointModel: a robot, its drives and the effects on them, as plain immutable data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects import (
+    CoulombFriction,
+    Effect,
+    JointElasticity,
+    LoadDependentFriction,
+    ParameterError,
+    ViscousFriction,
+)
+from flexdyn.errors import InputError
+from flexdyn.model.effect_checks import fitted
+from flexdyn.model.joint import Joint, resolve_joints
+from flexdyn.model.resolved_parameters import folded
+from flexdyn.model.setting_checks import gravity_checked, initial_checked, one_of, tolerance_checked
+from flexdyn.robot import Robot
+
+Array = NDArray[np.float64]
+EARTH = (0.0, 0.0, -9.81)
+
+
+class FlexibleJointModel:
+    """An arm with elastic joints.
+
+    The equations of motion, every motor-side quantity reflected to the link side of its gear::
+
+        M(q) a + h(q, v) + f_link = tau_s + tau_ext          link side   (paper, eq. 3)
+        J alpha         + f_motor = tau_applied - tau_s      rotor side  (paper, eq. 4)
+        tau_s = K (theta - q) + D (omega - v) + ...          transmission
+
+    M and h (Coriolis, centrifugal, gravity) come from Pinocchio. A joint of infinite stiffness is rigid: theta = q,
+    and its J is added to M. The friction torques f_link, f_motor and whatever else acts are the model's effects.
+
+    Args:
+        robot: from `load_robot`.
+        joints: joint name -> `Joint` or mapping of its numbers; ``"*"`` stands for joints not named.
+        effects: any number of them; several of one kind add up.
+        initial: ``{"q": {"elbow": 1.57}}``; also v, theta, omega [rad, rad/s]. Default 0, theta = q, omega = v.
+        tolerance: how well the numbers are known, relative, 1 sigma; a mapping sets it per number by its dotted path
+            (``{"*": 0.05, "joints.elbow.stiffness": 0.2}``).
+        gravity: [m/s^2] in the axes of the base.
+        urdf_dynamics: ``use`` turns the URDF's <dynamics damping friction> into link-side effects; ``ignore``.
+        rotor_coupling: ``reduced``: rotors act on their own joint only; ``full``: they ride on their parent links, turn
+            with them, and their spin acts on the links (S(q) alpha and its gyroscopic torques).
+        name: of the model; default: the robot's.
+
+    Raises:
+        InputError: a joint, effect or number that does not fit the robot.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        joints: Mapping[str, Joint | Mapping[str, float]] | None = None,
+        effects: Iterable[Effect | Mapping[str, Any]] = (),
+        *,
+        initial: Mapping[str, Mapping[str, float]] | None = None,
+        tolerance: float | Mapping[str, float] = 0.05,
+        gravity: Sequence[float] = EARTH,
+        urdf_dynamics: str = "use",
+        rotor_coupling: str = "reduced",
+        name: str = "",
+    ) -> None:
+        if not isinstance(robot, Robot):
+            raise InputError("a Robot is needed", key="robot", value=robot, remedy="use fd.load_robot(...)")
+        self.robot = robot
+        self.name = name or robot.name
+        self.joints: Mapping[str, Joint] = MappingProxyType(
+            resolve_joints({} if joints is None else joints, robot.joint_names)
+        )
+        self.urdf_dynamics = one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
+        self.rotor_coupling = one_of("robot.rotor_coupling", rotor_coupling, ("reduced", "full"))
+        self.gravity = gravity_checked(gravity)
+        self.initial = initial_checked({} if initial is None else initial, robot.joint_names)
+        self.tolerance = tolerance_checked(tolerance)
+        self.effects: tuple[Effect, ...] = fitted(robot, self.joints, effects)
+        self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
+        self.__dict__["_locked"] = True
+        self.resolved()  # refuses parameter errors that fit nothing
+
+    def __setattr__(self, key: str, value: Any) -> None:
+        """Models do not change; `replace` makes another."""
+        if self.__dict__.get("_locked"):
+            raise AttributeError(f"a model does not change: use model.replace({key}=...)")
+        super().__setattr__(key, value)
+
+    def __delattr__(self, key: str) -> None:
+        """Nor do they lose anything."""
+        raise AttributeError(f"a model does not change: {key} stays")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by what it was made of."""
+        return (_rebuild, (self.robot, dict(self.joints), self.effects, self._settings()))
+
+    def __eq__(self, other: object) -> bool:
+        """Equal if robot source, joints, effects and settings are."""
+        if not isinstance(other, FlexibleJointModel):
+            return NotImplemented
+        mine, its = self.robot, other.robot
+        same_robot = mine is its or (mine.source is not None and (mine.source, mine.lock) == (its.source, its.lock))
+        return same_robot and self._content() == other._content()
+
+    def __hash__(self) -> int:
+        """By name and joints."""
+        return hash((self.name, tuple(self.joints.values())))
+
+    def __repr__(self) -> str:
+        """What it holds, in a line."""
+        elastic = int(self.elastic.sum())
+        return f"<FlexibleJointModel {self.name}: {self.n} joints, {elastic} elastic, {len(self.all_effects)} effects>"
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.robot.n
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """In the order of q."""
+        return self.robot.joint_names
+
+    @cached_property
+    def stiffness(self) -> Array:
+        """K of every joint (n,) [N m/rad or N/m], infinite where rigid; with the effect joint_elasticity folded in."""
+        stiffness = self._numbers("stiffness")
+        for effect in self.effects:
+            if isinstance(effect, JointElasticity) and not effect.is_neutral:
+                j = self.index(effect.joint)
+                stiffness[j] = effect.stiffness + (stiffness[j] if np.isfinite(stiffness[j]) else 0.0)
+        return _locked(stiffness)
+
+    @cached_property
+    def damping(self) -> Array:
+        """D of every joint (n,) [N m s/rad or N s/m]."""
+        return _locked(self._numbers("damping"))
+
+    @cached_property
+    def rotor_inertia(self) -> Array:
+        """J of every joint, reflected to the link side (n,) [kg m^2 or kg]."""
+        return _locked(self._numbers("reflected_inertia"))
+
+    @cached_property
+    def elastic(self) -> NDArray[np.bool_]:
+        """Which joints have a finite stiffness (n,)."""
+        return _locked(np.isfinite(self.stiffness))
+
+    @cached_property
+    def all_effects(self) -> tuple[Effect, ...]:
+        """The model's effects, then those that come from the URDF's <dynamics>."""
+        return self.effects + self.urdf_effects
+
+    def replace(self, **changes: Any) -> FlexibleJointModel:
+        """A copy with some of the constructor's arguments changed.
+
+        Args:
+            changes: as the constructor takes them; ``joints`` is merged number by number into what is there.
+        """
+        if changes.keys() == {"initial"}:
+            return self._starting(changes["initial"])
+        joints: dict[str, Any] = dict(self.joints)
+        for name, numbers in changes.pop("joints", {}).items():
+            for each in self.joint_names if name == "*" else (name,):
+                joints[each] = Joint.numbers(joints.get(each, {})) | Joint.numbers(numbers)
+        robot, effects = changes.pop("robot", self.robot), changes.pop("effects", self.effects)
+        return FlexibleJointModel(robot, joints, effects, **(self._settings() | changes))
+
+    def resolved(self) -> FlexibleJointModel:
+        """The model as it is true: parameter errors and joint elasticities folded into the numbers they change.
+
+        Without any of them it is the model itself. Plants are built of this one.
+        """
+        return self._resolved
+
+    def rigid(self) -> FlexibleJointModel:
+        """The same arm without elasticity: every joint rigid, J added to M, effects that need a spring left out."""
+        true = self.resolved()
+        kept = [
+            effect
+            for effect in true.effects
+            if getattr(effect, "side", None) != "transmission" and not isinstance(effect, LoadDependentFriction)
+        ]
+        links = {signal: values for signal, values in self.initial.items() if signal in ("q", "v")}
+        return true.replace(joints={"*": {"stiffness": math.inf}}, effects=kept, initial=links)
+
+    def index(self, joint: str) -> int:
+        """Place of a joint in q.
+
+        Raises:
+            InputError: the robot has no such joint.
+        """
+        return self.robot.joint_index(joint)
+
+    def _starting(self, initial: Any) -> FlexibleJointModel:
+        """The same model with another first state; what was checked and computed of it stays."""
+        kept = {key: value for key, value in vars(self).items() if key != "_resolved"}
+        twin = object.__new__(type(self))
+        twin.__dict__.update(kept, initial=initial_checked({} if initial is None else initial, self.joint_names))
+        return twin
+
+    def _numbers(self, attribute: str) -> Array:
+        return np.array([getattr(joint, attribute) for joint in self.joints.values()])
+
+    def _settings(self) -> dict[str, Any]:
+        keys = ("initial", "tolerance", "gravity", "urdf_dynamics", "rotor_coupling", "name")
+        return {key: _thawed(getattr(self, key)) for key in keys}
+
+    def _content(self) -> tuple[Any, ...]:
+        return dict(self.joints), self.effects, self._settings()
+
+    @cached_property
+    def _resolved(self) -> FlexibleJointModel:
+        acting = [effect for effect in self.effects if not effect.is_neutral]
+        if not any(isinstance(effect, ParameterError | JointElasticity) for effect in acting):
+            return self
+        true = folded(self.robot, self.joints, self.effects)
+        joints = {name: dict(numbers) for name, numbers in true.joints.items()}
+        return FlexibleJointModel(true.robot, joints, true.effects, **self._settings())
+
+
+def _rebuild(robot: Robot, joints: Any, effects: Any, settings: dict[str, Any]) -> FlexibleJointModel:
+    return FlexibleJointModel(robot, joints, effects, **settings)
+
+
+def _locked(array: NDArray[Any]) -> NDArray[Any]:
+    array.setflags(write=False)
+    return array
+
+
+def _thawed(value: Any) -> Any:
+    """Read-only mappings as plain ones, which pickle and compare."""
+    return {key: _thawed(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value
+
+
+def _urdf_effects(robot: Robot) -> tuple[Effect, ...]:
+    """<dynamics damping friction> as effects on the link side: Pinocchio parses them and does not use them."""
+    effects: list[Effect] = []
+    for joint, damping, friction in zip(robot.joint_names, robot.damping, robot.friction, strict=True):
+        if damping > 0:
+            effects.append(ViscousFriction(joint, side="link", coefficient=float(damping)))
+        if friction > 0:
+            effects.append(CoulombFriction(joint, side="link", level=float(friction)))
+    return tuple(effects)

@@ -1,0 +1,177 @@
+"""model.yaml <-> FlexibleJointModel, validated: every mistake is one line that names file, key and remedy."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.files import exists, is_file, write_text
+from flexdyn.io.yaml import check_keys, dump_yaml, read_yaml
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.setting_checks import check_tolerance_paths
+from flexdyn.robot import Robot, load_robot
+from flexdyn.robot.names import shipped_dir
+
+FORMAT = 1
+TOP_KEYS = ("flexdyn", "robot", "joints", "initial", "tolerance", "effects")
+ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "urdf_dynamics", "rotor_coupling")
+
+
+def shipped_models() -> tuple[str, ...]:
+    """Names of the models that come with flexdyn."""
+    return tuple(sorted(path.parent.name for path in shipped_dir().glob("*/model.yaml")))
+
+
+def load_model(path: str | Path) -> FlexibleJointModel:
+    """Read a model file.
+
+    Args:
+        path: of a model.yaml, or the name of a shipped model (``scara_two_link``, ``scara``, ``panda``, ``ur5``).
+
+    Raises:
+        InputError: no such file, or anything in it that does not fit.
+    """
+    file = _find(path)
+    content = read_yaml(file)
+    try:
+        name = file.parent.name if file.name == "model.yaml" else file.stem
+        return model_from_dict(content, file.parent, name=name)
+    except InputError as error:
+        raise (error if error.file else error.at(file=file)) from None
+
+
+def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "") -> FlexibleJointModel:
+    """The model that a file's mapping describes.
+
+    Args:
+        content: keys of the model file.
+        folder: that its paths are relative to.
+        name: of the model; default: the robot's.
+
+    Raises:
+        InputError: a key, joint, effect or number that does not fit.
+    """
+    check_keys(content, TOP_KEYS, required=("flexdyn", "robot"))
+    if isinstance(content["flexdyn"], bool) or content["flexdyn"] != FORMAT:
+        remedy = f"this version reads format {FORMAT}"
+        raise InputError("no such format", key="flexdyn", value=content["flexdyn"], remedy=remedy)
+    entry = content["robot"]
+    check_keys(entry, ROBOT_KEYS, required=("urdf",), key="robot")
+    for key, kind in (("package_dirs", list), ("lock", Mapping)):
+        if entry.get(key) is not None and not isinstance(entry[key], kind):
+            shape = "a list of folders" if kind is list else "a mapping JOINT: position"
+            raise InputError(f"{shape} is needed", key=f"robot.{key}", value=entry[key])
+    effects = [] if content.get("effects") is None else content["effects"]
+    if not isinstance(effects, list):
+        raise InputError("a list of effects is needed", key="effects", value=effects)
+    settings = {key: entry[key] for key in ("gravity", "urdf_dynamics", "rotor_coupling") if entry.get(key) is not None}
+    settings |= {key: content[key] for key in ("initial", "tolerance") if content.get(key) is not None}
+    model = FlexibleJointModel(_robot(entry, folder), content.get("joints"), effects, name=name, **settings)
+    check_tolerance_paths(content.get("tolerance"), model.joint_names, model.robot.frame_names, model.effects)
+    return model
+
+
+def save_model(model: FlexibleJointModel, path: str | Path) -> None:
+    """Write a model file that reads back without loss; whole or not at all.
+
+    Args:
+        model: to be written; effects that come from its URDF stay in the URDF.
+        path: of the file; the URDF is named relative to it.
+
+    Raises:
+        InputError: the robot came from a pin.Model and has no URDF, or the file cannot be written.
+    """
+    file = Path(path)
+    title = "".join(letter if letter.isprintable() else " " for letter in model.name)
+    head = f"# {title}: a flexdyn model. SI units; rotor_inertia on the motor side, everything else reflected.\n"
+    write_text(file, head + dump_yaml(model_to_dict(model, file.parent)))
+
+
+def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict[str, Any]:
+    """The mapping of a model file.
+
+    Args:
+        model: to be described.
+        folder: that paths are written relative to; None: absolute.
+
+    Raises:
+        InputError: the robot has no URDF.
+    """
+    robot: dict[str, Any] = {"urdf": _source(model.robot, folder)}
+    if model.robot.package_dirs:
+        robot["package_dirs"] = [_path(Path(directory), folder) for directory in model.robot.package_dirs]
+    robot["gravity"] = list(model.gravity)
+    if model.robot.lock:
+        robot["lock"] = dict(model.robot.lock)
+    robot |= {"urdf_dynamics": model.urdf_dynamics, "rotor_coupling": model.rotor_coupling}
+    tolerance = dict(model.tolerance) if isinstance(model.tolerance, Mapping) else model.tolerance
+    return {
+        "flexdyn": FORMAT,
+        "robot": robot,
+        "joints": {name: joint.to_dict() for name, joint in model.joints.items()},
+        "initial": {signal: dict(values) for signal, values in model.initial.items()},
+        "tolerance": tolerance,
+        "effects": [effect.to_dict() for effect in model.effects],
+    }
+
+
+def _find(path: str | Path) -> Path:
+    file = Path(path)
+    if is_file(file):
+        return file
+    shipped = shipped_dir() / str(path) / "model.yaml"
+    if len(file.parts) == 1 and exists(shipped):
+        return shipped
+    if exists(file):
+        raise InputError("it is not a file", file=path, remedy="give the path of a model.yaml")
+    if file.suffix.lower() in (".yaml", ".yml") or len(file.parts) > 1:
+        raise InputError("there is no such file", file=path)
+    raise InputError(
+        "no such model file or shipped model", key=str(path), remedy=did_you_mean(str(path), shipped_models())
+    )
+
+
+def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
+    urdf = entry["urdf"]
+    if not isinstance(urdf, str) or not urdf:
+        raise InputError("the path or name of a URDF is needed", key="robot.urdf", value=urdf)
+    source: str | Path = folder / urdf
+    if not is_file(source):
+        is_path = "/" in urdf or urdf.lower().endswith((".urdf", ".xml", ".xacro"))
+        if is_path:
+            raise InputError(
+                "there is no such file", key="robot.urdf", value=urdf, remedy=f"it is looked for in {folder}"
+            )
+        source = urdf
+    else:
+        source = Path(source).resolve()  # one name for one file: models of it compare equal
+    package_dirs = [folder / str(directory) for directory in entry.get("package_dirs") or []]
+    for i, directory in enumerate(package_dirs):
+        if not exists(directory):
+            raise InputError("no such folder", key=f"robot.package_dirs[{i}]", value=str(directory))
+    try:
+        return load_robot(source, package_dirs=package_dirs, lock=entry.get("lock"))
+    except InputError as error:
+        if error.file or error.key == "robot":
+            raise (error if error.file else InputError(error.problem, **error.data | {"key": "robot.urdf"})) from None
+        raise error.at(key="robot") from None
+
+
+def _source(robot: Robot, folder: Path | None) -> str:
+    if robot.source is None:
+        remedy = "write the URDF and load the robot from it"
+        raise InputError("the robot came from a pin.Model and has no URDF to name", key="robot.urdf", remedy=remedy)
+    return robot.source if isinstance(robot.source, str) else _path(robot.source, folder)
+
+
+def _path(path: Path, folder: Path | None) -> str:
+    absolute = path.resolve()
+    if folder is None:
+        return absolute.as_posix()
+    try:
+        return Path(os.path.relpath(absolute, folder.resolve())).as_posix()
+    except ValueError:  # another drive
+        return absolute.as_posix()

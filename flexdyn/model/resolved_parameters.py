@@ -1,0 +1,107 @@
+"""Parameter errors and joint elasticities folded into the numbers that they change."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from flexdyn.effects import Effect, JointElasticity, ParameterError
+from flexdyn.effects.model_error import effect_place
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.model.joint import Joint
+from flexdyn.robot import Robot
+
+OF_JOINT = ("gear_ratio", "rotor_inertia", "stiffness", "damping")
+OF_URDF = {"urdf_damping": "damping", "urdf_friction": "friction"}
+OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
+
+
+@dataclasses.dataclass(frozen=True)
+class Folded:
+    """What a model holds once every wrong number is put right.
+
+    Attributes:
+        robot: with links and <dynamics> as they are true.
+        joints: numbers of each drive.
+        effects: the others, with their true parameters.
+    """
+
+    robot: Robot
+    joints: Mapping[str, Mapping[str, float]]
+    effects: tuple[Effect, ...]
+
+
+def folded(robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect]) -> Folded:
+    """Fold parameter errors, then joint elasticities.
+
+    Args:
+        robot: as it is given.
+        joints: its drives by name.
+        effects: of the model; ``effects[i]`` counts in them.
+
+    Raises:
+        InputError: a number that is not there or that the factor makes senseless; its key is ``effects[i]``.
+    """
+    numbers = {name: joint.to_dict() for name, joint in joints.items()}
+    true = list(effects)
+    for i, error in enumerate(effects):
+        if not isinstance(error, ParameterError) or error.is_neutral:
+            continue
+        try:
+            if error.parameter in OF_LINK:
+                robot = robot.with_link_scaled(error.of, **{OF_LINK[error.parameter]: error.factor})
+            elif error.of.startswith("effects["):
+                _fold_effect(true, error)
+            else:
+                robot = _fold_joint(robot, numbers, error)
+        except InputError as problem:
+            raise problem.at(key=f"effects[{i}]") from None
+    for effect in true:
+        if isinstance(effect, JointElasticity) and not effect.is_neutral:
+            given = numbers[effect.joint]["stiffness"]
+            numbers[effect.joint]["stiffness"] = effect.stiffness + (given if math.isfinite(given) else 0.0)
+    kept = tuple(effect for effect in true if not isinstance(effect, ParameterError | JointElasticity))
+    return Folded(robot, numbers, kept)
+
+
+def _fold_effect(effects: list[Effect], error: ParameterError) -> None:
+    place = effect_place(error.of)
+    if place is None or place >= len(effects):
+        remedy = f"they count from 0 to {len(effects) - 1}"
+        raise InputError("no such effect in the model", key="of", value=error.of, remedy=remedy)
+    target = effects[place]
+    if isinstance(target, ParameterError):
+        raise InputError("a parameter error has none itself", key="of", value=error.of)
+    known = [field.name for field in target.parameters()]
+    _check_parameter(error, known, target.name)
+    entry = {key: value for key, value in target.to_dict().items() if key != "effect"}
+    entry[error.parameter] *= error.factor
+    effects[place] = type(target).from_dict(entry)
+
+
+def _fold_joint(robot: Robot, numbers: dict[str, dict[str, float]], error: ParameterError) -> Robot:
+    if error.of not in numbers:
+        remedy = did_you_mean(error.of, [*numbers, *robot.frame_names])
+        raise InputError("no such joint, link or effect", key="of", value=error.of, remedy=remedy)
+    _check_parameter(error, [*OF_JOINT, *OF_URDF, *OF_LINK], "a joint")
+    if error.parameter in OF_URDF:
+        attribute = OF_URDF[error.parameter]
+        values = np.array(getattr(robot, attribute))
+        values[robot.joint_index(error.of)] *= error.factor
+        changed: dict[str, Any] = {attribute: values, "source": None}
+        return dataclasses.replace(robot, **changed)
+    given = numbers[error.of][error.parameter]
+    if math.isinf(given):
+        raise InputError("the joint is rigid: it has no stiffness", key="parameter", value=error.parameter)
+    numbers[error.of][error.parameter] = given * error.factor
+    return robot
+
+
+def _check_parameter(error: ParameterError, known: Sequence[str], owner: str) -> None:
+    if error.parameter not in known:
+        remedy = did_you_mean(error.parameter, known)
+        raise InputError(f"{owner} has no such number", key="parameter", value=error.parameter, remedy=remedy)

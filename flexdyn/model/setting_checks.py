@@ -1,0 +1,93 @@
+"""The settings of a model, checked: every mistake is an InputError that names its key."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from flexdyn.checks import as_number
+from flexdyn.effects import Effect
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.model.joint import Joint
+
+INITIAL_KEYS = ("q", "v", "theta", "omega")
+
+
+def one_of(key: str, value: str, allowed: tuple[str, ...]) -> str:
+    """A choice out of a few words."""
+    if value not in allowed:
+        raise InputError("no such choice", key=key, value=value, remedy=f"it is {' or '.join(allowed)}")
+    return value
+
+
+def gravity_checked(value: Any) -> tuple[float, float, float]:
+    """Three finite numbers [m/s^2]."""
+    listed = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
+    numbers = [as_number(component) for component in listed]
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise InputError("three numbers are needed", key="robot.gravity", value=value, remedy="write [0.0, 0.0, -9.81]")
+    return numbers[0], numbers[1], numbers[2]
+
+
+def initial_checked(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mapping[str, Mapping[str, float]]:
+    """First positions and velocities, by signal and joint, read-only."""
+    checked = {}
+    if not isinstance(entries, Mapping):
+        raise InputError("a mapping is needed", key="initial", value=entries, remedy="write {q: {JOINT: value}}")
+    for signal, values in entries.items():
+        if signal not in INITIAL_KEYS:
+            raise InputError("no such signal", key=f"initial.{signal}", remedy=did_you_mean(str(signal), INITIAL_KEYS))
+        if not isinstance(values, Mapping):
+            raise InputError("a mapping by joint is needed", key=f"initial.{signal}", value=values)
+        for joint, value in values.items():
+            place = f"initial.{signal}.{joint}"
+            if joint not in names:
+                raise InputError("the robot has no such joint", key=place, remedy=did_you_mean(str(joint), names))
+            if not math.isfinite(as_number(value)):
+                raise InputError("a finite number is needed", key=place, value=value)
+        checked[signal] = MappingProxyType({joint: float(value) for joint, value in values.items()})
+    return MappingProxyType(checked)
+
+
+def tolerance_checked(value: Any) -> float | Mapping[str, float]:
+    """One relative tolerance, or several by the dotted path of the number, read-only."""
+    entries = value if isinstance(value, Mapping) else {"*": value}
+    for path, number in entries.items():
+        if not 0 <= as_number(number) < math.inf:
+            key = "tolerance" if path == "*" else f"tolerance.{path}"
+            raise InputError(
+                "a number of at least 0 is needed", key=key, value=number, remedy="0.05 means 5 %, 1 sigma"
+            )
+    if isinstance(value, Mapping):
+        return MappingProxyType({str(path): float(number) for path, number in entries.items()})
+    return float(value)
+
+
+def check_tolerance_paths(
+    tolerance: Any, joints: Sequence[str], links: Sequence[str], effects: Sequence[Effect]
+) -> None:
+    """Refuse a tolerance of a number that is not there.
+
+    Args:
+        tolerance: of a model file.
+        joints: names of the robot's joints.
+        links: names of its links.
+        effects: of the file.
+
+    Raises:
+        InputError: a path that leads nowhere; the near miss is named.
+    """
+    if not isinstance(tolerance, Mapping):
+        return
+    known = ["*", *(f"joints.{joint}.{field.name}" for joint in ("*", *joints) for field in fields(Joint))]
+    known += [f"effects[{i}].{field.name}" for i, effect in enumerate(effects) for field in effect.parameters()]
+    known += [f"links.{link}.{number}" for link in links for number in ("mass", "com", "inertia")]
+    for path in tolerance:
+        if str(path) not in known:
+            remedy = did_you_mean(str(path), known)
+            raise InputError("no such number in the model", key=f"tolerance.{path}", remedy=remedy)

@@ -1,0 +1,101 @@
+"""The numbers of a model file that may be wrong, each with its tolerance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexdyn.effects import Effect, JointElasticity, ParameterError, Payload, SensorEffect
+from flexdyn.errors import InputError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+
+OF_JOINT = ("rotor_inertia", "stiffness", "damping")
+OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
+DEFAULT_TOLERANCE = 0.05
+NOTHING = 1e-12
+"""Change of inertias, by their size, that is rounding."""
+
+
+@dataclass(frozen=True)
+class FileNumber:
+    """One number of a model file.
+
+    Attributes:
+        of: joint, link or ``effects[i]`` that it belongs to.
+        parameter: its name, as `ParameterError` takes it.
+        value: as given.
+        tolerance: how well it is known, relative, 1 sigma.
+        joint: that it acts on; None for a link's.
+    """
+
+    of: str
+    parameter: str
+    value: float
+    tolerance: float
+    joint: str | None
+
+    def error(self, factor: float) -> ParameterError:
+        """The effect that says ``true = factor*given``."""
+        return ParameterError(self.of, parameter=self.parameter, factor=factor)
+
+
+def file_numbers(model: FlexibleJointModel) -> tuple[FileNumber, ...]:
+    """Every number of the model that does something and could be wrong.
+
+    The gear ratio is left out: all signals are reflected, so it shows only in the rotor's inertia N^2 J.
+    """
+    found = [*_of_joints(model), *_of_links(model), *_of_effects(model)]
+    return tuple(number for number in found if number.value != 0.0 and math.isfinite(number.value))
+
+
+def with_factors(
+    model: FlexibleJointModel, factors: Mapping[FileNumber, float], found: Iterable[Effect] = ()
+) -> FlexibleJointModel:
+    """The model with numbers moved and effects added."""
+    errors = [number.error(factor) for number, factor in factors.items() if factor != 1.0]
+    return model.replace(effects=[*model.effects, *errors, *found])
+
+
+def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
+    for name, joint in model.joints.items():
+        for parameter in OF_JOINT:
+            path = f"joints.{name}.{parameter}"
+            tolerance = _tolerance(model, path, f"joints.*.{parameter}")
+            yield FileNumber(name, parameter, getattr(joint, parameter), tolerance, name)
+
+
+def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
+    """Of those that change what the arm needs: not where the centre of mass of a link is that stands at its origin."""
+    robot = model.robot
+    own = robot.tree.inertial_parameters
+    for frame in robot.frame_names:
+        for parameter, word in OF_LINK.items():
+            try:
+                other = robot.with_link_scaled(frame, **{word: 2.0})
+            except InputError:
+                break
+            if np.abs(other.tree.inertial_parameters - own).max() > NOTHING * np.abs(own).max():
+                yield FileNumber(frame, parameter, 1.0, _tolerance(model, f"links.{frame}.{word}"), None)
+
+
+def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
+    for i, effect in enumerate(model.effects):
+        if isinstance(effect, ParameterError | JointElasticity | Payload | SensorEffect):
+            continue
+        for field in effect.parameters():
+            place = f"effects[{i}]"
+            tolerance = _tolerance(model, f"{place}.{field.name}")
+            yield FileNumber(place, field.name, getattr(effect, field.name), tolerance, getattr(effect, "joint", None))
+
+
+def _tolerance(model: FlexibleJointModel, *paths: str) -> float:
+    """Of a number, by its own path, else by the default."""
+    if not isinstance(model.tolerance, Mapping):
+        return float(model.tolerance)
+    for path in (*paths, "*"):
+        if path in model.tolerance:
+            return float(model.tolerance[path])
+    return DEFAULT_TOLERANCE

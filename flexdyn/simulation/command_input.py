@@ -1,0 +1,227 @@
+"""From what a user gives as command (torques, a controller, a recording, a file) to what the core runs."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn import _core
+from flexdyn.control.commands import PD, Controller, FrameWrench, Samples, State, per_joint
+from flexdyn.control.servo import Servo
+from flexdyn.errors import InputError
+from flexdyn.io.yaml import check_keys, read_yaml
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.records import Recording, read_recording
+
+Array = NDArray[np.float64]
+PD_KEYS = ("reference", "kp", "kd", "rate", "feedback", "feedforward")
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A command made ready for one model.
+
+    Attributes:
+        command: for the core.
+        duration: of the command [s]; None where it has no end of its own.
+        initial: first state that a recording measured: signal -> joint -> value.
+        samples: what an open-loop command plays, one column a joint; None for controllers and for no torque.
+    """
+
+    command: _core.Command
+    duration: float | None
+    initial: Mapping[str, Mapping[str, float]]
+    samples: Samples | None = None
+
+
+def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) -> Drive:
+    """Make a command ready.
+
+    Args:
+        model: whose joints it drives.
+        command: None (no torque), `Samples`, `PD`, `Servo`, `Controller`, a `Recording` (its tau columns, held), the
+            path of a recording or of a YAML file with ``pd:``, or n torques that do not change.
+        duration: of the run if it is known: how long unchanging torques last [s].
+
+    Raises:
+        InputError: a command that does not fit the model.
+    """
+    command = resolve_command(command)
+    if command is None:
+        return Drive(_core.open_loop(None), None, {})
+    if isinstance(command, Recording):
+        samples = recorded(command, "tau", model.joint_names)
+        return _open_loop(samples, model, command.duration, first_state(command, model))
+    if isinstance(command, Samples):
+        return _open_loop(command, model, command.duration, {})
+    if isinstance(command, PD):
+        return _tracking(model, command)
+    if isinstance(command, Servo):
+        return _servo(model, command)
+    if isinstance(command, Controller):
+        return Drive(_core.controller(_caller(command), command.rate), None, {})
+    torques = per_joint("command", command, model.joint_names)
+    end = 1.0 if duration is None else duration
+    return _open_loop(Samples([0.0, max(end, 1e-9)], np.array([torques, torques])), model, None, {})
+
+
+def _open_loop(
+    samples: Samples, model: FlexibleJointModel, duration: float | None, initial: Mapping[str, Mapping[str, float]]
+) -> Drive:
+    """Torques over time; they start with the run, whatever their first time is."""
+    whole = Samples(samples.t - samples.t[0], samples.columns(model.joint_names), samples.interpolation)
+    return Drive(_core.open_loop(_signal(whole, model.joint_names)), duration, initial, whole)
+
+
+def resolve_command(command: Any) -> Any:
+    """A path as what it holds; anything else as it is."""
+    if not isinstance(command, str | Path):
+        return command
+    if Path(command).suffix.lower() in (".yaml", ".yml"):
+        return read_command_file(Path(command))
+    return read_recording(command, name=str(command))
+
+
+def read_command_file(path: Path) -> PD:
+    """A YAML file with ``pd:`` and the keys of `PD`; paths in it are relative to the file.
+
+    Raises:
+        InputError: no such file, or a key that is not there.
+    """
+    content = read_yaml(path)
+    try:
+        check_keys(content, ("pd",), required=("pd",))
+        entry = content["pd"]
+        check_keys(entry, PD_KEYS, required=("reference", "kp", "kd"), key="pd")
+        settings = dict(entry)
+        for key in ("reference", "feedforward"):
+            if settings.get(key) is not None:
+                if not isinstance(settings[key], str):
+                    raise InputError("the path of a recording is needed", key=f"pd.{key}", value=settings[key])
+                settings[key] = path.parent / settings[key]
+        return PD(**settings)
+    except InputError as error:
+        raise error.at(file=path) from None
+
+
+def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> Samples:
+    """One signal of a recording as held samples; joints that it does not name get zero.
+
+    Raises:
+        InputError: the recording has no such signal, or one of a joint that the robot lacks.
+    """
+    for joint in recording.joints:
+        if joint not in joint_names:
+            remedy = f"the robot's joints are {', '.join(joint_names)}"
+            raise InputError("the robot has no such joint", key=joint, file=recording.name or None, remedy=remedy)
+    found = [joint for joint in joint_names if recording.has(signal, joint)]
+    if not found:
+        remedy = f"columns named {signal}.JOINT are needed"
+        raise InputError(f"no {signal} in this recording", file=recording.name or None, remedy=remedy)
+    return Samples(recording.t, {joint: recording[f"{signal}.{joint}"] for joint in found})
+
+
+def first_state(recording: Recording, model: FlexibleJointModel) -> dict[str, dict[str, float]]:
+    """The first measured state; a joint with only one encoder has q and theta start alike.
+
+    A rigid joint has one position: q, or theta where only that was measured.
+    """
+    initial: dict[str, dict[str, float]] = {"q": {}, "theta": {}, "v": {}, "omega": {}}
+    for joint in model.joint_names:
+        for signal, twin in (("q", "theta"), ("theta", "q"), ("v", "omega"), ("omega", "v")):
+            for source in (signal, twin):
+                if recording.has(source, joint):
+                    initial[signal][joint] = float(recording[f"{source}.{joint}"][0])
+                    break
+    rigid = [joint for joint in model.joint_names if not model.joints[joint].elastic]
+    for signal, joint in itertools.product(("theta", "omega"), rigid):
+        initial[signal].pop(joint, None)
+    return initial
+
+
+def lower_wrenches(model: FlexibleJointModel, external: Any, duration: float) -> list[_core.ExternalWrench]:
+    """External wrenches for the core.
+
+    Raises:
+        InputError: something that is no FrameWrench, or a frame that the robot does not have.
+    """
+    if external is None:
+        return []
+    lowered = []
+    for wrench in (external,) if isinstance(external, FrameWrench) else tuple(external):
+        if not isinstance(wrench, FrameWrench):
+            raise InputError("a FrameWrench is needed", key="external", value=wrench)
+        samples = wrench.samples
+        if not isinstance(samples, Samples):
+            samples = Samples([0.0, duration * (1.0 + 1e-9)], np.array([wrench.constant, wrench.constant]))
+        place = model.robot.frame(wrench.frame)
+        signal = _core.signal(*samples.pieces(samples.values))
+        world = wrench.axes == "world"
+        lowered.append(_core.external_wrench(place.joint, place.rotation, place.translation, world, signal))
+    return lowered
+
+
+def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
+    names = model.joint_names
+    reference, ahead = resolve_command(pd.reference), resolve_command(pd.feedforward)
+    initial: Mapping[str, Mapping[str, float]] = {}
+    if isinstance(reference, Recording):
+        initial = first_state(reference, model)
+        signal = "q" if "q" in reference.signals else "theta"
+        held = recorded(reference, signal, names)
+        reference = Samples(held.t, held.columns(names), "cubic")
+    if not isinstance(reference, Samples):
+        remedy = "give Samples, a recording or its path"
+        raise InputError("no reference to track", key="pd.reference", value=reference, remedy=remedy)
+    if isinstance(ahead, Recording):
+        ahead = recorded(ahead, "tau", names)
+    if ahead is not None and not isinstance(ahead, Samples):
+        raise InputError("Samples or a recording is needed", key="pd.feedforward", value=ahead)
+    command = _core.tracking(
+        _signal(reference, names),
+        None if ahead is None else _signal(ahead, names),
+        per_joint("pd.kp", pd.kp, names).tolist(),
+        per_joint("pd.kd", pd.kd, names).tolist(),
+        pd.feedback == "theta",
+        pd.rate,
+    )
+    return Drive(command, reference.duration, initial)
+
+
+def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
+    reference = resolve_command(servo.reference)
+    initial: Mapping[str, Mapping[str, float]] = {}
+    if isinstance(reference, Recording):
+        initial = first_state(reference, model)
+        signal = next((name for name in ("reference", "theta", "q") if _has(reference, name, model)), "reference")
+        reference = recorded(reference, signal, model.joint_names)
+    if not isinstance(reference, Samples):
+        remedy = "give Samples, a recording or its path"
+        raise InputError("no reference to track", key="servo.reference", value=reference, remedy=remedy)
+    controller = Controller(servo.law(reference, model.joint_names), servo.rate)
+    return Drive(_core.controller(_caller(controller), servo.rate), reference.duration, initial)
+
+
+def _has(recording: Recording, signal: str, model: FlexibleJointModel) -> bool:
+    return any(f"{signal}.{joint}" in recording for joint in model.joint_names)
+
+
+def _signal(samples: Samples, joint_names: Sequence[str]) -> _core.Signal:
+    return _core.signal(*samples.pieces(samples.columns(joint_names)))
+
+
+def _caller(controller: Controller) -> Any:
+    def call(t: float, q: Array, v: Array, theta: Array, omega: Array) -> Array:
+        tau = np.atleast_1d(np.asarray(controller.law(t, State(q, v, theta, omega)), dtype=float))
+        if tau.shape != q.shape or not np.isfinite(tau).all():
+            remedy = f"it must return {len(q)} finite torques"
+            raise InputError("the controller's torque is no use", key=f"t = {t:g} s", value=tau, remedy=remedy)
+        return np.ascontiguousarray(tau)
+
+    return call

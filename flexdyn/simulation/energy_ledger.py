@@ -1,0 +1,172 @@
+"""Making a run's energy ledger: through the motion once more, with every power integrated on the way."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn import _core
+from flexdyn.effects import Effect
+from flexdyn.errors import SimulationError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.command_input import lower_wrenches
+from flexdyn.simulation.energy import Energy, EnergyWarning
+from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
+from flexdyn.simulation.plant import LinkSide, acting_effects, build_plant
+from flexdyn.simulation.solver_choice import core_settings
+from flexdyn.simulation.solvers import RungeKutta4, Solver, TimeStepping
+
+Array = NDArray[np.float64]
+
+
+class Moved(Protocol):
+    """What the ledger needs of a run."""
+
+    @property
+    def model(self) -> FlexibleJointModel:
+        """That moved."""
+
+    @property
+    def solver(self) -> Solver:
+        """That integrated it."""
+
+    @property
+    def inputs(self) -> Inputs:
+        """What it was made of."""
+
+    @property
+    def t(self) -> Array:
+        """Times (samples,) [s]."""
+
+    @property
+    def q(self) -> Array:
+        """Link positions (samples, n)."""
+
+    @property
+    def v(self) -> Array:
+        """Link velocities (samples, n)."""
+
+    @property
+    def theta(self) -> Array:
+        """Rotor positions (samples, n)."""
+
+    @property
+    def omega(self) -> Array:
+        """Rotor velocities (samples, n)."""
+
+    @property
+    def tau_applied(self) -> Array:
+        """Torques on the rotors (samples, n)."""
+
+    @property
+    def tau_s(self) -> Array:
+        """Torques in the transmissions (samples, n)."""
+
+    @property
+    def stats(self) -> Mapping[str, int]:
+        """Steps and evaluations."""
+
+    @property
+    def z(self) -> Array:
+        """Internal states (samples, number of them)."""
+
+
+def ledger(run: Moved) -> Energy:
+    """The energy ledger of a run, by going through its motion once more with every power integrated on the way.
+
+    Warns:
+        EnergyWarning: it does not close.
+    """
+    plant = build_plant(run.model)
+    rows = len(run.t)
+    sums = np.zeros((rows, plant.ledger_size))
+    out = [np.empty((rows, run.model.n)) for _ in SIGNALS] + [np.empty((rows, plant.internal_states))]
+    samples = run.inputs.samples
+    signal = None if samples is None else _core.signal(*samples.pieces(samples.values))
+    wrenches = lower_wrenches(run.model, run.inputs.external, run.inputs.duration)
+    inputs = run.inputs
+    settings = core_settings(run.solver)
+    command = _core.open_loop(signal)
+    job = _core.job(plant, command, wrenches, inputs.x0, inputs.duration, settings, run.t, out, sums)
+    report = _core.simulate(job, None)
+    if report["reason"]:  # a law in Python that is not the same the second time
+        problem = f"the motion could not be gone through again for its energy: {report['reason']}"
+        raise SimulationError(problem, t=report["t"], state=report["x"], solver=run.solver, reason=report["reason"])
+    energy = _energy(run, plant, sums)
+    if not energy.closes:
+        worst = float(np.abs(energy.residual).max())
+        text = f"the energy ledger of {run.model.name} leaves {worst:.3g} J of {energy.tolerance:.3g} J unexplained"
+        warnings.warn(
+            f"{text}: {type(run.solver).__name__} does not resolve the motion", EnergyWarning, stacklevel=4
+        )  # beyond Run.energy and its cached_property
+    return energy
+
+
+def _energy(run: Moved, plant: _core.Plant, sums: Array) -> Energy:
+    model, n = run.model.resolved(), run.model.n
+    elastic = model.elastic
+    speeds = np.hstack([run.v, run.omega[:, elastic]])
+    # The first row is the start, which need not be among the samples.
+    states = np.vstack([run.inputs.x0, np.hstack([run.q, run.theta[:, elastic], speeds, run.z])])
+    half = speeds.shape[1]
+    _, gravity = LinkSide(model).energy(states[:, :n], states[:, half : half + n])
+    kinetic, spring = _kinetic(plant, states, states[:, half : 2 * half]), np.empty(len(states))
+    plant.stored_energy(states, spring)
+    dissipated: dict[str, Array] = {}
+    for j in np.flatnonzero(elastic & (model.damping > 0)):
+        dissipated[f"damping.{model.joint_names[j]}"] = sums[:, n + 1 + j].copy()
+    for k, effect in enumerate(acting_effects(model)):
+        lost = sums[:, 2 * n + 1 + k]
+        if _has_entry(effect):
+            label = _label(effect)
+            dissipated[label] = dissipated.get(label, 0.0) + lost
+    parts = [kinetic, spring, gravity]
+    tolerance = _tolerance(run, parts, sums)
+    initial = float(sum(part[0] for part in parts))
+    kinetic, spring, gravity = (part[1:].copy() for part in parts)
+    return Energy(kinetic, spring, gravity, sums[:, :n].copy(), sums[:, n].copy(), dissipated, initial, tolerance)
+
+
+def _kinetic(plant: _core.Plant, states: Array, speeds: Array, chunk: int = 1000) -> Array:
+    """1/2 w' H(q) w over the velocities w of links and rotors; in chunks, which bounds the memory of H."""
+    width = speeds.shape[1]
+    kinetic = np.empty(len(states))
+    for first in range(0, len(states), chunk):
+        rows = slice(first, first + chunk)
+        H = np.empty((len(states[rows]), width, width))
+        plant.inertia(np.ascontiguousarray(states[rows]), H)
+        kinetic[rows] = 0.5 * np.einsum("ri,rij,rj->r", speeds[rows], H, speeds[rows])
+    return kinetic
+
+
+def _has_entry(effect: Effect) -> bool:
+    """Whether an effect can take energy out; what a hardening spring takes in, it holds."""
+    if effect.name == "hardening_spring":
+        return False
+    return effect.stage in ("friction", "dry", "spring") or effect.name == "end_stop"
+
+
+def _label(effect: Effect) -> str:
+    return ".".join(str(getattr(effect, key)) for key in ("name", "joint", "side"))
+
+
+def _tolerance(run: Moved, parts: list[Array], sums: Array) -> float:
+    """What integration, absolute tolerance and rounding may leave of the energy that was turned over [J]."""
+    turnover = max(np.ptp(parts[0]), np.ptp(parts[1]), np.abs(sums).max(initial=0.0))
+    steps = max(100, run.stats.get("steps", 0))
+    rounding = np.finfo(float).eps * steps * max(np.abs(part).max() for part in parts)
+    moved = getattr(run.solver, "atol", 0.0) * max(np.abs(run.tau_applied).max(), np.abs(run.tau_s).max())
+    return float(_relative(run.solver, steps) * turnover + rounding + moved)
+
+
+def _relative(solver: Solver, steps: int) -> float:
+    """Relative to what is turned over: local errors of rtol add up over the steps; a fixed step has its order."""
+    if isinstance(solver, TimeStepping):
+        return 1e-2  # order 1: it damps a little more than the arm does
+    if isinstance(solver, RungeKutta4):
+        return 1e-6
+    return float(getattr(solver, "rtol", 1e-6)) * steps

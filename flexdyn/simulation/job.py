@@ -1,0 +1,191 @@
+"""One run, made ready for the core, and the core's answer made into a Run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn import _core
+from flexdyn.checks import as_number
+from flexdyn.control.commands import Samples, checked_rate
+from flexdyn.errors import InputError, SimulationError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.command_input import Drive, lower_wrenches, make_drive
+from flexdyn.simulation.initial_state import first_state
+from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
+from flexdyn.simulation.plant import build_plant
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.solver_choice import choose_solver, core_settings
+from flexdyn.simulation.solvers import RungeKutta4, Solver, TimeStepping
+
+Array = NDArray[np.float64]
+MAX_STEPS = 1e15  # years of computing; beyond it the core's step counter would overflow
+MAX_SAMPLES = 20_000_000  # 7.8 GB for seven joints: more is a slip of the pen, and would end in a killed process
+
+
+@dataclass(frozen=True)
+class Job:
+    """A run to be made: what the core needs, and what its answer is read with."""
+
+    core: _core.Job
+    model: FlexibleJointModel
+    solver: Solver
+    notes: tuple[str, ...]
+    out: Mapping[str, Array]
+    drive: Drive
+    x0: Array
+    external: tuple[Any, ...]
+    duration: float
+
+    def finish(self, report: Mapping[str, Any]) -> Run:
+        """The run that the core reports.
+
+        Raises:
+            SimulationError: the integration could not go on.
+        """
+        if report["reason"]:
+            raise _failure(report, self.solver, self.model)
+        stats = {key: int(report[key]) for key in ("steps", "rejected", "evaluations", "events")}
+        inputs = Inputs(self.x0, played(self.drive, report, self.model.n, self.duration), self.external, self.duration)
+        return Run(**self.out, model=self.model, solver=self.solver, notes=self.notes, stats=stats, inputs=inputs)
+
+
+class Shared:
+    """What runs of one batch have in common, made once: models and commands that are the same object, sample grids.
+
+    Args:
+        rate: of the samples [Hz].
+        times: of the samples [s], or None.
+    """
+
+    def __init__(self, rate: float, times: ArrayLike | None) -> None:
+        self._rate, self._times = rate, times
+        self._plants: dict[int, tuple[FlexibleJointModel, _core.Plant]] = {}  # held: an id is not given again
+        self._drives: dict[Any, tuple[Any, Drive]] = {}
+        self._grids: dict[float, Array] = {}
+
+    def drive(self, model: FlexibleJointModel, command: Any, duration: Any) -> Drive:
+        """The command made ready for a model."""
+        key = (id(command), model.joint_names, model.elastic.tobytes(), str(duration))
+        if key not in self._drives:
+            self._drives[key] = (command, make_drive(model, command, duration))
+        return self._drives[key][1]
+
+    def plant(self, model: FlexibleJointModel) -> _core.Plant:
+        """The plant of a model."""
+        if id(model) not in self._plants:
+            self._plants[id(model)] = (model, build_plant(model))
+        return self._plants[id(model)][1]
+
+    def grid(self, span: float) -> Array:
+        """Times of the samples of a run of this duration, locked."""
+        if span not in self._grids:
+            self._grids[span] = _grid(span, self._rate, self._times)
+            self._grids[span].setflags(write=False)
+        return self._grids[span]
+
+
+def prepare(
+    model: FlexibleJointModel,
+    command: Any,
+    duration: float | None,
+    solver: Solver | str,
+    starts: Mapping[str, Any],
+    rate: float,
+    times: ArrayLike | None,
+    external: Any,
+    shared: Shared | None = None,
+) -> Job:
+    """Make a run ready; arguments as `simulate` takes them.
+
+    Args:
+        model: the arm.
+        command: what drives it.
+        duration: [s], or None: the command's.
+        solver: settings, a name or ``auto``.
+        starts: first q, v, theta, omega as given, by name.
+        rate: of the samples [Hz].
+        times: of the samples [s], or None.
+        external: wrenches.
+        shared: of the batch that the run is one of; with the same rate and times.
+
+    Raises:
+        InputError: anything that does not fit.
+    """
+    if not isinstance(model, FlexibleJointModel):
+        raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
+    shared = Shared(rate, times) if shared is None else shared
+    drive = shared.drive(model, command, duration)
+    span = _duration(duration, drive)
+    plant = shared.plant(model)
+    x0 = first_state(model, drive, starts)
+    x0 = np.concatenate([x0, np.zeros(plant.state_size - len(x0))])  # internal states start at rest
+    chosen, notes = choose_solver(model, solver, plant, x0)
+    if isinstance(chosen, RungeKutta4 | TimeStepping) and span / chosen.step > MAX_STEPS:
+        raise InputError(f"more than {MAX_STEPS:g} steps", key="solver.step", value=chosen.step)
+    grid = shared.grid(span)
+    out = {"t": grid} | {signal: np.empty((len(grid), model.n)) for signal in SIGNALS}
+    out["z"] = np.empty((len(grid), plant.internal_states))
+    wrenches = () if external is None else tuple(external) if isinstance(external, list | tuple) else (external,)
+    lowered = lower_wrenches(model, wrenches, span)
+    arrays = [out[name] for name in (*SIGNALS, "z")]
+    core = _core.job(plant, drive.command, lowered, x0, span, core_settings(chosen), grid, arrays, None)
+    return Job(core, model, chosen, notes, out, drive, x0, wrenches, span)
+
+
+def played(drive: Drive, report: Mapping[str, Any], n: int, duration: float) -> Samples | None:
+    """The torques of a run over time: the command's own samples, or those that a controller asked for at its ticks."""
+    ticks = np.array(report["tick_times"])
+    if not len(ticks):
+        return drive.samples
+    torques = np.array(report["tick_torques"]).reshape(-1, n)
+    if ticks[-1] < duration:
+        ticks, torques = np.append(ticks, duration), np.vstack([torques, torques[-1:]])
+    return Samples(ticks, torques)
+
+
+def _duration(duration: float | None, drive: Drive) -> float:
+    span = drive.duration if duration is None else duration
+    if span is None:
+        raise InputError("how long to simulate is not said", key="duration", remedy="give a duration in s or a command")
+    number = as_number(span)
+    if not 0 < number < math.inf:
+        raise InputError("a time above 0 s is needed", key="duration", value=span)
+    return number
+
+
+def _grid(span: float, rate: float, times: ArrayLike | None) -> Array:
+    if times is None:
+        steps = span * checked_rate("rate", rate)
+        if steps > MAX_SAMPLES:
+            problem = f"more than {MAX_SAMPLES:.0e} samples in a run"
+            raise InputError(problem, key="rate", value=rate, remedy="lower the rate; the integration does not change")
+        count = max(1, round(steps))
+        exact = abs(steps - count) < 1e-9 * count
+        return np.arange(count + 1) / rate if exact else np.linspace(0.0, span, count + 1)
+    try:
+        grid = np.array(times, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError("times are numbers", key="times", value=times) from None
+    if grid.ndim != 1 or not len(grid) or not (grid >= 0).all() or not (grid <= span).all():
+        raise InputError(f"times must lie between 0 and the duration, {span:g} s", key="times", value=grid)
+    if not (np.diff(grid) > 0).all():
+        raise InputError("times must increase", key="times", value=grid)
+    return grid
+
+
+def _failure(report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel) -> SimulationError:
+    t, reason = float(report["t"]), str(report["reason"])
+    remedy = "take a smaller step" if isinstance(solver, RungeKutta4) else "check the model's numbers and first state"
+    return SimulationError(
+        f"{model.name}: {type(solver).__name__} stopped at t = {t:.6g} s: {reason}; {remedy}",
+        t=t,
+        state=np.array(report["x"]),
+        solver=solver,
+        reason=reason,
+    )

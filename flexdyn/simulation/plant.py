@@ -1,0 +1,297 @@
+"""From the model, which describes, to the compiled plant, which computes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexdyn import _core
+from flexdyn.effects import Effect, JointCoupling, JointEffect, Payload, TorqueConstantError
+from flexdyn.errors import InputError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.joint import Joint
+from flexdyn.robot import Robot
+from flexdyn.robot.tree import Tree
+
+Array = NDArray[np.float64]
+
+# Torque asked for -> delay, gain, offset, ripple, limit -> tau_applied: the order in which they act.
+ACTUATOR_ORDER = ("command_delay", "torque_constant_error", "torque_offset", "torque_ripple", "torque_speed_limit")
+
+# Effects without a law in the plant: they change M and h, numbers, or what is measured.
+OTHER_STAGES = ("inertia", "model", "sensor")
+
+# Where a law in Python may stand, and on which sides.
+PYTHON_STAGES = {"actuator": ("motor",), "spring": ("transmission",), "friction": ("link", "motor")}
+
+
+def build_plant(model: FlexibleJointModel) -> _core.Plant:
+    """The compiled plant of a model; neutral effects are left out, so that they change nothing, bit for bit.
+
+    Models with the same numbers share one, whatever their first states are.
+
+    Raises:
+        InputError: a rigid joint that moves no inertia at all.
+    """
+    true = model.resolved()
+    links = build_links(true)
+    _check_inertia(true, links)
+    effects = tuple(acting_effects(true))
+    parts = _Parts(links, tuple(true.joints.values()), effects, true.rotor_coupling, true)
+    # A law in Python may remember what it was asked: every plant has its own.
+    plant = _assembled(parts) if any(effect.is_python for effect in effects) else _shared(parts)
+    if plant.coupled:
+        _check_coupling(true, plant)
+    return plant
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """All that a plant is made of; two with equal parts are the same plant."""
+
+    links: _core.LinkDynamics
+    joints: tuple[Joint, ...]
+    effects: tuple[Effect, ...]
+    rotor_coupling: str
+    model: FlexibleJointModel = field(compare=False)
+
+
+def _assembled(parts: _Parts) -> _core.Plant:
+    model = parts.model
+    laws = [core_law(model, effect) for effect in parts.effects]
+    J, spin = model.rotor_inertia, rotor_spin(model)
+    return _core.plant(parts.links, model.stiffness, model.damping, J, spin, laws)
+
+
+_shared = lru_cache(maxsize=64)(_assembled)
+
+
+def rotor_spin(model: FlexibleJointModel) -> Array:
+    """J/N of every joint (n,) [kg m^2]: times omega it is the angular momentum of a rotor about its own axis.
+
+    Zero where the model's rotor coupling is ``reduced``, which leaves out what this momentum does to the links.
+    """
+    if model.rotor_coupling == "reduced":
+        return np.zeros(model.n)
+    return np.array([joint.gear_ratio * joint.rotor_inertia for joint in model.joints.values()])
+
+
+def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
+    """The compiled link side: M(q), h(q, v), with payloads, and J of rigid joints as armature."""
+    true = model.resolved()
+    return _links(_tree_of(true), true.gravity)
+
+
+def _tree_of(true: FlexibleJointModel) -> Tree:
+    """The tree of a resolved model, with payloads, and J of rigid joints as armature."""
+    payloads = tuple(effect for effect in true.all_effects if isinstance(effect, Payload))
+    armature = tuple(0.0 if joint.elastic else joint.reflected_inertia for joint in true.joints.values())
+    return _loaded_tree(true.robot, payloads, armature)
+
+
+@lru_cache(maxsize=16)
+def _links(tree: Tree, gravity: tuple[float, ...]) -> _core.LinkDynamics:
+    return _core.link_dynamics(_arrays(tree), np.array(gravity))
+
+
+class LinkSide:
+    """M(q), h(q, v), accelerations and energies of the link side, over one state or many.
+
+    Args:
+        model: whose payloads and rigid rotor inertias are included.
+    """
+
+    def __init__(self, model: FlexibleJointModel) -> None:
+        true = model.resolved()
+        self._tree, self._gravity = _tree_of(true), true.gravity
+        self.n = model.n
+
+    @cached_property
+    def _links(self) -> _core.LinkDynamics:
+        """Compiled when it is first needed: of some, inertias are all that is asked."""
+        return _links(self._tree, self._gravity)
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """M(q) (..., n, n) [kg m^2] of q (..., n)."""
+        (q_,) = self._columns(q)
+        out = np.empty((*q_.shape, self.n))
+        self._links.mass_matrix(q_, out)
+        return out
+
+    def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """h(q, v) (..., n) [N m]: Coriolis, centrifugal and gravity torques."""
+        q_, v_ = self._columns(q, v)
+        out = np.empty(q_.shape)
+        self._links.bias(q_, v_, out)
+        return out
+
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """M(q) a + h(q, v) (..., n) [N m]."""
+        q_, v_, a_ = self._columns(q, v, a)
+        out = np.empty(q_.shape)
+        self._links.inverse_dynamics(q_, v_, a_, out)
+        return out
+
+    def extra_torques(self, others: Sequence[LinkSide], q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """What the same arm with other inertias needs more than this one (..., k, n) [N m].
+
+        ``M' a + h' - (M a + h)``, linear in masses, first moments, inertias about the joints and armature, so that one
+        pass over the motion does for all.
+
+        Args:
+            others: link sides that differ in inertias alone.
+            q: positions (..., n) [rad or m].
+            v: velocities (..., n) [rad/s or m/s].
+            a: accelerations (..., n) [rad/s^2 or m/s^2].
+        """
+        q_, v_, a_ = self._columns(q, v, a)
+        own = self._tree.inertial_parameters
+        more = np.stack([other._tree.inertial_parameters - own for other in others])
+        out = np.empty((*q_.shape[:-1], len(others), self.n))
+        self._links.inertial_torques(q_, v_, a_, more, out)
+        return out
+
+    def acceleration(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
+        """A = M(q)^-1 (tau - h(q, v)) (..., n) [rad/s^2], tau on the links."""
+        q_, v_, tau_ = self._columns(q, v, tau)
+        out = np.empty(q_.shape)
+        self._links.acceleration(q_, v_, tau_, out)
+        return out
+
+    def energy(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
+        """Kinetic and gravitational energy (...,) [J]; the kinetic one holds rigid joints' rotors."""
+        q_, v_ = self._columns(q, v)
+        kinetic, potential = np.empty(q_.shape[:-1]), np.empty(q_.shape[:-1])
+        self._links.energy(q_, v_, kinetic, potential)
+        return kinetic, potential
+
+    def _columns(self, *arrays: ArrayLike) -> list[Array]:
+        columns = np.broadcast_arrays(*(np.asarray(array, dtype=float) for array in arrays))
+        if columns[0].shape[-1:] != (self.n,):
+            raise InputError(f"{self.n} columns are needed, one a joint", key="q", value=columns[0].shape)
+        return [np.ascontiguousarray(column) for column in columns]
+
+
+@lru_cache(maxsize=16)
+def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tuple[float, ...]) -> Tree:
+    tree = robot.tree
+    for payload in payloads:
+        frame = robot.tip if payload.frame is None else payload.frame
+        tree = tree.with_point_mass(robot.frame(frame), payload.mass)
+    if not any(rigid_inertia):
+        return tree
+    armature = tree.armature.copy()
+    for joint in np.flatnonzero(rigid_inertia):
+        armature[_own_row(tree, int(joint))] += rigid_inertia[joint]
+    return replace(tree, armature=armature)
+
+
+def _own_row(tree: Tree, joint: int) -> int:
+    """The joint of the tree that is the independent joint itself and not one that mimics it."""
+    unit = np.zeros(tree.gain.shape[1])
+    unit[joint] = 1.0
+    same = (tree.gain == unit).all(axis=1) & (tree.offset == 0.0)
+    return int(np.flatnonzero(same)[0])
+
+
+def _arrays(tree: Tree) -> dict[str, Array]:
+    names = [field.name for field in fields(tree)]
+    return {name: np.ascontiguousarray(getattr(tree, name), dtype=float) for name in names}
+
+
+def acting_effects(model: FlexibleJointModel) -> list[Effect]:
+    """The effects of a resolved model that have a law in the plant, in the plant's order of laws.
+
+    Actuator effects stand in the order in which they act; a neutral effect does not stand there at all.
+    """
+    acting = [effect for effect in model.all_effects if not effect.is_neutral and effect.stage not in OTHER_STAGES]
+    acting = _gains_added(acting)
+    order = {name: place for place, name in enumerate(ACTUATOR_ORDER)}
+    return sorted(acting, key=lambda effect: order.get(effect.name, len(order)))
+
+
+def _gains_added(effects: list[Effect]) -> list[Effect]:
+    """One torque-constant error a joint: gains add, while one law after the other would multiply."""
+    gains: dict[str, float] = {}
+    for effect in effects:
+        if isinstance(effect, TorqueConstantError):
+            gains[effect.joint] = gains.get(effect.joint, 0.0) + effect.gain
+    others = [effect for effect in effects if not isinstance(effect, TorqueConstantError)]
+    return [*(TorqueConstantError(joint, gain=gain) for joint, gain in gains.items()), *others]
+
+
+def core_law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
+    """The law of an effect for the core.
+
+    Raises:
+        InputError: an effect that no plant can have.
+    """
+    if not isinstance(effect, JointEffect):
+        raise InputError("an effect in the plant acts on a joint", key=effect.name, remedy="derive it from JointEffect")
+    joint, side = model.index(effect.joint), str(effect.side)
+    if effect.is_python:
+        _check_stage(effect)
+        return _core.python_law(effect.stage, joint, side, _caller(effect))
+    other = model.index(effect.other) if isinstance(effect, JointCoupling) else -1
+    try:
+        return _core_law(effect.name, joint, side, effect.values, other)
+    except ValueError:
+        remedy = "write its law in Python: override torque(self, x, u, *, t, tau)"
+        raise InputError("the core has no law of this name", key=effect.name, remedy=remedy) from None
+
+
+_core_law = lru_cache(maxsize=256)(_core.law)
+
+
+def _check_stage(effect: JointEffect) -> None:
+    """A law in Python must stand where the core can call it."""
+    if effect.stage not in PYTHON_STAGES:
+        remedy = f"it is {', '.join(PYTHON_STAGES)}"
+        raise InputError("no stage for a law in Python", key=f"{effect.name}.stage", value=effect.stage, remedy=remedy)
+    allowed = PYTHON_STAGES[effect.stage]
+    if effect.side not in allowed:
+        problem = f"a law of stage {effect.stage} does not act on this side"
+        raise InputError(problem, key=f"{effect.name}.side", value=effect.side, remedy=f"it is {' or '.join(allowed)}")
+
+
+def _caller(effect: JointEffect) -> Any:
+    def call(t: float, x: float, u: float, tau: float) -> float:
+        return float(effect.torque(x, u, t=t, tau=tau))
+
+    return call
+
+
+def _check_inertia(model: FlexibleJointModel, links: _core.LinkDynamics) -> None:
+    """A joint that turns nothing has no acceleration: say so before ABA divides by zero."""
+    known = model.initial.get("q", {})
+    q = np.array([known.get(joint, 0.0) for joint in model.joint_names])
+    if not moves_inertia(links, q[None])[0]:
+        M = np.empty((model.n, model.n))
+        links.mass_matrix(q, M)
+        name = model.joint_names[int(np.argmin(np.diag(M)))]
+        remedy = "give its links mass and inertia, or a rigid joint a rotor_inertia"
+        raise InputError("the joint moves no inertia: M(q) is singular", key=f"joints.{name}", remedy=remedy)
+
+
+def moves_inertia(links: _core.LinkDynamics, q: Array) -> NDArray[np.bool_]:
+    """Whether every joint moves an inertia, at positions q (rows, n): whether M(q) is regular (rows,)."""
+    least = np.empty(len(q))
+    links.least_inertia(q, least)
+    return np.asarray(least > 1e-13)
+
+
+def _check_coupling(model: FlexibleJointModel, plant: _core.Plant) -> None:
+    """Links lighter than the rotors they carry have no positive kinetic energy: the URDF lacks the rotors' share."""
+    x = np.zeros(plant.state_size)
+    x[: model.n] = [model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names]
+    size = model.n + int(model.elastic.sum())
+    H = np.empty((size, size))
+    plant.inertia(x, H)
+    if np.linalg.eigvalsh(H)[0] <= 0.0:
+        remedy = "the URDF's links must include the rotors they carry; or take reduced"
+        raise InputError("the links weigh less than their rotors' spin", key="robot.rotor_coupling", remedy=remedy)

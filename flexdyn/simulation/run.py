@@ -1,0 +1,188 @@
+"""Run: what a simulation gives back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects import SensorEffect, measure
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.records import Recording, write_recording
+from flexdyn.robot import frame_positions
+from flexdyn.simulation.energy import Energy
+from flexdyn.simulation.energy_ledger import ledger
+from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
+from flexdyn.simulation.solvers import Solver
+
+if TYPE_CHECKING:
+    from flexdyn.plots.picture import Picture
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Run:
+    """A simulated motion: locked arrays over a grid of times, one column a joint in the order of q.
+
+    Attributes:
+        t: times (samples,) [s].
+        q: link positions (samples, n) [rad or m].
+        theta: rotor positions, reflected (samples, n); q where the joint is rigid.
+        v: link velocities (samples, n) [rad/s or m/s].
+        omega: rotor velocities, reflected (samples, n).
+        tau: torques asked for (samples, n) [N m or N], right-continuous where the command jumps.
+        tau_applied: after the actuator effects (samples, n).
+        tau_s: in the transmission (samples, n); on a rigid joint what its gear carries, tau_applied - f_motor - J a.
+        model: that was simulated.
+        solver: with its settings; a choice of ``auto`` is resolved.
+        notes: what was chosen or assumed on the user's behalf, one sentence each.
+        stats: steps, rejected steps, evaluations of the equations of motion, events.
+        z: internal states of presliding and hysteresis (samples, number of them).
+        inputs: what it was made of.
+    """
+
+    t: Array
+    q: Array
+    theta: Array
+    v: Array
+    omega: Array
+    tau: Array
+    tau_applied: Array
+    tau_s: Array
+    model: FlexibleJointModel
+    solver: Solver
+    notes: tuple[str, ...] = ()
+    stats: Mapping[str, int] = field(default_factory=dict)
+    z: Array
+    inputs: Inputs
+
+    def __post_init__(self) -> None:
+        """Lock every array."""
+        for name in ("t", *SIGNALS, "z"):
+            getattr(self, name).setflags(write=False)
+        object.__setattr__(self, "stats", MappingProxyType(dict(self.stats)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by its fields: a read-only mapping does not."""
+        names = ("t", *SIGNALS, "z", "model", "solver", "notes", "inputs")
+        return (_rebuild, ({name: getattr(self, name) for name in names} | {"stats": dict(self.stats)},))
+
+    def __repr__(self) -> str:
+        """What it holds, in a line."""
+        steps = f"{type(self.solver).__name__}, {self.stats.get('steps', 0)} steps"
+        return f"<Run {self.model.name}: {self.t[-1]:g} s, {len(self.t)} samples, {steps}>"
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """In the order of the columns."""
+        return self.model.joint_names
+
+    @property
+    def deflection(self) -> Array:
+        """Delta = theta - q (samples, n) [rad or m]."""
+        return self.theta - self.q
+
+    @cached_property
+    def energy(self) -> Energy:
+        """The energy ledger: kinetic, spring, gravity, supplied, dissipated by effect; it closes.
+
+        It is made when first asked for, by going through the motion once more under the torques asked for then; an
+        effect written in Python must give the same torque the second time.
+
+        Warns:
+            EnergyWarning: it does not close to the solver's tolerance.
+        """
+        return ledger(self)
+
+    def frame_positions(self, frame: str | None = None) -> Array:
+        """Where a frame goes (samples, 3) [m], in the axes of the base.
+
+        Args:
+            frame: its name; default: the last frame of the chain.
+        """
+        return frame_positions(self.model.robot, self.q, frame)
+
+    def to_recording(self) -> Recording:
+        """The run as a recording: every signal of every joint, as the model's sensors report it.
+
+        The run's own arrays stay true. Its meta holds solver and notes, and the model as the text of its file, unless
+        the robot came from a pin.Model and has no URDF that a file could name.
+        """
+        from flexdyn.io.yaml import dump_yaml
+        from flexdyn.model.model_file import model_to_dict
+
+        channels, units = {}, {}
+        sensors = self._sensors()
+        for signal in SIGNALS:
+            for j, joint in enumerate(self.joint_names):
+                channel = f"{signal}.{joint}"
+                channels[channel] = measure(sensors.get(channel, ()), getattr(self, signal)[:, j], self.t)
+                if self.model.robot.kinds[j] == "prismatic":
+                    units[f"{signal}.{joint}"] = _PRISMATIC_UNITS[signal]
+        seen = [f"{e.name} acts on the channel {e.channel}" for each in sensors.values() for e in each]
+        meta: dict[str, Any] = {"solver": self.solver.to_dict(), "notes": [*self.notes, *seen]}
+        if self.model.robot.source is not None:
+            meta["model"] = dump_yaml(model_to_dict(self.model))
+        if units:
+            meta["units"] = units
+        return Recording(self.t, channels, meta=meta, name=self.model.name)
+
+    def to_xarray(self, *, energy: bool = False) -> Any:
+        """The run as an xarray dataset: q, v, theta, ... over ``(t, joint)`` with units, as `to_recording` gives them.
+
+        Args:
+            energy: add the energy ledger: kinetic, spring, gravity, external, supplied and dissipated [J].
+
+        Returns:
+            An xarray.Dataset; ``Recording.from_xarray`` takes it back.
+
+        Raises:
+            MissingExtra: xarray is not installed.
+        """
+        from flexdyn.simulation.run_dataset import run_dataset
+
+        return run_dataset(self.to_recording(), self.energy if energy else None)
+
+    def _sensors(self) -> dict[str, list[SensorEffect]]:
+        """Sensor effects that do something, by channel."""
+        found: dict[str, list[SensorEffect]] = {}
+        for effect in self.model.resolved().effects:
+            if isinstance(effect, SensorEffect) and not effect.is_neutral:
+                found.setdefault(effect.channel, []).append(effect)
+        return found
+
+    def save(self, path: str | Path) -> None:
+        """Write it as a recording, the format by suffix: .npz, .h5, .parquet, .mat; .csv drops model and solver.
+
+        Raises:
+            InputError: a suffix or folder that is not there.
+        """
+        write_recording(self.to_recording(), path)
+
+    def plot(self, path: str | Path | None = None, **choice: Any) -> Picture:
+        """Draw it: positions, deflection and torques of each joint, the energy ledger below.
+
+        Args:
+            path: of a file to write, if given: .png, .pdf, .svg, or .html, which is interactive.
+            choice: ``views``, ``joints``, ``start``, ``end``, as `fd.plot` takes them.
+
+        Returns:
+            The picture: ``show()`` opens it in the browser, ``save(path)`` writes it.
+        """
+        from flexdyn.plots import plot
+
+        return plot(self, path=path, **choice)
+
+
+_PRISMATIC_UNITS = {"q": "m", "theta": "m", "v": "m/s", "omega": "m/s", "tau": "N", "tau_applied": "N", "tau_s": "N"}
+
+
+def _rebuild(entries: dict[str, Any]) -> Run:
+    return Run(**entries)

@@ -1,0 +1,162 @@
+"""simulate: the driver that brings model, command and solver together, for one run or for many."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexdyn import _core
+from flexdyn.control.commands import PD, Controller, FrameWrench, Samples
+from flexdyn.errors import FlexdynError, InputError, SimulationError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.initial_state import Start
+from flexdyn.simulation.job import Job, Shared, prepare
+from flexdyn.simulation.run import Run
+from flexdyn.simulation.solvers import Solver
+
+
+def simulate(
+    model: FlexibleJointModel,
+    command: Samples | PD | Controller | ArrayLike | Any = None,
+    duration: float | None = None,
+    solver: Solver | str = "auto",
+    *,
+    q0: Start = None,
+    v0: Start = None,
+    theta0: Start | Literal["equilibrium"] = None,
+    omega0: Start = None,
+    rate: float = 1000.0,
+    times: ArrayLike | None = None,
+    external: FrameWrench | Sequence[FrameWrench] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Run:
+    """Integrate the equations of motion of a model under a command.
+
+    Args:
+        model: the arm.
+        command: `Samples`, `PD`, `Controller`, a recording (its tau columns, held) or its path, a YAML file with
+            ``pd:``, n torques that do not change [N m or N], or None: no torque. After its end the torque is zero.
+        duration: [s]; default: the command's.
+        solver: settings from `flexdyn.solvers`, a solver's name, or ``auto``.
+        q0: first link positions (n,) or by joint [rad or m]; over the recording's first row, over the model's own.
+        v0: first link velocities, likewise.
+        theta0: first rotor positions, likewise; default q0; ``"equilibrium"``: springs loaded by gravity at q0.
+        omega0: first rotor velocities, likewise; default v0.
+        rate: of the samples in the run [Hz], both ends included; it changes nothing in how the run is integrated.
+        times: of the samples instead of a uniform grid (samples,) [s].
+        external: forces and moments at frames of the arm.
+        progress: called with the time reached [s] some ten times a second.
+
+    Returns:
+        The run.
+
+    Raises:
+        InputError: a command, first state or setting that does not fit the model.
+        SimulationError: the integration could not go on; it carries the time, the state and the reason.
+    """
+    starts = {"q": q0, "v": v0, "theta": theta0, "omega": omega0}
+    job = prepare(model, command, duration, solver, starts, rate, times, external)
+    return job.finish(_core.simulate(job.core, progress))
+
+
+def simulate_many(
+    models: FlexibleJointModel | Sequence[FlexibleJointModel],
+    commands: Any = None,
+    duration: Any = None,
+    solver: Any = "auto",
+    *,
+    q0: Any = None,
+    v0: Any = None,
+    theta0: Any = None,
+    omega0: Any = None,
+    rate: float = 1000.0,
+    times: ArrayLike | None = None,
+    external: Any = None,
+    threads: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[Run | FlexdynError]:
+    """Many runs over native threads, the interpreter's lock released; one that fails does not stop the others.
+
+    Every argument is as in `simulate`. A list whose entries are not numbers gives one entry a run; anything else holds
+    for all runs. All lists have the same length.
+
+    Args:
+        models: one, or a list of them.
+        commands: one, or a list.
+        duration: [s], one for all.
+        solver: one, or a list.
+        q0: one, or a list.
+        v0: one, or a list.
+        theta0: one, or a list.
+        omega0: one, or a list.
+        rate: of the samples [Hz].
+        times: of the samples [s].
+        external: one wrench or a tuple of them, or a list of such.
+        threads: default: the processors this process may use.
+        progress: called with the number of runs done some ten times a second.
+
+    Returns:
+        in their order, a `Run` each, or the error that says why this one failed.
+
+    Raises:
+        InputError: lists of different lengths, or no list at all.
+    """
+    given = {"model": models, "command": commands, "duration": duration, "solver": solver, "external": external}
+    given |= {"q": q0, "v": v0, "theta": theta0, "omega": omega0}
+    shared = Shared(rate, times)
+    runs = [_prepared(each, rate, times, shared) for each in _spread(given)]
+    jobs = [job for job in runs if isinstance(job, Job)]
+    count = threads if threads is not None else len(os.sched_getaffinity(0))
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+        raise InputError("a number of threads is needed", key="threads", value=threads)
+    reports = iter(_core.simulate_many([job.core for job in jobs], count, progress))
+    return [_finished(job, next(reports)) if isinstance(job, Job) else job for job in runs]
+
+
+def _spread(given: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """One mapping of arguments a run."""
+    lists = {key: value for key, value in given.items() if _is_list(value)}
+    lengths = {len(value) for value in lists.values()}
+    if len(lengths) != 1:
+        found = {key: len(value) for key, value in lists.items()}
+        remedy = "give lists of one length, one entry a run"
+        raise InputError("how many runs is not clear", key="simulate_many", value=found, remedy=remedy)
+    (count,) = lengths
+    return [{key: value[i] if key in lists else value for key, value in given.items()} for i in range(count)]
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, list) and not all(isinstance(entry, int | float | np.number) for entry in value)
+
+
+def _prepared(each: Mapping[str, Any], rate: float, times: ArrayLike | None, shared: Shared) -> Job | FlexdynError:
+    """The job, or why there is none."""
+    starts = {key: each[key] for key in ("q", "v", "theta", "omega")}
+    model = each["model"]
+    try:
+        command, solver = each["command"], each["solver"]
+        return prepare(model, command, each["duration"], solver, starts, rate, times, each["external"], shared)
+    except FlexdynError as error:
+        return error
+    except Exception as error:  # a user's law that fails where auto looks at it
+        return _stopped(model, error, 0.0)
+
+
+def _stopped(model: FlexibleJointModel, error: Any, t: float) -> SimulationError:
+    return SimulationError(f"{model.name}: stopped by {error!r}", reason=str(error), t=t, cause=error)
+
+
+def _finished(job: Job, report: Mapping[str, Any]) -> Run | FlexdynError:
+    error = report["error"]
+    if error is not None:
+        if isinstance(error, FlexdynError):
+            return error
+        return _stopped(job.model, error, report["t"])
+    try:
+        return job.finish(report)
+    except SimulationError as failure:
+        return failure

@@ -1,0 +1,1 @@
+"""Errors between two motions."""

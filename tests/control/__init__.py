@@ -1,0 +1,1 @@
+"""Commands and servos as data, checked before anything is simulated."""

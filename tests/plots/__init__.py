@@ -1,0 +1,1 @@
+"""Pictures of motions and frequencies in both renderers, and the pages in a real browser."""
