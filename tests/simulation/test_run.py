@@ -132,7 +132,7 @@ path = fd.Samples([0.0, 30.0, 60.0], pose + 0.1 * np.arange(3)[:, None], "cubic"
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 run = fd.simulate(model, fd.PD(path, 600.0, 60.0), 60.0, fd.solvers.RungeKutta4(step=1e-3, smoothing=0.1), rate=1000)
 after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-stored = run.t.nbytes + sum(getattr(run, name).nbytes for name in fd.inputs.SIGNALS)
+stored = run.t.nbytes + sum(getattr(run, name).nbytes for name in fd.simulation.inputs_and_signals.SIGNALS)
 print(len(run.t), run.q.shape[1], stored, 1024 * (after - before))
 """
 
