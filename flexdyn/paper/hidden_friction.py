@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper.bench import LINK_STEP, TORQUE_NOISE, Bench, motor_step
 from flexdyn.paper.cases import Cases
 from flexdyn.paper.chapter import Chapter, Check, Figure, check
-from flexdyn.paper.hidden_friction_figure import draw
+from flexdyn.paper.hidden_friction_figure import Step, draw
 from flexdyn.records import Recording
 
 TITLE = "Friction hidden, and found"
@@ -34,19 +33,6 @@ MISTAKES = {
 """Factors on what the model file says: Table I is printed with two figures."""
 CHECKED = ("check_fig4", "check")
 Progress = Callable[[str, float], None]
-
-
-@dataclass(frozen=True)
-class Step:
-    """The gap on the data of the check once the model has one thing more.
-
-    Attributes:
-        name: what it has.
-        gap: in units of noise.
-    """
-
-    name: str
-    gap: float
 
 
 def hidden_friction(cases: Cases, folder: Path, progress: Progress | None = None) -> Chapter:

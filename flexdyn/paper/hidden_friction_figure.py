@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,12 +13,22 @@ from flexdyn.paper import style
 from flexdyn.records import Recording
 from flexdyn.simulation.simulate import simulate
 
-if TYPE_CHECKING:
-    from flexdyn.paper.hidden_friction import Step
-
 MEASURED = {"color": "#9A9A9A", "linestyle": "-", "linewidth": 3.2, "label": "measured", "solid_capstyle": "butt"}
 GIVEN = {"color": style.VERMILION, "linestyle": (0, (4, 1.6)), "linewidth": 1.1, "label": "model as given"}
 FOUND = {"color": style.BLUE, "linestyle": "-", "linewidth": 1.0, "label": "with what was found"}
+
+
+@dataclass(frozen=True)
+class Step:
+    """The gap on the data of the check once the model has one thing more.
+
+    Attributes:
+        name: what it has.
+        gap: in units of noise.
+    """
+
+    name: str
+    gap: float
 
 
 def draw(
