@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable, Sequence
 
 from flexdyn.diagnose.decision.calibrated import calibrated
-from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.decision.corrected import Corrected, corrected
 from flexdyn.diagnose.decision.drawn import drawn
 from flexdyn.diagnose.decision.experiments import with_experiments
 from flexdyn.diagnose.decision.figures import on_fit, on_test
@@ -21,6 +22,8 @@ from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.shooting.gap import NOISE
+from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
 
 Parts = tuple[tuple[Part, ...], tuple[Part, ...]]
 
@@ -45,7 +48,15 @@ def concluded(
     """
     say("simulating windows", 0.0)
     named = names_told(found)
-    first = on_fit(plain, calibrated(plain, start), found, parts[0])
+    made = calibrated(plain, start)
+    first = on_fit(plain, made, found, parts[0])
+    if found.explained and first.shots is not None and first.shots.after.gap > NOISE * max(first.shots.gap.floor, 1.0):
+        say("comparing simulated windows", 0.25)
+        windows = first.shots.after.windows
+        compared = reweighed(compared, windows)
+        found = corrected(compared, plain, functools.partial(share_in_windows, compared, windows))
+        named = names_told(found)
+        first = on_fit(plain, made, found, parts[0])
     # A gap that nothing explains bends numbers without reason; so does one that only numbers out of tolerance explain.
     if not named and not (found.explained and found.hypothesis.tolerated().factors == found.hypothesis.factors):
         found, first = first.calibration_alone(found)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,9 +21,11 @@ from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
 from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.report.suspects import ESTABLISHED
 from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction
 
 Array = NDArray[np.float64]
+Share = Callable[[int], float]
 PROMISED, WORTH = 0.005, 10.0
 """A fit has not converged where its next step promises to take such a share of its chi^2 off, and more than so much:
 the log likelihood of a name would change by five and more."""
@@ -78,7 +81,7 @@ class Corrected:
         return converged(self.fitted)
 
 
-def corrected(found: Posterior, plain: Workspace) -> Corrected:
+def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None = None) -> Corrected:
     """Name what is established, and fit the model with it and no more.
 
     What is called "A or B" stays in the model as A. Where more than noise is left, something that has no name may have
@@ -87,13 +90,18 @@ def corrected(found: Posterior, plain: Workspace) -> Corrected:
     Args:
         found: the posterior over structures.
         plain: the equations of the model as given, with the sensors' weights.
+        share_in_windows: own part of a candidate in simulated windows over what is left there, where the equations do
+            not make it stand out [1]; None: the equations alone decide.
     """
     space, here = found.space, found.fitted.hypothesis
-    masses = Masses.of(space.known)
+    masses = Masses.of(found.known)
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     share = shares(space, found.best)
     own = {c: genuine(space.candidates[c], each) for c, each in share.items()}
+    for c in there if share_in_windows is not None else ():
+        if own[c] < ESTABLISHED <= masses.of_any([c]):
+            own[c] = max(own[c], genuine(space.candidates[c], share_in_windows(c)))
     named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
@@ -172,4 +180,4 @@ def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
 def converged(made: Fit) -> bool:
     """Whether a fit's next step promises nothing that matters."""
     promised = made.reached - made.chi2
-    return not (promised > WORTH and promised > PROMISED * made.chi2)
+    return made.stationary or not (promised > WORTH and promised > PROMISED * made.chi2)

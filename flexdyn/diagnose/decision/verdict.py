@@ -4,15 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from flexdyn.diagnose.decision.gaps import Shots
 from flexdyn.diagnose.report.measures import Left
 from flexdyn.diagnose.report.result import Verdict
-
-NOISE = 1.3
-"""A median window that is off by no more than so many times the floor is noise [1]: a window of one joint holds some
-twenty independent errors, whose root mean square strays by 16 %."""
 
 
 def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
@@ -27,8 +21,7 @@ def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
     """
     if shots is None:
         return not left
-    near = float(np.median(shots.after.by_window)) <= NOISE * max(shots.gap.floor, 1.0)
-    return near and not left
+    return shots.after.is_noise(shots.gap.floor) and not left
 
 
 def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:

@@ -34,6 +34,8 @@ class Fit:
         held: columns of those that stand at a bound and would leave it.
         free: the problem in which they are not held, which tells how well they are known; None: there are none.
         taken: where the slopes of the file's numbers were taken; None: here.
+        block: rows that are correlated; 0: those of half a second of the equations.
+        stationary: whether shares of the last step were tried, and none of them was worth it.
     """
 
     hypothesis: Hypothesis
@@ -44,6 +46,8 @@ class Fit:
     held: tuple[int, ...] = ()
     free: Regression | None = None
     taken: Hypothesis | None = None
+    block: int = 0
+    stationary: bool = False
 
     @property
     def chi2(self) -> float:
@@ -91,7 +95,7 @@ class Fit:
 
     def _spread_of(self, regression: Regression) -> Array:
         filters, kinds = self.equations.filters, self.equations.kinds
-        block = max(1, round(BLOCK / (filters.every * self.equations.data[0].dt))) * len(kinds)
+        block = self.block or max(1, round(BLOCK / (filters.every * self.equations.data[0].dt))) * len(kinds)
         both = (regression.covariance, regression.sandwich(block))
         return np.asarray(np.sqrt(max(1.0, self.reduced) * np.maximum(*(np.diag(each) for each in both))))
 

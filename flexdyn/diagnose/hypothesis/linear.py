@@ -58,7 +58,7 @@ def linearised(
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
         raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
-    centre, sigma = _priors(hypothesis, space)
+    centre, sigma = priors(hypothesis, space)
     regression = Regression(
         y=y,
         X=X,
@@ -67,13 +67,18 @@ def linearised(
         rows=space.rows,
         nuisances=space.nuisance.shape[1],
     )
-    held = _held(hypothesis, regression, scales)
+    return within_bounds(Fit(hypothesis, at, regression, space, scales, taken=taken))
+
+
+def within_bounds(made: Fit) -> Fit:
+    """A problem in which unknowns that stand at a bound and would leave it are held there."""
+    regression, held = made.regression, _held(made.hypothesis, made.regression, made.scales)
     if not held:
-        return Fit(hypothesis, at, regression, space, scales, taken=taken)
+        return made
     X, sigma = regression.X.copy(), regression.sigma.copy()
     X[:, held], sigma[list(held)] = 0.0, 1e-9  # the others must do without them
     bound = dataclasses.replace(regression, X=X, sigma=sigma)
-    return Fit(hypothesis, at, bound, space, scales, held, regression, taken)
+    return dataclasses.replace(made, regression=bound, held=held, free=regression)
 
 
 def _near(one: Hypothesis, other: Hypothesis) -> bool:
@@ -121,7 +126,7 @@ def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
         y = space.whiten(at.residual)
         if not np.isfinite(y @ y):
             return math.inf
-    centre, sigma = _priors(hypothesis, space)
+    centre, sigma = priors(hypothesis, space)
     nuisances = space.nuisance.shape[1]
     alone = Regression(y, space.nuisance, np.zeros(nuisances), space.nuisance_sigma, space.rows, nuisances)
     return alone.at_zero + float(((centre / sigma) ** 2).sum())
@@ -158,8 +163,8 @@ def tangent_scale(effect: Effect, name: str) -> float:
     return 0.01 * value if value > 0.0 else {"damping": 1e-3, "offset": 1e-4}.get(name, 1e-4)
 
 
-def _priors(hypothesis: Hypothesis, space: Workspace) -> tuple[Array, Array]:
-    """Centres, from where the numbers stand, and standard deviations, in the scales of steps."""
+def priors(hypothesis: Hypothesis, space: Workspace) -> tuple[Array, Array]:
+    """Centres, from where the numbers stand, and standard deviations, in the scales of steps (columns,)."""
     centre = [1.0 - factor for factor in hypothesis.factors.values()]
     sigma = [LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors]
     for effect, name in hypothesis.unknowns():

@@ -55,6 +55,7 @@ class Posterior:
         fitted: it, by Gauss-Newton.
         noise: of the channels.
         settled: whether the last pass changed nothing.
+        known: log posteriors of the structures that were compared, not normalised.
     """
 
     space: Space
@@ -62,6 +63,7 @@ class Posterior:
     fitted: Fit
     noise: Noise
     settled: bool
+    known: Mapping[Structure, float]
 
 
 def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
@@ -121,7 +123,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         if last:
             break
         here = fitted.hypothesis
-    return Posterior(space, best, fitted, noise, settled)
+    return Posterior(space, best, fitted, noise, settled, space.known)
 
 
 def _quieter(recorded: Noise, at: Equations, mask: NDArray[np.bool_]) -> Noise:

@@ -167,9 +167,18 @@ class Space:
             squares = np.array([each.squares(columns, mean) for each in self.equations])
             off = mean - self.prior.mean[columns]
             value = self.noise.log_likelihood(squares) - 0.5 * float(off @ (self.prior.precision[columns] * off))
-            value += own.log_volume + self.log_prior(structure) + self.log_large(structure, own)
-            self.known[structure] = value
+            self.known[structure] = value + self.log_volume(structure, own)
         return self.known[structure]
+
+    def log_volume(self, structure: Structure, own: Estimate | None = None) -> float:
+        """What a structure's posterior has beside likelihood and priors at the best numbers: Occam's factor.
+
+        Args:
+            structure: candidates with their grid points.
+            own: its coefficients; None: they are estimated.
+        """
+        own = own or self.gram.estimate(self.columns(structure))
+        return own.log_volume + self.log_prior(structure) + self.log_large(structure, own)
 
     def log_large(self, structure: Structure, own: Estimate) -> float:
         """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes."""

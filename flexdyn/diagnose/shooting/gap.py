@@ -15,6 +15,9 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
+NOISE = 1.3
+"""A median window that is off by no more than so many times the floor is noise [1]: a window of one joint holds some
+twenty independent errors, whose root mean square strays by 16 %."""
 FRAGILE = 3.0
 """A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
 
@@ -82,6 +85,36 @@ class Shot:
         residual = self.residual if model is None else self.residual_of(model)
         return self._filter.whitened(residual, self._moved) / self.fragile[:, None]
 
+    def is_noise(self, floor: float = 1.0) -> bool:
+        """Whether the median window is as near as a perfect model's; one on the wrong side of a stick says little.
+
+        Args:
+            floor: the gap of a perfect model, where it is more than 1.
+        """
+        return float(np.median(self.by_window)) <= NOISE * max(floor, 1.0)
+
+    @property
+    def misfit(self) -> Array:
+        """Mean square of the innovations of every window (windows,) [1]: 1 where the model is right."""
+        white = self._filter.whitened(self.residual, self._moved)
+        return np.asarray((white**2).sum(axis=1) / np.maximum(self._rows, 1.0))
+
+    @property
+    def log_likelihood(self) -> float:
+        """Of the model, the error of each window beyond noise as large as it most likely is.
+
+        With N innovations, their mean square v and covariance C, a window adds ``- N l(v) - log|C|/2`` with
+        ``l(v) = (1 + log v)/2`` where v > 1, else ``v/2``: one on the wrong side of a stick does not outvote the rest.
+        """
+        v = self.misfit
+        each = np.where(v > 1.0, 0.5 * (1.0 + np.log(np.maximum(v, 1.0))), 0.5 * v)
+        return float(-(self._rows * each).sum() - 0.5 * self._filter.log_determinant.sum())
+
+    @property
+    def _rows(self) -> Array:
+        """Innovations of every window (windows,)."""
+        return np.asarray(self._filter.counted.sum(axis=(1, 2)))
+
     def residual_of(self, model: FlexibleJointModel) -> Array:
         """Simulated - measured of another model from this shot's first states (windows, rows, channels)."""
         shooter = Shooter(model, self.windows)
@@ -101,7 +134,7 @@ class Shot:
         return float(np.sqrt(((residual / self.std)[used] ** 2).mean()))
 
 
-def shoot(model: FlexibleJointModel, windows: Windows) -> Shot:
+def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None) -> Shot:
     """Simulate every window open loop and find the first state that suits it best.
 
     A window that cannot be simulated to its end counts with a bounded residual: three times what the channel moves in
@@ -110,11 +143,12 @@ def shoot(model: FlexibleJointModel, windows: Windows) -> Shot:
     Args:
         model: with any effects; those of sensors act on what is simulated before it is compared.
         windows: with noise levels.
+        near: first states that suited a similar model (windows, nx), for windows that stray from their own.
     """
     shooter = Shooter(model, windows)
     starts = first_states(shooter)
     used = _used(shooter)
-    fit = matched(shooter, starts, used)
+    fit = matched(shooter, starts, used, near)
     x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
     std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
     failed = motion.written < windows.rows

@@ -53,22 +53,25 @@ class Matched:
         return np.asarray(size > STRAY**2 * max(float(np.median(size)), float(used[0].sum())))
 
 
-def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_]) -> Matched:
+def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], near: Array | None = None) -> Matched:
     """Move first states until it does not pay any more.
 
-    Strays are tried again from rest, where friction may hold what nobody sees.
+    Strays are tried again from rest, where friction may hold what nobody sees, and from where a similar model began.
 
     Args:
         shooter: of the model and the windows.
         starts: first states and how loosely they are known.
         used: samples that count (windows, rows, channels).
+        near: first states that suited a similar model (windows, nx); None: there is none.
     """
     found = _from(shooter, starts, used, np.zeros_like(starts.x))
-    stray = found.stray(used)
-    if starts.stuck is None or not stray.any():
-        return found
-    begin = np.where(stray[:, None], starts.stuck - starts.x, found.moved)
-    return _better(shooter, starts, used, found, _from(shooter, starts, used, begin, found, stray))
+    for other in (starts.stuck, near):
+        stray = found.stray(used)
+        if other is None or other.shape != starts.x.shape or not stray.any():
+            continue
+        begin = np.where(stray[:, None], within(starts, other - starts.x), found.moved)
+        found = _better(shooter, starts, used, found, _from(shooter, starts, used, begin, found, stray))
+    return found
 
 
 def within(starts: Starts, moved: Array) -> Array:

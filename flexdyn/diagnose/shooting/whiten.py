@@ -121,6 +121,12 @@ class Filter:
         """Surprises of unit variance (windows, blocks * channels)."""
         return self._run(residual, moved)[0].reshape(len(residual), -1)
 
+    @property
+    def log_determinant(self) -> Array:
+        """Logarithm of the determinant of the innovations' covariance (windows,)."""
+        roots = np.abs(np.diagonal(self.whitener, axis1=2, axis2=3))
+        return np.asarray(-2.0 * np.log(np.maximum(roots, 1e-300)).sum(axis=(1, 2)))
+
     def scaled(self, residual: Array) -> Array:
         """Sum of squares of a residual in units of `variance`, of every window (windows,)."""
         blocks = residual.reshape(len(residual), -1, self.block, residual.shape[2])

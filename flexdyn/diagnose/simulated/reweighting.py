@@ -1,0 +1,134 @@
+"""Structures weighed by the windows that they simulate, where the equations cannot tell them apart."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.inference.apart import UNSURE
+from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
+from flexdyn.diagnose.inference.search import neighbours
+from flexdyn.diagnose.inference.space import Structure
+from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
+from flexdyn.errors import FlexdynError
+
+ROUNDS = 3
+"""Structures whose neighbours are compared, at most."""
+FITTED = 2
+"""Swaps whose numbers are fitted to the windows: those that are nearest with the equations' numbers."""
+FIRST = 6
+"""Steps of the fit to the equations, from the linear estimate."""
+
+
+class Simulated:
+    """Structures that were simulated, each with its log posterior.
+
+    The likelihood of the windows stands in place of that of the equations; priors and volumes stay.
+
+    Args:
+        found: the posterior by the equations.
+        windows: of the data of the fit.
+    """
+
+    def __init__(self, found: Posterior, windows: Windows) -> None:
+        self.found, self.windows = found, windows
+        self.known: dict[Structure, float] = {}
+        self.fits: dict[Structure, WindowFit] = {}
+        self.fitted: set[Structure] = set()
+
+    def start(self, structure: Structure) -> None:
+        """Simulate with the numbers of the equations; a structure that cannot be simulated is left out."""
+        if structure in self.fits:
+            return
+        found = self.found
+        with contextlib.suppress(FlexdynError):
+            here = hypothesis_of(found.space, structure, found.fitted.hypothesis, whole=True)
+            whole = structure == found.best
+            made = found.fitted if whole else fit(here, found.fitted.space, steps=FIRST)
+            self._take(structure, WindowFit.of(made, self.windows))
+
+    def fit(self, structure: Structure) -> None:
+        """Simulate with the numbers that suit the windows best."""
+        if structure in self.fitted:
+            return
+        self.fitted.add(structure)
+        self.start(structure)
+        with contextlib.suppress(FlexdynError):
+            if structure in self.fits:
+                self._take(structure, fit_to_windows(self.fits[structure]))
+
+    def _take(self, structure: Structure, made: WindowFit) -> None:
+        self.fits[structure] = made
+        self.known[structure] = made.log_posterior + self.found.space.log_volume(structure)
+
+    def best(self) -> Structure:
+        """The most likely of those simulated."""
+        return max(self.known, key=lambda s: (self.known[s], sorted(s)))
+
+    def is_noise(self, structure: Structure) -> bool:
+        """Whether a structure's windows are off by no more than noise."""
+        return structure in self.fits and self.fits[structure].shot.is_noise()
+
+    def around(self, here: Structure) -> None:
+        """Compare the neighbours of a structure: all by the equations' numbers, then the best ones by their own.
+
+        A structure that was fitted is compared with what it would be without each of its candidates, fitted as well.
+        """
+        additions, swaps, removals = neighbours(self.found.space, here)
+        for each in (*additions, *swaps):
+            self.start(each)
+        for each in (*self._first(additions)[:1], *self._first(swaps)[:FITTED], *removals):
+            self.fit(each)
+
+    def _first(self, structures: list[Structure]) -> list[Structure]:
+        """Those that could be simulated, the most likely one first."""
+        return sorted((s for s in structures if s in self.known), key=lambda s: (-self.known[s], sorted(s)))
+
+
+def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> float:
+    """What a candidate of the best structure takes off the windows, over what is left of them [1].
+
+    With squared gaps: ``(without it - with it) / (with it - 1)``. Of the noise's power `UNSURE` is unknown. 0 where
+    more than noise is left.
+
+    Args:
+        found: the posterior.
+        windows: of the data of the fit.
+        candidate: of the best structure.
+    """
+    simulated = Simulated(found, windows)
+    rest = frozenset(each for each in found.best if each[0] != candidate)
+    simulated.start(found.best)
+    simulated.start(rest)
+    if rest not in simulated.fits or not simulated.is_noise(found.best):
+        return 0.0
+    whole, without = (simulated.fits[each].shot.gap ** 2 for each in (found.best, rest))
+    return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + UNSURE)
+
+
+def reweighed(found: Posterior, windows: Windows) -> Posterior:
+    """The posterior with the numbers, and where needed the structures, that simulated windows tell.
+
+    Where the numbers of the best structure bring its windows to noise, structures stay as the equations have them.
+    Else its neighbours are simulated, and theirs. What comes to noise in the end takes its place, and the structures
+    that were simulated are weighed by their windows. If nothing does, the posterior stays as it is.
+
+    Args:
+        found: by the equations.
+        windows: of the data of the fit.
+    """
+    simulated = Simulated(found, windows)
+    here = found.best
+    simulated.fit(here)
+    if simulated.is_noise(here):
+        return dataclasses.replace(found, fitted=simulated.fits[here].made)
+    for _ in range(ROUNDS):
+        simulated.around(here)
+        if not simulated.known or simulated.best() == here:
+            break
+        here = simulated.best()
+    if not simulated.is_noise(here):
+        return found
+    return dataclasses.replace(found, best=here, fitted=simulated.fits[here].made, known=simulated.known)

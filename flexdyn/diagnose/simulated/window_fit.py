@@ -1,0 +1,95 @@
+"""A hypothesis fitted to simulated windows by Gauss-Newton: what equations cannot tell, as where a joint reverses."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
+from flexdyn.diagnose.hypothesis.linear import priors, tangent_scale, within_bounds
+from flexdyn.diagnose.hypothesis.regression import Regression
+from flexdyn.diagnose.shooting.gap import Shot, shoot
+from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.diagnose.simulated.slopes import slopes
+
+Array = NDArray[np.float64]
+STEPS = 8
+"""Gauss-Newton steps at most."""
+SHARES = (1.0, 0.3, 0.1)
+"""Shares of a step that are tried."""
+WORTH = 5.0
+"""Log posterior that a step must gain for another one [1]: half of what chi^2 must promise (`decision/corrected.py`)."""
+
+
+@dataclass(frozen=True, eq=False)
+class WindowFit:
+    """A hypothesis and its windows.
+
+    Attributes:
+        made: its numbers; the regression is that of the windows, each weighted by its own error.
+        shot: the windows.
+        log_posterior: of its numbers: their likelihood over the windows and their priors.
+    """
+
+    made: Fit
+    shot: Shot
+    log_posterior: float
+
+    @classmethod
+    def of(cls, start: Fit, windows: Windows, near: Array | None = None) -> WindowFit:
+        """The windows of a fitted hypothesis; near: first states that suited a similar one (windows, nx)."""
+        shot = shoot(start.hypothesis.seen(), windows, near)
+        centre, sigma = priors(start.hypothesis, start.space)
+        return cls(start, shot, shot.log_likelihood - 0.5 * float(((centre / sigma) ** 2).sum()))
+
+
+def fit_to_windows(start: WindowFit) -> WindowFit:
+    """Gauss-Newton from where a hypothesis stands; never worse than there.
+
+    ``max  sum_w log p(window w | numbers) + log p(numbers)``: the windows' first states are eliminated by a Kalman
+    filter, and each window weighs by the error that it leaves beyond noise (iteratively reweighted least squares).
+    """
+    best, J = start, slopes(start.made.hypothesis, start.shot, _scales(start.made.hypothesis))
+    for _ in range(STEPS):
+        problem = _problem(best, J)
+        after = _stepped(best, problem)
+        if after is None:
+            return dataclasses.replace(best, made=dataclasses.replace(problem, stationary=True))
+        gained, best = after.log_posterior - best.log_posterior, after
+        if gained < WORTH:
+            return dataclasses.replace(best, made=dataclasses.replace(_problem(best, J), stationary=True))
+        J = slopes(best.made.hypothesis, best.shot, _scales(best.made.hypothesis))
+    return dataclasses.replace(best, made=_problem(best, J))
+
+
+def _scales(here: Hypothesis) -> tuple[float, ...]:
+    return tuple(tangent_scale(effect, name) for effect, name in here.unknowns())
+
+
+def _problem(here: WindowFit, J: Array) -> Fit:
+    """The linear problem that the windows are near a hypothesis."""
+    hypothesis, space = here.made.hypothesis, here.made.space
+    white = here.shot.whitened()
+    weight = np.repeat(1.0 / np.sqrt(np.maximum(here.shot.misfit, 1.0)), white.shape[1])
+    weight[np.repeat(here.shot.failed, white.shape[1])] = 0.0
+    centre, sigma = priors(hypothesis, space)
+    rows = max(int((weight > 0.0).sum()), 1)
+    regression = Regression(weight * white.ravel(), weight[:, None] * J, centre, sigma, rows)
+    at = here.made.equations
+    return within_bounds(Fit(hypothesis, at, regression, space, _scales(hypothesis), block=white.shape[1]))
+
+
+def _stepped(here: WindowFit, problem: Fit) -> WindowFit | None:
+    """After the first share of the step that is better; None: there is none."""
+    for share in SHARES:
+        hypothesis = moved(problem.hypothesis, share * problem.step, problem.scales)
+        at = problem.space.equations.of(hypothesis.model())
+        made = dataclasses.replace(problem, hypothesis=hypothesis, equations=at)
+        trial = WindowFit.of(made, here.shot.windows, here.shot.x0)
+        if trial.log_posterior > here.log_posterior:
+            return trial
+    return None
