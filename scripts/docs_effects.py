@@ -1,0 +1,112 @@
+"""Write one page for each effect of the catalogue: equation, drawing, what data show, confusions, sightings.
+
+Name, sides, parameters and drawing come from the effect's class; the equation and the prose from docs/effects.yaml.
+docs/conf.py calls `write` before every build.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from pathlib import Path
+from typing import Any
+
+from docs_folder import fresh
+from ruamel.yaml import YAML
+
+import flexdyn as fd
+from flexdyn.errors import InputError
+from flexdyn.plots import draw_law, example_entry
+
+PROSE = ("equation", "data", "confused_with", "seen")
+
+
+def own_effects() -> dict[str, type[fd.effects.Effect]]:
+    """flexdyn's own effects by name, in the order of the catalogue."""
+    return {name: kind for name, kind in fd.effects.catalogue().items() if kind.__module__.startswith("flexdyn.")}
+
+
+def read_prose(path: Path) -> dict[str, dict[str, str]]:
+    """What the classes do not say, by effect.
+
+    Raises:
+        ValueError: an effect without an entry, or an entry without one of its parts.
+    """
+    prose: dict[str, dict[str, str]] = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
+    for name in own_effects():
+        missing = [part for part in PROSE if not prose.get(name, {}).get(part)]
+        if missing:
+            raise ValueError(f"{path.name}: {name} lacks {', '.join(missing)}")
+    return prose
+
+
+def write(folder: Path, prose_file: Path) -> None:
+    """Write the pages and drawings into a folder, which is emptied before."""
+    fresh(folder)
+    prose = read_prose(prose_file)
+    for name, kind in own_effects().items():
+        (folder / f"{name}.md").write_text(page(kind, prose[name], drawn(kind, folder)), encoding="utf-8")
+
+
+def drawn(kind: type[fd.effects.Effect], folder: Path) -> str | None:
+    """The file name of the drawing; None where the effect has no law that can be drawn."""
+    name = f"{kind.name}.svg"
+    try:
+        draw_law(kind, folder / name)
+    except InputError:
+        return None
+    return name
+
+
+def page(kind: type[fd.effects.Effect], prose: dict[str, str], drawing: str | None) -> str:
+    """The text of one page."""
+    about = inspect.cleandoc(kind.__doc__ or "").partition("\n\nArgs:")[0].replace("``", "`")
+    summary, _, details = about.partition("\n\n")
+    picture = f":::{{div}} effect-law\n![The law of {kind.name}]({drawing})\n:::\n\n" if drawing else ""
+    entry = ", ".join(f"{key}: {value}" for key, value in example_entry(kind, "JOINT").items())
+    parts = [
+        f"# {kind.name}\n",
+        f"{summary}\n",
+        f"$$\n{prose['equation'].strip()}\n$$\n",
+        f"{picture}{details}\n",
+        parameters(kind),
+        f"In a model file:\n\n```text\n- {{{entry}}}\n```\n",
+        f"In Python: `fd.effects.{kind.__name__}`. {neutral(kind)}\n",
+        f"## What it looks like in data\n\n{prose['data'].strip()}\n",
+        f"## What it is confused with\n\n{prose['confused_with'].strip()}\n",
+        f"## Where it was seen\n\n{prose['seen'].strip()}\n",
+    ]
+    return "\n".join(parts)
+
+
+def parameters(kind: type[fd.effects.Effect]) -> str:
+    """Table of the numbers of an effect."""
+    meaning = meanings(kind)
+    rows = ["| parameter | unit | default | may be | meaning |", "| --- | --- | --- | --- | --- |"]
+    for field in kind.parameters():
+        unit, lower, strict = (field.metadata[key] for key in ("unit", "lower", "strict"))
+        bound = "any number" if lower == float("-inf") else f"{'above' if strict else 'at least'} {lower:g}"
+        default = "-" if field.default is dataclasses.MISSING else f"{field.default:g}"
+        rows.append(f"| `{field.name}` | {unit} | {default} | {bound} | {meaning.get(field.name, '')} |")
+    return "\n".join(rows) + "\n"
+
+
+def meanings(kind: type[fd.effects.Effect]) -> dict[str, str]:
+    """What the docstring says on each parameter, without its unit."""
+    found: dict[str, str] = {}
+    last = ""
+    for line in inspect.cleandoc(kind.__doc__ or "").partition("Args:\n")[2].splitlines():
+        if line.startswith("    ") and line[4:5].strip():
+            last, _, found[last] = line.strip().partition(": ")
+        elif last and line.strip():
+            found[last] += f" {line.strip()}"
+    units: dict[str, Any] = {field.name: field.metadata["unit"] for field in kind.parameters()}
+    return {
+        name: text.replace(f"[{units.get(name)}]", "").replace(" .", "").strip(" .") for name, text in found.items()
+    }
+
+
+def neutral(kind: type[fd.effects.Effect]) -> str:
+    """At which numbers the effect does nothing."""
+    values = ", ".join(f"`{key}` = {value:g}" for key, value in kind.neutral.items())
+    return f"It does nothing at {values}."
