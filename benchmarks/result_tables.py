@@ -152,6 +152,16 @@ def measured_table(results: Mapping[str, Mapping[str, Any]]) -> str:
     return markdown_table(["robot", "named", "what must hold", "found", "at most"], rows, text=3)
 
 
+def measured_names_table(results: Mapping[str, Mapping[str, Any]]) -> str:
+    """Measured robots and what was named, nothing else; `results` as `measured_table` takes it."""
+    rows = [
+        [f"[{words}](benchmarks/results/{name}/page.md)", _named(results[name])]
+        for name, words in MEASURED.items()
+        if name in results
+    ]
+    return markdown_table(["robot", "named"], rows, text=2)
+
+
 def _named(found: Mapping[str, Any]) -> str:
     """The effects that a study named, each with its joint, or with the drive and direction."""
     if "drives" in found:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -66,12 +67,13 @@ class Page:
                 assert file, f"{where}: {language} is neither run nor saved"
 
     def type_in(self, line: str, where: str) -> None:
-        """A command of flexdyn exits with 0; any other is a script of ours (CI runs these by itself)."""
+        """A command of flexdyn exits with 0; any other is a script of ours, or a tool of .venv, which CI runs by itself."""
         words = shlex.split(line, comments=True)
         if not words:
             return
         if words[0] != "flexdyn":
-            assert (ROOT / words[0]).is_file(), f"{where}: {line}"
+            tool = Path(sys.executable).parent / words[0].removeprefix(".venv/bin/")
+            assert (ROOT / words[0]).is_file() or tool.is_file(), f"{where}: {line}"
         elif words[1] != "paper":  # it has tests of its own
             serving = words[1] == "play" and "--html" not in words
             assert main([*words[1:], *(["--html", "page.html"] if serving else [])]) == 0, f"{where}: {line}"
