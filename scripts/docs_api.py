@@ -33,10 +33,10 @@ def write(folder: Path) -> None:
     fresh(folder)
     pages = {group: [(f"fd.{name}", f"flexdyn.{name}", getattr(fd, name)) for name in names]
              for group, names in grouped().items()}
-    for module in MODULES:
-        found = vars(getattr(fd, module))
-        pages[f"fd.{module}"] = [
-            (f"fd.{module}.{name}", f"flexdyn.{module}.{name}", found[name]) for name in public(getattr(fd, module))
+    for name in MODULES:
+        module = getattr(fd, name)
+        pages[f"fd.{name}"] = [
+            (f"fd.{name}.{entry}", f"{module.__name__}.{entry}", vars(module)[entry]) for entry in public(module)
         ]
     for title, entries in pages.items():
         (folder / f"{title.removeprefix('fd.')}.md").write_text(page(title, entries), encoding="utf-8")
@@ -44,10 +44,11 @@ def write(folder: Path) -> None:
 
 
 def public(module: Any) -> list[str]:
-    """The public names of a module that are classes or functions."""
-    names = getattr(module, "__all__", [name for name in vars(module) if name[0] != "_"])
-    own = [name for name in names if inspect.isclass(vars(module)[name]) or inspect.isfunction(vars(module)[name])]
-    return [name for name in own if vars(module)[name].__module__.startswith("flexdyn.")]
+    """The classes and functions that a module offers: those of its `__all__`, else those it defines."""
+    names = getattr(module, "__all__", None)
+    if names is None:
+        names = [name for name, thing in vars(module).items() if getattr(thing, "__module__", "") == module.__name__]
+    return [name for name in names if inspect.isclass(vars(module)[name]) or inspect.isfunction(vars(module)[name])]
 
 
 def page(title: str, entries: list[tuple[str, str, Any]]) -> str:

@@ -62,7 +62,7 @@ def page(kind: type[fd.effects.Effect], prose: dict[str, str], drawing: str | No
     """The text of one page."""
     about = inspect.cleandoc(kind.__doc__ or "").partition("\n\nArgs:")[0].replace("``", "`")
     summary, _, details = about.partition("\n\n")
-    picture = f":::{{div}} effect-law\n![The law of {kind.name}]({drawing})\n:::\n\n" if drawing else ""
+    picture = f"![The law of {kind.name}]({drawing})\n\n" if drawing else ""
     entry = ", ".join(f"{key}: {value}" for key, value in example_entry(kind, "JOINT").items())
     parts = [
         f"# {kind.name}\n",
