@@ -1,4 +1,4 @@
-"""Result files as Markdown: the tables that the benchmarks print and the README shows."""
+"""Result files as Markdown: the tables that the benchmarks print and README and docs show."""
 
 from __future__ import annotations
 

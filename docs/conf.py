@@ -17,7 +17,7 @@ import flexdyn as fd  # noqa: E402
 
 project = "flexdyn"
 author = "The flexdyn developers"
-copyright = author  # noqa: A001 - Sphinx's name
+copyright = author
 release = version = fd.__version__
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml"]

@@ -31,8 +31,10 @@ def grouped() -> dict[str, list[str]]:
 def write(folder: Path) -> None:
     """Write the pages into a folder, which is emptied before."""
     fresh(folder)
-    pages = {group: [(f"fd.{name}", f"flexdyn.{name}", getattr(fd, name)) for name in names]
-             for group, names in grouped().items()}
+    pages = {
+        group: [(f"fd.{name}", f"flexdyn.{name}", getattr(fd, name)) for name in names]
+        for group, names in grouped().items()
+    }
     for name in MODULES:
         module = getattr(fd, name)
         pages[f"fd.{name}"] = [
@@ -72,8 +74,8 @@ def index(pages: dict[str, list[tuple[str, str, Any]]]) -> str:
     """All public names with the first line of their docstrings."""
     tree = "\n".join(title.removeprefix("fd.") for title in pages)
     parts = [
-        "# API reference\n\nAll public names, as `import flexdyn as fd` gives them. Quantities are in SI units; those of "
-        "the motor are reflected to the link side of the gear.\n",
+        "# API reference\n\nAll public names, as `import flexdyn as fd` gives them. Quantities are in SI units; those "
+        "of the motor are reflected to the link side of the gear.\n",
         f"```{{toctree}}\n:hidden:\n\n{tree}\n```\n",
     ]
     for title, entries in pages.items():

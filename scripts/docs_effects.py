@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import textwrap
 from pathlib import Path
-from typing import Any
 
 from docs_folder import fresh
 from ruamel.yaml import YAML
 
 import flexdyn as fd
+from flexdyn.cli.effects import meanings
 from flexdyn.errors import InputError
 from flexdyn.plots import draw_law, example_entry
 
@@ -22,7 +23,7 @@ PROSE = ("equation", "data", "confused_with", "seen")
 
 
 def own_effects() -> dict[str, type[fd.effects.Effect]]:
-    """flexdyn's own effects by name, in the order of the catalogue."""
+    """The effects of flexdyn itself by name, in the order of the catalogue."""
     return {name: kind for name, kind in fd.effects.catalogue().items() if kind.__module__.startswith("flexdyn.")}
 
 
@@ -64,13 +65,14 @@ def page(kind: type[fd.effects.Effect], prose: dict[str, str], drawing: str | No
     summary, _, details = about.partition("\n\n")
     picture = f"![The law of {kind.name}]({drawing})\n\n" if drawing else ""
     entry = ", ".join(f"{key}: {value}" for key, value in example_entry(kind, "JOINT").items())
+    lines = textwrap.fill(f"- {{{entry}}}", 84, subsequent_indent="   ")
     parts = [
         f"# {kind.name}\n",
         f"{summary}\n",
         f"$$\n{prose['equation'].strip()}\n$$\n",
         f"{picture}{details}\n",
         parameters(kind),
-        f"In a model file:\n\n```text\n- {{{entry}}}\n```\n",
+        f"In a model file:\n\n```text\n{lines}\n```\n",
         f"In Python: `fd.effects.{kind.__name__}`. {neutral(kind)}\n",
         f"## What it looks like in data\n\n{prose['data'].strip()}\n",
         f"## What it is confused with\n\n{prose['confused_with'].strip()}\n",
@@ -89,21 +91,6 @@ def parameters(kind: type[fd.effects.Effect]) -> str:
         default = "-" if field.default is dataclasses.MISSING else f"{field.default:g}"
         rows.append(f"| `{field.name}` | {unit} | {default} | {bound} | {meaning.get(field.name, '')} |")
     return "\n".join(rows) + "\n"
-
-
-def meanings(kind: type[fd.effects.Effect]) -> dict[str, str]:
-    """What the docstring says on each parameter, without its unit."""
-    found: dict[str, str] = {}
-    last = ""
-    for line in inspect.cleandoc(kind.__doc__ or "").partition("Args:\n")[2].splitlines():
-        if line.startswith("    ") and line[4:5].strip():
-            last, _, found[last] = line.strip().partition(": ")
-        elif last and line.strip():
-            found[last] += f" {line.strip()}"
-    units: dict[str, Any] = {field.name: field.metadata["unit"] for field in kind.parameters()}
-    return {
-        name: text.replace(f"[{units.get(name)}]", "").replace(" .", "").strip(" .") for name, text in found.items()
-    }
 
 
 def neutral(kind: type[fd.effects.Effect]) -> str:

@@ -63,7 +63,9 @@ def relinked(text: str, source: Path, target: Path) -> str:
 
 
 def redirect(app: Any, docname: str, content: list[str]) -> None:
-    """Sphinx's event ``source-read``: the links of a page of docs/."""
+    """Sphinx's event ``source-read``: links of the pages of docs/, and from the catalogue to the effects' pages."""
     path = Path(app.env.doc2path(docname))
     if path.suffix == ".md" and "generated" not in path.parts:
         content[0] = relinked(content[0], path, path)
+    if docname == "catalogue":
+        content[0] = re.sub(r"^\| `(\w+)` \|", r"| [`\1`](generated/effects/\1.md) |", content[0], flags=re.MULTILINE)

@@ -1,8 +1,8 @@
 """What README and documentation show runs: every page in an empty folder, block by block from top to bottom.
 
-A block whose first line is a comment with a file name is written to that file. Python is executed, in one namespace for the
-page; lines of `bash` blocks that begin with flexdyn are run; model files, studies and channel maps are read. Only blocks of
-`text` are not looked at.
+A block whose first line is a comment with a file name is written to that file. Python is executed, in one namespace
+for the page; lines of `bash` blocks that begin with flexdyn are run; model files, studies and channel maps are read.
+Only blocks of `text` are not looked at.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Page:
                 assert file, f"{where}: {language} is neither run nor saved"
 
     def type_in(self, line: str, where: str) -> None:
-        """A command of flexdyn exits with 0; any other is a script of ours, or a tool of .venv, which CI runs by itself."""
+        """A command of flexdyn exits with 0; any other is a script of ours or a tool of .venv: CI runs these."""
         words = shlex.split(line, comments=True)
         if not words:
             return
