@@ -70,7 +70,7 @@ def test_there_is_something_to_check() -> None:
 
 @pytest.mark.parametrize("path", FILES, ids=name_of)
 def test_forbidden_imports(path: Path) -> None:
-    """Who may know whom (DESIGN): a law knows no solver, a recording no model, nobody the tests."""
+    """Who may know whom (docs/architecture.md): a law knows no solver, a recording no model, nobody the tests."""
     here = name_of(path).split(".")[0]
     found = set(imports(path))
     for layer, forbidden in NEVER.items():

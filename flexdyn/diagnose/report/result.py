@@ -44,7 +44,7 @@ class Diagnosis:
     """The answer to "where do model and measurement disagree, and what is missing?".
 
     Attributes:
-        verdict: about the test data (SPEC 8).
+        verdict: about the test data (contract, section 8).
         findings: in the order of their share of the gap.
         calibration: numbers that moved within three sigma of their tolerance.
         gap_fit: on the data of the fit; None where it could not be simulated.
@@ -103,7 +103,7 @@ class Diagnosis:
         write_report(self, Path(folder))
 
     def to_dict(self) -> dict[str, Any]:
-        """As report.json holds it (SPEC 8)."""
+        """As report.json holds it (contract, section 8)."""
         from flexdyn.diagnose.report.document import document
 
         return document(self)
