@@ -61,6 +61,8 @@ def page(title: str, entries: list[tuple[str, str, Any]]) -> str:
         if inspect.isclass(thing):
             kind, options = "autoclass", "   :members:\n"
         parts.append(f"## {shown}\n\n```{{eval-rst}}\n.. {kind}:: {path}\n{options}```\n")
+        if inspect.isclass(thing) and issubclass(thing, fd.effects.Effect) and thing in fd.effects.catalogue().values():
+            parts.append(f"```text\nfd.effects.{thing.example('elbow')}\n```\n")
     return "\n".join(parts)
 
 
@@ -75,7 +77,7 @@ def index(pages: dict[str, list[tuple[str, str, Any]]]) -> str:
     tree = "\n".join(title.removeprefix("fd.") for title in pages)
     parts = [
         "# API reference\n\nAll public names, as `import flexdyn as fd` gives them. Quantities are in SI units; those "
-        "of the motor are reflected to the link side of the gear.\n",
+        "of the motor are reflected to the link side of the gear. Examples need `import numpy as np` too.\n",
         f"```{{toctree}}\n:hidden:\n\n{tree}\n```\n",
     ]
     for title, entries in pages.items():
