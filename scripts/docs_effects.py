@@ -10,6 +10,7 @@ import dataclasses
 import inspect
 import textwrap
 from pathlib import Path
+from typing import Any
 
 from docs_folder import fresh
 from ruamel.yaml import YAML
@@ -19,7 +20,8 @@ from flexdyn.cli.effects import meanings
 from flexdyn.errors import InputError
 from flexdyn.plots import draw_law, example_entry
 
-PROSE = ("equation", "data", "confused_with", "seen")
+PROSE = ("symbols", "equation", "data", "confused_with", "seen")
+Prose = dict[str, Any]
 
 
 def own_effects() -> dict[str, type[fd.effects.Effect]]:
@@ -27,15 +29,18 @@ def own_effects() -> dict[str, type[fd.effects.Effect]]:
     return {name: kind for name, kind in fd.effects.catalogue().items() if kind.__module__.startswith("flexdyn.")}
 
 
-def read_prose(path: Path) -> dict[str, dict[str, str]]:
+def read_prose(path: Path) -> dict[str, Prose]:
     """What the classes do not say, by effect.
 
     Raises:
         ValueError: an effect without an entry, or an entry without one of its parts.
     """
-    prose: dict[str, dict[str, str]] = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
-    for name in own_effects():
-        missing = [part for part in PROSE if not prose.get(name, {}).get(part)]
+    prose: dict[str, Prose] = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
+    for name, kind in own_effects().items():
+        entry = prose.get(name, {})
+        numbers = {field.name for field in kind.parameters()}
+        missing = [part for part in PROSE if not entry.get(part)]
+        missing += sorted(f"the symbol of {each}" for each in numbers ^ set(entry.get("symbols", numbers)))
         if missing:
             raise ValueError(f"{path.name}: {name} lacks {', '.join(missing)}")
     return prose
@@ -59,7 +64,7 @@ def drawn(kind: type[fd.effects.Effect], folder: Path) -> str | None:
     return name
 
 
-def page(kind: type[fd.effects.Effect], prose: dict[str, str], drawing: str | None) -> str:
+def page(kind: type[fd.effects.Effect], prose: Prose, drawing: str | None) -> str:
     """The text of one page."""
     about = inspect.cleandoc(kind.__doc__ or "").partition("\n\nArgs:")[0].replace("``", "`")
     summary, _, details = about.partition("\n\n")
@@ -71,7 +76,7 @@ def page(kind: type[fd.effects.Effect], prose: dict[str, str], drawing: str | No
         f"{summary}\n",
         f"$$\n{prose['equation'].strip()}\n$$\n",
         f"{picture}{details}\n",
-        parameters(kind),
+        parameters(kind, prose["symbols"]),
         f"In a model file:\n\n```text\n{lines}\n```\n",
         f"In Python: `fd.effects.{kind.__name__}`. {neutral(kind)}\n",
         f"## What it looks like in data\n\n{prose['data'].strip()}\n",
@@ -81,15 +86,16 @@ def page(kind: type[fd.effects.Effect], prose: dict[str, str], drawing: str | No
     return "\n".join(parts)
 
 
-def parameters(kind: type[fd.effects.Effect]) -> str:
+def parameters(kind: type[fd.effects.Effect], symbols: dict[str, str]) -> str:
     """Table of the numbers of an effect."""
     meaning = meanings(kind)
-    rows = ["| parameter | unit | default | may be | meaning |", "| --- | --- | --- | --- | --- |"]
+    rows = ["| parameter | symbol | unit | default | may be | meaning |", "| --- | --- | --- | --- | --- | --- |"]
     for field in kind.parameters():
         unit, lower, strict = (field.metadata[key] for key in ("unit", "lower", "strict"))
         bound = "any number" if lower == float("-inf") else f"{'above' if strict else 'at least'} {lower:g}"
         default = "-" if field.default is dataclasses.MISSING else f"{field.default:g}"
-        rows.append(f"| `{field.name}` | {unit} | {default} | {bound} | {meaning.get(field.name, '')} |")
+        cells = [f"`{field.name}`", f"${symbols[field.name]}$", unit, default, bound, meaning.get(field.name, "")]
+        rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows) + "\n"
 
 

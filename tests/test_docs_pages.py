@@ -46,7 +46,7 @@ def test_prose_names_effects_that_are_there(scripts: dict[str, ModuleType]) -> N
         field.name for kind in scripts["effects"].own_effects().values() for field in kind.parameters()
     }
     for name, parts in prose.items():
-        named = re.findall(r"`(\w+)`", " ".join(parts.values()))
+        named = re.findall(r"`(\w+)`", " ".join(parts[key] for key in ("data", "confused_with", "seen")))
         assert set(named) - known - {"damping"} == set(), name
 
 
@@ -54,7 +54,7 @@ def test_an_effect_without_prose_is_refused(scripts: dict[str, ModuleType], tmp_
     """The site is not built without it."""
     text = (ROOT / "docs" / "effects.yaml").read_text(encoding="utf-8")
     (tmp_path / "effects.yaml").write_text(text.replace("\npayload:\n", "\nload:\n"), encoding="utf-8")
-    with pytest.raises(ValueError, match="payload lacks equation, data, confused_with, seen"):
+    with pytest.raises(ValueError, match="payload lacks symbols, equation, data, confused_with, seen"):
         scripts["effects"].read_prose(tmp_path / "effects.yaml")
 
 
