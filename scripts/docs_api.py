@@ -68,7 +68,8 @@ def page(title: str, entries: list[tuple[str, str, Any]]) -> str:
 
 def first_sentence(title: str) -> str:
     """What the docstring of the package says that it is."""
-    module = importlib.import_module(f"flexdyn.{title.removeprefix('fd.')}")
+    name = title.removeprefix("fd.")
+    module = getattr(fd, name) if name in MODULES else importlib.import_module(f"flexdyn.{name}")
     return inspect.cleandoc(module.__doc__ or "").split("\n")[0]
 
 
