@@ -1,4 +1,4 @@
-"""Result files as Markdown: the tables that the benchmarks print and the README shows."""
+"""Result files as Markdown: the tables that the benchmarks print and README and docs show."""
 
 from __future__ import annotations
 
@@ -150,6 +150,16 @@ def measured_table(results: Mapping[str, Mapping[str, Any]]) -> str:
             first = [f"[{words}](benchmarks/results/{name}/page.md)", _named(found)] if k == 0 else ["", ""]
             rows.append([*first, bound["name"], value, f"{bound['bound']:g}"])
     return markdown_table(["robot", "named", "what must hold", "found", "at most"], rows, text=3)
+
+
+def measured_names_table(results: Mapping[str, Mapping[str, Any]]) -> str:
+    """Measured robots and what was named, nothing else; `results` as `measured_table` takes it."""
+    rows = [
+        [f"[{words}](benchmarks/results/{name}/page.md)", _named(results[name])]
+        for name, words in MEASURED.items()
+        if name in results
+    ]
+    return markdown_table(["robot", "named"], rows, text=2)
 
 
 def _named(found: Mapping[str, Any]) -> str:

@@ -13,6 +13,13 @@ class FlexdynError(Exception):
     """Base of every error that flexdyn raises on purpose.
 
     Subclasses take keyword data, keep it as attributes, and survive pickling (a worker can send them home).
+
+    Example:
+        >>> try:
+        ...     fd.load_model("nothing.yaml")
+        ... except fd.FlexdynError as error:
+        ...     print(type(error).__name__)
+        InputError
     """
 
     def __init__(self, problem: str, **data: Any) -> None:
@@ -46,6 +53,13 @@ class InputError(FlexdynError, ValueError):
         value: what was given there.
         remedy: what would be right.
         data: anything else worth carrying (row, channel, line).
+
+    Example:
+        >>> try:
+        ...     fd.effects.ViscousFriction("elbow", side="motor", coefficient=-1.0)
+        ... except fd.InputError as error:
+        ...     print(error.key)
+        viscous_friction.coefficient
     """
 
     def __init__(
@@ -79,11 +93,20 @@ class SimulationError(FlexdynError, RuntimeError):
     """An integration could not go on: not finite, step too small, too many steps.
 
     Data: ``t`` [s] where it stopped, ``state`` x there, ``solver``, ``reason``.
+
+    Example:
+        >>> issubclass(fd.SimulationError, fd.FlexdynError)
+        True
     """
 
 
 class MissingExtra(FlexdynError, ImportError):
-    """An optional dependency is not installed; names the extra that brings it (exit code 2)."""
+    """An optional dependency is not installed; names the extra that brings it (exit code 2).
+
+    Example:
+        >>> issubclass(fd.MissingExtra, fd.FlexdynError)
+        True
+    """
 
     def __init__(self, library: str, extra: str) -> None:
         super().__init__(

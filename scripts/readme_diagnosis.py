@@ -1,4 +1,4 @@
-"""Draw the README's picture of a diagnosis: what `flexdyn paper --diagnose` shows, the gap as it shrinks."""
+"""Draw the picture of a diagnosis in docs: what `flexdyn paper --diagnose` shows, the gap as it shrinks."""
 
 from __future__ import annotations
 

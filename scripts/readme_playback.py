@@ -1,4 +1,4 @@
-"""Make the README's picture of flexdyn play: the Panda beside its rigid twin, photographed in Chromium.
+"""Make the picture of flexdyn play in docs: the Panda beside its rigid twin, photographed in Chromium.
 
 Needs the test extra (Playwright) and a chromium, as the tests in the browser do.
 """

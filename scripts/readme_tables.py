@@ -1,10 +1,9 @@
-"""Fill the README's tables from what they show: benchmark results, the effects catalogue, the shipped robots.
+"""Fill the tables of README and docs from what they show: benchmark results, the effects catalogue, the shipped robots.
 
-    python scripts/readme_tables.py            writes README.md
-    python scripts/readme_tables.py --check    exit code 1 if README.md is not what that would write
+    python scripts/readme_tables.py            writes the pages
+    python scripts/readme_tables.py --check    exit code 1 if a page is not what that would write
 
-A table stands between ``<!-- table:NAME -->`` and ``<!-- /table:NAME -->``; NAME is accuracy, discovery, peers,
-effects, effect_checks, formats, measured or robots.
+A table stands between ``<!-- table:NAME -->`` and ``<!-- /table:NAME -->``; NAME is a key of `TABLES`.
 """
 
 from __future__ import annotations
@@ -34,6 +33,7 @@ from result_tables import (  # noqa: E402
     discovery_table,
     effect_checks_table,
     markdown_table,
+    measured_names_table,
     measured_table,
     peers_table,
 )
@@ -58,7 +58,12 @@ def peers() -> str:
 
 def measured() -> str:
     """Measured robots whose study has results: what was named, and whether what must hold does."""
-    return measured_table({name: _results(name) for name in MEASURED if (RESULTS / f"{name}.json").is_file()})
+    return measured_table(_measured())
+
+
+def measured_names() -> str:
+    """The same robots with the names alone."""
+    return measured_names_table(_measured())
 
 
 _NO_SIDE = {"inertia": "link", "model": "any"}
@@ -130,6 +135,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "effect_checks": effect_checks,
     "formats": formats,
     "measured": measured,
+    "measured_names": measured_names,
     "robots": robots,
 }
 
@@ -149,20 +155,35 @@ def markers(text: str) -> list[str]:
     return [name for slash, name in found if not slash]
 
 
-def filled(text: str) -> str:
-    """The text with every table as it should be."""
+def pages() -> list[Path]:
+    """The README and the pages of docs that have room for tables."""
+    found = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    return [path for path in found if "generated" not in path.parts and MARKER.search(path.read_text(encoding="utf-8"))]
+
+
+def filled(text: str, page: Path = ROOT / "README.md") -> str:
+    """The text of a page with every table as it should be."""
     for name in dict.fromkeys(markers(text)):
         begin, end = f"<!-- table:{name} -->", f"<!-- /table:{name} -->"
-        inside = f"{begin}\n{TABLES[name]()}\n{end}".replace("\\", r"\\")
+        inside = f"{begin}\n{_table(name, page)}\n{end}".replace("\\", r"\\")
         text = re.sub(re.escape(begin) + ".*?" + re.escape(end), inside, text, flags=re.DOTALL)
     return text
 
 
-def stale(text: str) -> list[str]:
-    """The names of the tables in a text that are not what they should be."""
-    return [
-        name for name in dict.fromkeys(markers(text)) if f"<!-- table:{name} -->\n{TABLES[name]()}\n<!--" not in text
-    ]
+def stale(text: str, page: Path = ROOT / "README.md") -> list[str]:
+    """The names of the tables in the text of a page that are not what they should be."""
+    names = dict.fromkeys(markers(text))
+    return [name for name in names if f"<!-- table:{name} -->\n{_table(name, page)}\n<!--" not in text]
+
+
+def _table(name: str, page: Path) -> str:
+    """A table whose links, which are made for a page at the root, lead from this page."""
+    up = "../" * (len(page.relative_to(ROOT).parts) - 1)
+    return re.sub(r"\]\((?!\w+:)", f"]({up}", TABLES[name]())
+
+
+def _measured() -> dict[str, dict[str, Any]]:
+    return {name: _results(name) for name in MEASURED if (RESULTS / f"{name}.json").is_file()}
 
 
 def _results(name: str) -> dict[str, Any]:
@@ -195,22 +216,24 @@ def _stiffness(model: fd.FlexibleJointModel) -> str:
 
 
 def main() -> int:
-    """Write README.md, or check it."""
+    """Write the pages, or check them."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--check", action="store_true", help="write nothing, exit 1 if a table is stale")
     options = parser.parse_args()
-    readme = ROOT / "README.md"
-    text = readme.read_text(encoding="utf-8")
-    old = stale(text)
-    if options.check:
-        for name in old:
-            print(f"README.md: table {name} is stale; run python scripts/readme_tables.py", file=sys.stderr)
-        return 1 if old else 0
-    beside = readme.with_name("README.md.part")
-    beside.write_text(filled(text), encoding="utf-8")
-    os.replace(beside, readme)
-    print(f"README.md: {len(markers(text))} tables, {len(old)} changed")
-    return 0
+    found = 0
+    for page in pages():
+        text, name = page.read_text(encoding="utf-8"), page.relative_to(ROOT)
+        old = stale(text, page)
+        found += len(old)
+        if options.check:
+            for table in old:
+                print(f"{name}: table {table} is stale; run python scripts/readme_tables.py", file=sys.stderr)
+            continue
+        beside = page.with_name(f"{page.name}.part")
+        beside.write_text(filled(text, page), encoding="utf-8")
+        os.replace(beside, page)
+        print(f"{name}: {len(markers(text))} tables, {len(old)} changed")
+    return 1 if options.check and found else 0
 
 
 if __name__ == "__main__":

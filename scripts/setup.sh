@@ -1,4 +1,4 @@
-# Sourced by run.sh and test.sh: finds what the set-up needs, says what is missing, makes .venv.
+# Sourced by run.sh, test.sh and docs.sh: finds what the set-up needs, says what is missing, makes .venv.
 # shellcheck shell=bash
 
 fail() {
@@ -57,4 +57,9 @@ want_chromium() {
     fi
   fi
   printf 'No chromium: the tests in the browser are skipped. Debian: apt install chromium. Fedora: dnf install chromium\n' >&2
+}
+
+# build_docs: the site, from the installed package, into build/docs.
+build_docs() {
+  PYTHONSAFEPATH=1 .venv/bin/python -m sphinx --fail-on-warning --keep-going --fresh-env --quiet docs build/docs
 }

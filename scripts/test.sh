@@ -5,7 +5,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/setup.sh
 
 want_chromium
-make_venv test
+make_venv test,docs
 # Tests see the installed package, as a user does, and not the folder of the same name beside them.
 export PYTHONSAFEPATH=1
 bin=.venv/bin
@@ -13,3 +13,4 @@ bin=.venv/bin
 "$bin/ruff" format --check .
 "$bin/mypy" flexdyn tests scripts benchmarks
 "$bin/pytest" "$@"
+build_docs

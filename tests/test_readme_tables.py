@@ -1,4 +1,4 @@
-"""The README's tables are those that the results, the catalogue and the shipped robots give."""
+"""The tables of README and docs are those that the results, the catalogue and the shipped robots give."""
 
 from __future__ import annotations
 
@@ -29,16 +29,35 @@ def script() -> ModuleType:
     return module
 
 
-def test_readme_shows_what_its_sources_give(script: ModuleType) -> None:
-    """No table in the README is older than the file or code it is made from."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    if not script.markers(text):
-        pytest.skip("README.md has no table markers yet")
-    assert script.stale(text) == []
-    assert script.filled(text) == text
+def test_pages_show_what_their_sources_give(script: ModuleType) -> None:
+    """No table is older than the file or code it is made from, and every table stands somewhere."""
+    shown = set()
+    for page in script.pages():
+        text = page.read_text(encoding="utf-8")
+        assert script.stale(text, page) == [], page
+        assert script.filled(text, page) == text
+        shown |= set(script.markers(text))
+    assert shown == set(script.TABLES)
 
 
-TABLES = ["accuracy", "discovery", "peers", "effects", "effect_checks", "formats", "measured", "robots"]
+def test_links_of_a_table_lead_from_the_page(script: ModuleType) -> None:
+    """At the root, one folder down and two."""
+    text = "<!-- table:robots -->\n<!-- /table:robots -->\n"
+    for page, link in (("README.md", "(robots/"), ("docs/x.md", "(../robots/"), ("docs/howto/x.md", "(../../robots/")):
+        assert f"]{link}panda/README.md)" in script.filled(text, ROOT / page)
+
+
+TABLES = [
+    "accuracy",
+    "discovery",
+    "peers",
+    "effects",
+    "effect_checks",
+    "formats",
+    "measured",
+    "measured_names",
+    "robots",
+]
 
 
 @pytest.mark.parametrize("name", TABLES)

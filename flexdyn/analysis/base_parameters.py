@@ -82,6 +82,12 @@ class BaseParameters:
             beyond a thousand one combination imitates others.
         samples: of the motion that were used.
         numbers: of the model file and URDF.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> told = fd.base_parameters(run.model, run.to_recording(), noise=0.02)
+        >>> sorted({number.verdict for number in told.numbers} - {"told", "weak", "combined", "silent"})
+        []
     """
 
     combinations: tuple[Combination, ...]
@@ -147,6 +153,12 @@ def base_parameters(
 
     Raises:
         InputError: neither a recording nor q, v and a; wrong shapes; a joint without position; a noise not above 0.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> told = fd.base_parameters(run.model, run.to_recording(), noise=0.02)
+        >>> told.rank <= len(told.numbers)
+        True
     """
     true = checked_model(model)
     along = _motion(true, motion, q, v, a)

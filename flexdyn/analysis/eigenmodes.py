@@ -99,6 +99,12 @@ def modes(model: FlexibleJointModel, q: Pose = None, *, rotors: Rotors = "free")
     Raises:
         InputError: arguments that do not fit the model, a pose whose springs cannot carry it, rotors held and every
             joint rigid.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> found = fd.modes(model, {"elbow_joint": 1.0})
+        >>> bool((np.diff(found.frequencies) >= 0.0).all())
+        True
     """
     model = checked_model(model)
     check_rotors(model, rotors)

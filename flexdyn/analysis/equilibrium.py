@@ -38,6 +38,13 @@ class Equilibrium:
         friction_link: net torque that dry friction balances on every link (n,); 0 but where ``held``.
         friction_motor: the same on every rotor (n,), on rigid joints all of it.
         holding: interval of motor torques under which dry friction lets the arm rest at this q.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> lower, upper = fd.holding_torques(model)
+        >>> rest = fd.equilibrium(model, (lower + upper) / 2)
+        >>> rest.theta.shape
+        (6,)
     """
 
     joint_names: tuple[str, ...]
@@ -91,6 +98,13 @@ def equilibrium(
 
     Raises:
         InputError: ``no equilibrium: ...``: torques that nothing balances, as far as the search went.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> lower, upper = fd.holding_torques(model, {"elbow_joint": 1.0})
+        >>> rest = fd.equilibrium(model, (lower + upper) / 2, q_guess={"elbow_joint": 1.0})
+        >>> rest.q.shape
+        (6,)
     """
     model = checked_model(model)
     guess = pose(model, q_guess, "q_guess")

@@ -25,6 +25,12 @@ class HoldingTorques(NamedTuple):
     Attributes:
         lower: (n,); -inf where the motor saturates before it could break the joint away.
         upper: (n,); inf likewise.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> held = fd.holding_torques(model, {"elbow_joint": 1.0})
+        >>> held.lower.shape
+        (6,)
     """
 
     lower: Array
@@ -55,6 +61,12 @@ def holding_torques(model: FlexibleJointModel, q: Pose = None, theta: ArrayLike 
 
     Raises:
         InputError: a motor too weak to hold the pose, or springs at theta loaded beyond what link friction holds.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> lower, upper = fd.holding_torques(model, {"elbow_joint": 1.0})
+        >>> bool((lower <= upper).all())
+        True
     """
     model = checked_model(model)
     return holding_at(Statics(model), pose(model, q), theta)

@@ -33,6 +33,12 @@ class LinearModel:
         output_names: ``q.JOINT`` and so on.
         delays: dead time of every input (inputs,) [s], from command_delay: no part of A and B.
         held: channels left out of x because dry friction holds them.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> lin = fd.linearize(model)
+        >>> lin.A.shape, lin.to_scipy().A.shape
+        ((24, 24), (24, 24))
     """
 
     A: Array

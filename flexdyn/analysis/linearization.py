@@ -54,6 +54,13 @@ def linearize(
     Raises:
         InputError: arguments that do not fit the model, motors too weak for the pose, or with ``held`` a contact that
             its dry friction does not hold.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> lower, upper = fd.holding_torques(model)
+        >>> rest = fd.equilibrium(model, (lower + upper) / 2)
+        >>> fd.linearize(model, rest.x, rest.tau).B.shape
+        (24, 6)
     """
     model, delays = checked_model(model), command_delays(model)
     if stuck not in ("free", "held"):
@@ -113,6 +120,12 @@ def frequency_response(
 
     Raises:
         InputError: arguments that do not fit the model.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> found = fd.frequency_response(model, np.geomspace(1.0, 100.0, 50), inputs=["elbow_joint"])
+        >>> found.shape[0]
+        50
     """
     linear = linearize(model, x, tau, inputs=inputs, outputs=outputs, stuck=stuck)
     return linear.frequency_response(frequencies)

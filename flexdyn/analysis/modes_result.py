@@ -31,6 +31,12 @@ class Modes:
         poles: eigenvalues of the damped motion (2 m,) [rad/s], complex, by size.
         anti_resonances: zeros of the response from a motor's torque to its own speed: the frequencies with that rotor
             held and the others free (n, others) [Hz], a row for each motor; 0 where the zero is no oscillation.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> found = fd.modes(model)
+        >>> found.frequencies.size == found.damping_ratios.size
+        True
     """
 
     name: str

@@ -28,6 +28,12 @@ class PathFrequencies:
         frequencies: (samples, m) [Hz], rising at every pose: lines that meet part again and do not cross.
         damping_ratios: (samples, m) [1]; NaN where the frequency is 0.
         anti_resonances: (samples, n, others) [Hz], by motor.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> found = fd.frequencies_over_path(model, np.linspace(np.zeros(6), [0, 0, 1.2, 0, 0, 0], 5))
+        >>> found.distance.size
+        5
     """
 
     joint_names: tuple[str, ...]
@@ -69,6 +75,12 @@ def frequencies_over_path(
 
     Raises:
         InputError: a path that does not fit the model, and what `modes` refuses.
+
+    Example:
+        >>> model = fd.load_model("ur5")
+        >>> path = np.linspace(np.zeros(6), [0, 0, 1.2, 0, 0, 0], 5)
+        >>> fd.frequencies_over_path(model, path).frequencies.shape[0]
+        5
     """
     model = checked_model(model)
     check_rotors(model, rotors)

@@ -40,6 +40,11 @@ class LawTrial:
             fitted, the other half predicted, and the other way round.
         check: the same at points that took no part at all; 0 where there are none.
         why: a law is not named; empty where it is.
+
+    Example:
+        >>> points = [fd.SteadyPoint(u, 1.0 + 0.5 * u, 0.01) for u in np.linspace(0.2, 2.0, 10)]
+        >>> [trial.effect for trial in fd.steady_friction(points)[1].trials]  # beside Coulomb and viscous friction
+        ['stribeck_friction', 'quadratic_drag']
     """
 
     effect: str
@@ -74,6 +79,12 @@ class SteadyFriction:
         trials: of every law of `LAWS`.
         scatter: of the points about the curve, in units of their own standard deviations [1].
         speeds: how many.
+
+    Example:
+        >>> points = [fd.SteadyPoint(u, 1.0 + 0.5 * u, 0.01) for u in np.linspace(0.2, 2.0, 10)]
+        >>> found = fd.steady_friction(points)[1]  # positive direction
+        >>> found.named, round(found.torque(1.0), 3)
+        ((), 1.5)
     """
 
     direction: int
@@ -117,6 +128,12 @@ def steady_friction(points: Sequence[SteadyPoint], check: Sequence[SteadyPoint] 
 
     Raises:
         InputError: no direction has enough speeds.
+
+    Example:
+        >>> points = [fd.SteadyPoint(u, 1.0 + 0.5 * u, 0.01) for u in np.linspace(0.2, 2.0, 10)]
+        >>> found = fd.steady_friction(points)[1]  # positive direction
+        >>> round(found.level[0], 3), round(found.viscous[0], 3)
+        (1.0, 0.5)
     """
     found = {}
     for direction in (1, -1):

@@ -25,6 +25,10 @@ class SteadyPoint:
         torque: mean of the motor, reflected [N m or N].
         std: standard deviation of that mean, the colour of the samples counted in.
         name: of the run.
+
+    Example:
+        >>> fd.SteadyPoint(speed=0.5, torque=1.25, std=0.01).torque
+        1.25
     """
 
     speed: float
@@ -56,6 +60,13 @@ def steady_points(recordings: Sequence[Recording], joint: str) -> tuple[SteadyPo
 
     Raises:
         InputError: a run without torque or velocity, or one whose torque never changes.
+
+    Example:
+        >>> t, noise = np.arange(500) / 100, np.random.default_rng(0)
+        >>> runs = [fd.Recording(t, {"omega.elbow": 0 * t + u, "tau.elbow": 1 + u + noise.normal(0.0, 0.1, t.size)})
+        ...         for u in (0.5, 1.0)]
+        >>> [point.speed for point in fd.steady_points(runs, "elbow")]
+        [0.5, 1.0]
     """
     points = []
     for each in recordings:

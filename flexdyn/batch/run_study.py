@@ -48,6 +48,13 @@ def run_study(
     Raises:
         InputError: a study that does not fit, a store that is there already or is of another study, a full disk.
         MissingExtra: zarr, dask or xarray is not installed.
+
+    Example:
+        >>> study = {"flexdyn_study": 1, "model": "scara_two_link", "duration": 0.5, "runs": 4, "seed": 1,
+        ...          "vary": {"initial.v.elbow": {"normal": [-2.0, 0.3]}}, "metrics": ["tip_deflection_max"]}
+        >>> results = fd.run_study(study, out="study.zarr")
+        >>> results.dataset()["tip_deflection_max"].shape
+        (4,)
     """
     whole = _study(study)
     executor = _executor(workers, scheduler)

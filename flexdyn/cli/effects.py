@@ -109,18 +109,18 @@ def _page(kind: type[Effect]) -> str:
 
 
 def _parameters(kind: type[Effect]) -> Any:
-    meanings = _meanings(kind)
+    told = meanings(kind)
     rows = []
     for field in kind.parameters():
         lower, strict = field.metadata["lower"], field.metadata["strict"]
         bound = "any" if lower == float("-inf") else f"{'above' if strict else 'at least'} {number(lower)}"
         default = "-" if field.default is dataclasses.MISSING else number(field.default)
-        rows.append((field.name, field.metadata["unit"], default, bound, meanings.get(field.name, "")))
-    rows += [(name, "-", "-", "a name", meanings.get(name, "")) for name in _names(kind)]
+        rows.append((field.name, field.metadata["unit"], default, bound, told.get(field.name, "")))
+    rows += [(name, "-", "-", "a name", told.get(name, "")) for name in _names(kind)]
     return table("Parameters", ("name", "unit", "default", "value", "meaning"), rows)
 
 
-def _meanings(kind: type[Effect]) -> dict[str, str]:
+def meanings(kind: type[Effect]) -> dict[str, str]:
     """What the docstring says on each parameter, without the unit that stands in a column of its own."""
     arguments = inspect.cleandoc(kind.__doc__ or "").partition("Args:\n")[2].splitlines()
     found: dict[str, str] = {}

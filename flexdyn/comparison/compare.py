@@ -31,6 +31,12 @@ class ChannelError:
         at: time of that error [s].
         bias: mean of the error.
         relative: rms over the standard deviation of the first's samples; None where the first does not vary.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> error = fd.compare(run, run)["q.elbow"]
+        >>> error.rms, error.unit
+        (0.0, 'rad')
     """
 
     channel: str
@@ -56,6 +62,12 @@ class Comparison:
         only_first: channels that the second lacks.
         only_second: channels that the first lacks.
         sources: the two motions themselves.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> errors = fd.compare(run, run)
+        >>> errors["q.elbow"].largest
+        0.0
     """
 
     first: str
@@ -126,6 +138,12 @@ def compare(first: Any, second: Any, *, start: float | None = None, end: float |
 
     Raises:
         InputError: the two have no channel or no time in common, or a channel in different units.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> rigid = fd.simulate(run.model.rigid(), duration=0.5, v0=[1.0, -2.0])
+        >>> bool(fd.compare(run, rigid)["q.elbow"].rms > 0.0)
+        True
     """
     one, two = as_sources([first, second])
     common = [name for name in one.recording.channels if name in two.recording]

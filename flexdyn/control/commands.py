@@ -29,6 +29,11 @@ class Samples:
 
     Raises:
         InputError: shapes that do not fit, values that are not finite, time that does not increase.
+
+    Example:
+        >>> torque = fd.Samples([0.0, 1.0], {"shoulder": [0.3, -0.3], "elbow": [0.0, 0.1]})  # held for 1 s each
+        >>> fd.simulate(fd.load_model("scara_two_link"), torque, duration=2.0).tau[500]
+        array([0.3, 0. ])
     """
 
     t: Array
@@ -125,6 +130,12 @@ class PD:
         rate: of the controller [Hz].
         feedback: ``theta`` (motor side) or ``q`` (link side).
         feedforward: torques to add (`Samples`, a recording with ``tau`` columns, or its path).
+
+    Example:
+        >>> reference = fd.Samples([0, 1], {"shoulder": [0.0, 0.5], "elbow": [0.0, 1.0]}, "cubic")
+        >>> command = fd.PD(reference, kp=20.0, kd=2.0)
+        >>> fd.simulate(fd.load_model("scara_two_link"), command, duration=1.0).q.shape
+        (1001, 2)
     """
 
     reference: Any
@@ -166,6 +177,15 @@ class State:
         v: link velocities (n,).
         theta: rotor positions, reflected (n,).
         omega: rotor velocities, reflected (n,).
+
+    Example:
+        >>> seen = []
+        >>> def law(t, state):
+        ...     seen.append(state.q.copy())
+        ...     return [0.0, 0.0]
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), fd.Controller(law, rate=100), duration=0.1)
+        >>> bool((seen[0] == run.q[0]).all())
+        True
     """
 
     q: Array
@@ -181,6 +201,12 @@ class Controller:
     Args:
         law: ``law(t, state) -> tau`` with t [s], a `State` and torques (n,) [N m or N].
         rate: [Hz].
+
+    Example:
+        >>> brake = fd.Controller(lambda t, state: -0.1 * state.omega, rate=500)
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), brake, duration=0.5, v0=[1.0, 0.0])
+        >>> bool(abs(run.v[-1, 0]) < 1.0)
+        True
     """
 
     law: Callable[[float, State], ArrayLike]
@@ -203,6 +229,12 @@ class FrameWrench:
         frame: its name, for example the tool.
         samples: six columns fx, fy, fz [N], mx, my, mz [N m] (`Samples`), or six numbers that do not change.
         axes: ``world`` (of the base) or ``frame``, in which the six are given.
+
+    Example:
+        >>> push = fd.FrameWrench("tool", [0.0, 1.0, 0.0, 0.0, 0.0, 0.0])  # 1 N along y
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, external=push)
+        >>> bool(run.q[-1, 0] > 0.0)
+        True
     """
 
     frame: str

@@ -43,6 +43,13 @@ class Servo:
 
     Raises:
         InputError: a number that makes no sense.
+
+    Example:
+        >>> reference = fd.Samples([0, 1], {"shoulder": [0.0, 0.2], "elbow": [0.0, 0.2]}, "linear")
+        >>> servo = fd.Servo(reference=reference, position_gain=5.0, velocity_gain=2.0, limit=0.5)
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), servo, duration=1.0)
+        >>> bool(abs(run.tau).max() <= 0.5)
+        True
     """
 
     reference: Any

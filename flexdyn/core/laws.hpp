@@ -1,6 +1,6 @@
 // Every law is written once, here: Python classes give it its name, units and bounds and call it to draw it.
 //
-// A law belongs to a stage, which says where in the equations of motion it stands (SPEC signs):
+// A law belongs to a stage, which says where in the equations of motion it stands (docs/contract.md, section 3):
 //   actuator    tau_applied = law(tau, theta, omega)            on the way from command to rotor
 //   deflection  delta -> law(delta, theta)                      before every spring law
 //   spring      tau_s += law(delta, delta')                     transmission

@@ -57,6 +57,12 @@ class FlexibleJointModel:
 
     Raises:
         InputError: a joint, effect or number that does not fit the robot.
+
+    Example:
+        >>> drives = {"*": {"gear_ratio": 100, "rotor_inertia": 2e-5, "stiffness": 2e4, "damping": 20}}
+        >>> model = fd.FlexibleJointModel(fd.load_robot("ur5"), joints=drives, effects=[fd.effects.Payload(mass=2.0)])
+        >>> model.n, model.elastic.all()
+        (6, np.True_)
     """
 
     def __init__(

@@ -24,6 +24,11 @@ class Joint:
     Raises:
         InputError: a number that is missing its sense: negative inertia, zero stiffness, an elastic joint whose rotor
             weighs nothing.
+
+    Example:
+        >>> joint = fd.Joint(gear_ratio=100.0, rotor_inertia=2e-5, stiffness=2e4)
+        >>> joint.rotor_inertia * joint.gear_ratio**2  # reflected
+        0.2
     """
 
     gear_ratio: float = 1.0

@@ -21,7 +21,12 @@ ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "urdf_dynamics", "rotor
 
 
 def shipped_models() -> tuple[str, ...]:
-    """Names of the models that come with flexdyn."""
+    """Names of the models that come with flexdyn.
+
+    Example:
+        >>> fd.shipped_models()
+        ('panda', 'scara', 'scara_two_link', 'ur5')
+    """
     return tuple(sorted(path.parent.name for path in shipped_dir().glob("*/model.yaml")))
 
 
@@ -33,6 +38,11 @@ def load_model(path: str | Path) -> FlexibleJointModel:
 
     Raises:
         InputError: no such file, or anything in it that does not fit.
+
+    Example:
+        >>> model = fd.load_model("scara_two_link")
+        >>> model.joint_names
+        ('shoulder', 'elbow')
     """
     file = _find(path)
     content = read_yaml(file)
@@ -83,6 +93,11 @@ def save_model(model: FlexibleJointModel, path: str | Path) -> None:
 
     Raises:
         InputError: the robot came from a pin.Model and has no URDF, or the file cannot be written.
+
+    Example:
+        >>> fd.save_model(fd.load_model("ur5").replace(tolerance=0.1), "mine.yaml")
+        >>> fd.load_model("mine.yaml").n
+        6
     """
     file = Path(path)
     title = "".join(letter if letter.isprintable() else " " for letter in model.name)

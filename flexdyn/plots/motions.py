@@ -60,6 +60,10 @@ def plot(
     Raises:
         InputError: nothing to draw, a joint or view that is not there, an empty window, a suffix that is not known.
         MissingExtra: matplotlib or plotly is not installed.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> picture = fd.plot(run, path="run.html", views=["positions"], joints="elbow")
     """
     wanted = _checked_views(views)
     scene = make_scene(runs, [joints] if isinstance(joints, str) else joints, start, end)

@@ -32,6 +32,10 @@ class Picture:
         keys: lines of the legend that all panels without one of their own share.
         width: of the page [inch].
         height: of the page [inch].
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> run.plot().save("run.svg")
     """
 
     title: str

@@ -102,6 +102,12 @@ def read_recording(
         InputError: anything wrong with the file, the map or a repair, in one line with row (the line, in CSV) and
             channel.
         MissingExtra: the suffix needs a library that is not installed.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> run.save("run.npz")
+        >>> fd.read_recording("run.npz").joints
+        ('shoulder', 'elbow')
     """
     path = Path(path)
     fmt = _format_of(path)
@@ -147,6 +153,12 @@ def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
         InputError: unknown suffix, no such folder, it cannot be written there, or for a bag two samples within one
             nanosecond.
         MissingExtra: the suffix needs a library that is not installed.
+
+    Example:
+        >>> rec = fd.Recording([0.0, 0.1, 0.2], {"q.elbow": [0.0, 0.1, 0.3]})
+        >>> fd.write_recording(rec, "log.csv")
+        >>> fd.read_recording("log.csv") == rec
+        True
     """
     path = Path(path)
     fmt = _format_of(path)

@@ -39,6 +39,11 @@ class Recording:
 
     Raises:
         InputError: NaN, ragged columns, time that does not increase, bad names, units that are not SI.
+
+    Example:
+        >>> rec = fd.Recording([0.0, 0.1, 0.2], {"q.elbow": [0.0, 0.1, 0.3]})
+        >>> rec["q.elbow"], rec.joints
+        (array([0. , 0.1, 0.3]), ('elbow',))
     """
 
     t: FloatArray

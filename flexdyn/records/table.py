@@ -193,7 +193,7 @@ def checked(
         Time (samples,) [s] and the channels, all read-only.
 
     Raises:
-        InputError: SPEC 4 is broken somewhere: the line names row and channel.
+        InputError: section 4 of the contract is broken somewhere: the line names row and channel.
     """
     for name in columns:
         if name != "t":

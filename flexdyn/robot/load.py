@@ -46,6 +46,10 @@ def load_robot(
 
     Raises:
         InputError: one line on what is wrong in the file, the name or the arguments.
+
+    Example:
+        >>> fd.load_robot("panda", lock={"panda_joint7": 0.0}).n
+        7
     """
     folders = _folders(package_dirs)
     if isinstance(source, pin.Model):

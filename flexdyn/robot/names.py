@@ -68,7 +68,12 @@ def example_data_dir() -> Path | None:
 
 
 def robot_names() -> tuple[str, ...]:
-    """Every name that load_robot knows on this machine, in alphabetical order."""
+    """Every name that load_robot knows on this machine, in alphabetical order.
+
+    Example:
+        >>> "ur5" in fd.robot_names()
+        True
+    """
     examples = EXAMPLES if example_data_dir() is not None else {}
     return tuple(sorted({*_shipped(), *examples}))
 

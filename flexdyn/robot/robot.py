@@ -50,6 +50,11 @@ class Robot:
         friction: Coulomb level of the URDF's <dynamics>, shape (n,) [N m or N], followers' included.
         followers: mimic joints: (leader, multiplier, offset), q_follower = multiplier q_leader + offset.
         tree: the arrays of the kinematic tree, followers included.
+
+    Example:
+        >>> robot = fd.load_robot("ur5")
+        >>> robot.n, robot.joint_names[0]
+        (6, 'shoulder_pan_joint')
     """
 
     name: str

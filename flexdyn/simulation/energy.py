@@ -14,7 +14,12 @@ Array = NDArray[np.float64]
 
 
 class EnergyWarning(UserWarning):
-    """A run's energy ledger does not close to its solver's tolerance."""
+    """A run's energy ledger does not close to its solver's tolerance.
+
+    Example:
+        >>> issubclass(fd.EnergyWarning, UserWarning)
+        True
+    """
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,13 @@ class Energy:
             holds what its spring still stores.
         initial: mechanical energy at the start of the run, which the first sample need not be [J].
         tolerance: that the residual should stay below [J].
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> run.energy.closes
+        True
+        >>> bool(run.energy.dissipated["viscous_friction.elbow.link"][-1] > 0.0)
+        True
     """
 
     kinetic: Array

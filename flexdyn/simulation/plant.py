@@ -104,6 +104,11 @@ class LinkSide:
 
     Args:
         model: whose payloads and rigid rotor inertias are included.
+
+    Example:
+        >>> link = fd.LinkSide(fd.load_model("ur5"))
+        >>> link.mass_matrix(np.zeros(6)).shape
+        (6, 6)
     """
 
     def __init__(self, model: FlexibleJointModel) -> None:

@@ -46,6 +46,11 @@ class Run:
         stats: steps, rejected steps, evaluations of the equations of motion, events.
         z: internal states of presliding and hysteresis (samples, number of them).
         inputs: what it was made of.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> run.q.shape, run.joint_names
+        ((501, 2), ('shoulder', 'elbow'))
     """
 
     t: Array

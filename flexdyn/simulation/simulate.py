@@ -57,6 +57,12 @@ def simulate(
     Raises:
         InputError: a command, first state or setting that does not fit the model.
         SimulationError: the integration could not go on; it carries the time, the state and the reason.
+
+    Example:
+        >>> model = fd.load_model("scara_two_link")
+        >>> run = fd.simulate(model, [0.1, 0.0], duration=1.0, solver=fd.solvers.TimeStepping(step=1e-3))
+        >>> run.t[-1].item(), run.theta.shape
+        (1.0, (1001, 2))
     """
     starts = {"q": q0, "v": v0, "theta": theta0, "omega": omega0}
     job = prepare(model, command, duration, solver, starts, rate, times, external)
@@ -104,6 +110,12 @@ def simulate_many(
 
     Raises:
         InputError: lists of different lengths, or no list at all.
+
+    Example:
+        >>> model = fd.load_model("scara_two_link")
+        >>> runs = fd.simulate_many([model, model.rigid()], [0.1, 0.0], 0.5)
+        >>> [run.t.size for run in runs]
+        [501, 501]
     """
     given = {"model": models, "command": commands, "duration": duration, "solver": solver, "external": external}
     given |= {"q": q0, "v": v0, "theta": theta0, "omega": omega0}

@@ -25,6 +25,11 @@ class Playback:
 
     Attributes:
         url: where a browser finds it.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> playback = fd.play(run, html="run.html")  # written; without html it is served
+        >>> playback.close()
     """
 
     url: str
@@ -83,6 +88,10 @@ def play(
         InputError: no model, no positions of its joints, another arm to compare with, no tau for a rigid one, or a
             file that cannot be written.
         SimulationError: the rigid arm could not be simulated.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> playback = fd.play(run, compare="rigid", html="run.html")
     """
     shown = sources.first(run, model)
     ghost = None if compare is None else sources.second(compare, model, shown)

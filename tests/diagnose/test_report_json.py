@@ -1,4 +1,4 @@
-"""report.json by the contract (SPEC 8): every key, nothing else, strict JSON."""
+"""report.json as section 8 of the contract has it: every key, nothing else, strict JSON."""
 
 from __future__ import annotations
 

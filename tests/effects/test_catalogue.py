@@ -1,4 +1,4 @@
-"""The catalogue is SPEC's table: names, sides, parameters, units, defaults, bounds; and it reads and writes."""
+"""The catalogue is the contract's table: names, sides, parameters, units, defaults, bounds; and it reads and writes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""In motion every law acts where SPEC puts it: the two-link arm against SciPy, equations and laws written anew."""
+"""In motion every law acts where the contract puts it: the two-link arm against SciPy, equations and laws anew."""
 
 from __future__ import annotations
 

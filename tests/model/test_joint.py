@@ -17,7 +17,7 @@ NAMES = ("shoulder", "elbow")
 
 
 def test_defaults_are_a_rigid_joint_without_rotor() -> None:
-    """Gear ratio 1, no rotor, infinite stiffness, no damping (SPEC 2)."""
+    """Gear ratio 1, no rotor, infinite stiffness, no damping (contract, section 2)."""
     joint = Joint()
     assert (joint.gear_ratio, joint.rotor_inertia, joint.stiffness, joint.damping) == (1.0, 0.0, math.inf, 0.0)
     assert not joint.elastic

@@ -21,7 +21,7 @@ TWO_LINK = fd.load_robot("scara_two_link")
 
 
 def test_shipped_models_are_found_by_name() -> None:
-    """All four of SPEC 6, from any folder."""
+    """All four that come with flexdyn, from any folder."""
     assert fd.shipped_models() == NAMES
 
 
@@ -160,7 +160,7 @@ def test_paths_are_relative_to_the_file(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_effects_of_the_urdf_are_not_saved() -> None:
-    """They stay in the URDF; effects[i] counts the file's own (SPEC 2)."""
+    """They stay in the URDF; effects[i] counts the file's own (contract, section 2)."""
     panda = fd.FlexibleJointModel(fd.load_robot("panda"), effects=[Payload(mass=1.0, frame="panda_link7")])
     assert len(panda.urdf_effects) > 0
     assert len(model_to_dict(panda)["effects"]) == 1

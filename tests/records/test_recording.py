@@ -23,7 +23,7 @@ def small(**channels: Any) -> Recording:
 
 
 def test_names_and_extent() -> None:
-    """Joints and signals come from SPEC channels in order; other channels are carried but are no joints."""
+    """Joints and signals come from the contract's channels in order; other channels are carried but are no joints."""
     rec = small()
     assert rec.joints == ("elbow", "wrist")
     assert rec.signals == ("q", "tau")

@@ -79,7 +79,7 @@ def test_shipped_arms(name: str, seed: int) -> None:
 
 
 def on_every_side(effect: Any) -> list[Any]:
-    """The effect on each side that SPEC's table gives it."""
+    """The effect on each side that the contract's table gives it."""
     if not isinstance(effect, fx.JointEffect):
         return [effect]
     place = {"other": "elbow"} if isinstance(effect, fx.JointCoupling) else {}

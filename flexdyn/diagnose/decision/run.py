@@ -42,6 +42,21 @@ def diagnose(
     Raises:
         InputError: recordings that do not fit the model or cannot answer.
         Interrupted: Ctrl-C, with what was known by then.
+
+    Example:
+        >>> drives = {"*": {"stiffness": 900.0, "damping": 1.5, "rotor_inertia": 4e-5}}
+        >>> model = fd.load_model("scara_two_link").replace(joints=drives, effects=[], tolerance=0.03)
+        >>> t = np.linspace(0.0, 8.0, 801)
+        >>> sway = np.stack([0.6 * np.cos(1.1 * t) + 0.2 * np.cos(5 * t), 0.5 * np.cos(1.4 * t)], axis=1)
+        >>> robot = model.replace(effects=[fd.effects.CoulombFriction("elbow", side="motor", level=0.6)])
+        >>> run = fd.simulate(robot, fd.PD(fd.Samples(t, sway, "cubic"), kp=400, kd=20), q0=sway[0])
+        >>> noise, log = np.random.default_rng(0), run.to_recording()
+        >>> sigma = {"q": 2e-6, "theta": 2e-6, "tau": 0.02}  # of the encoders [rad] and of the torque [N m]
+        >>> names = [f"{signal}.{joint}" for signal in sigma for joint in model.joint_names]
+        >>> seen = {x: log[x] + noise.normal(0.0, sigma[x.split(".")[0]], run.t.size) for x in names}
+        >>> answer = fd.diagnose(model, [fd.Recording(run.t, seen)])
+        >>> [(finding.suspect.effect, finding.suspect.joint) for finding in answer.findings]
+        [('coulomb_friction', 'elbow')]
     """
     # Here, as `import flexdyn` loads no scipy; only what is loaded can be limited, so that is first.
     import scipy.linalg  # noqa: F401

@@ -17,7 +17,7 @@ from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
 TEST_SHARE = 0.2
-"""Share of what moves in every recording that is test data where no other is given [1] (SPEC 8)."""
+"""Share of what moves in every recording that is test data where no other is given [1] (contract, section 8)."""
 SHORTEST = 1.0
 """Least length of such test data [s]: two windows of 0.5 s."""
 SPAN = 0.2

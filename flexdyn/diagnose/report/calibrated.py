@@ -15,7 +15,7 @@ from flexdyn.diagnose.report.words import number_phrase
 SHOWN = 12
 """Rows that stand open; the others are folded away."""
 LIMIT = 3.0
-"""Tolerances by which a number may move and be calibrated (SPEC 8)."""
+"""Tolerances by which a number may move and be calibrated (contract, section 8)."""
 EDGE = 3.2
 """Half the width of a number's picture, in tolerances."""
 HEADS = ("number", "factor", "change", "in its tolerances, 95 % interval")

@@ -1,4 +1,4 @@
-"""A diagnosis as report.json holds it: the schema ``flexdyn.diagnosis/2`` of SPEC 8."""
+"""A diagnosis as report.json holds it: the schema ``flexdyn.diagnosis/2`` of the contract, section 8."""
 
 from __future__ import annotations
 

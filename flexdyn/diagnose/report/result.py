@@ -44,7 +44,7 @@ class Diagnosis:
     """The answer to "where do model and measurement disagree, and what is missing?".
 
     Attributes:
-        verdict: about the test data (SPEC 8).
+        verdict: about the test data (contract, section 8).
         findings: in the order of their share of the gap.
         calibration: numbers that moved within three sigma of their tolerance.
         gap_fit: on the data of the fit; None where it could not be simulated.
@@ -63,6 +63,22 @@ class Diagnosis:
         write_model: False where the corrected model is worse than the given one on the data of the fit: then
             model.yaml is not written.
         stopped: estimates that stopped short of a stationary point, in words such as "damping of elbow".
+
+    Example:
+        >>> drives = {"*": {"stiffness": 900.0, "damping": 1.5, "rotor_inertia": 4e-5}}
+        >>> model = fd.load_model("scara_two_link").replace(joints=drives, effects=[], tolerance=0.03)
+        >>> t = np.linspace(0.0, 8.0, 801)
+        >>> sway = np.stack([0.6 * np.cos(1.1 * t) + 0.2 * np.cos(5 * t), 0.5 * np.cos(1.4 * t)], axis=1)
+        >>> robot = model.replace(effects=[fd.effects.CoulombFriction("elbow", side="motor", level=0.6)])
+        >>> run = fd.simulate(robot, fd.PD(fd.Samples(t, sway, "cubic"), kp=400, kd=20), q0=sway[0])
+        >>> noise, log = np.random.default_rng(0), run.to_recording()
+        >>> sigma = {"q": 2e-6, "theta": 2e-6, "tau": 0.02}  # of the encoders [rad] and of the torque [N m]
+        >>> names = [f"{signal}.{joint}" for signal in sigma for joint in model.joint_names]
+        >>> seen = {x: log[x] + noise.normal(0.0, sigma[x.split(".")[0]], run.t.size) for x in names}
+        >>> answer = fd.diagnose(model, [fd.Recording(run.t, seen)])
+        >>> answer.verdict
+        'explained'
+        >>> answer.save("report")  # report.html, report.json, model.yaml
     """
 
     verdict: Verdict
@@ -103,7 +119,7 @@ class Diagnosis:
         write_report(self, Path(folder))
 
     def to_dict(self) -> dict[str, Any]:
-        """As report.json holds it (SPEC 8)."""
+        """As report.json holds it (contract, section 8)."""
         from flexdyn.diagnose.report.document import document
 
         return document(self)

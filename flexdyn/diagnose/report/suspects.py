@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from flexdyn.diagnose.report.experiment import Experiment
 
 ESTABLISHED = 0.95
-"""Posterior probability from which an effect, or an "A or B", counts as established [1] (SPEC 8)."""
+"""Posterior probability from which an effect, or an "A or B", counts as established [1] (contract, section 8)."""
 CONFIDENCE = 1.96
 """Standard deviations on either side that hold 95 % of a normal distribution [1]."""
 Key = tuple[str, str | None, str | None, tuple[tuple[str, str], ...]]

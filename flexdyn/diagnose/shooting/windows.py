@@ -18,7 +18,7 @@ from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
 SECONDS = 0.5
-"""Length of a window [s]: SPEC 8."""
+"""Length of a window [s]: contract, section 8."""
 MOST_WINDOWS = 400
 """More than these are thinned out evenly: 200 s say what there is to say, and memory stays bounded."""
 GAP = 1.5

@@ -104,6 +104,11 @@ class ChannelMap:
         keep_others: whether columns that the map does not name are carried along as they are.
         repair: repairs asked for, in order.
         layout: of the file.
+
+    Example:
+        >>> map_ = fd.ChannelMap.from_dict({"flexdyn_map": 1, "time": "stamp", "channels": {"q.elbow": "enc"}})
+        >>> [channel.name for channel in map_.channels]
+        ['q.elbow']
     """
 
     channels: tuple[Channel, ...] = ()

@@ -58,6 +58,12 @@ def read_map(path: str | os.PathLike[str]) -> ChannelMap:
 
     Raises:
         InputError: no such file, or anything in it that does not fit.
+
+    Example:
+        >>> with open("map.yaml", "w") as file:
+        ...     _ = file.write("{flexdyn_map: 1, time: stamp, channels: {q.elbow: {from: enc, unit: deg}}}")
+        >>> fd.read_map("map.yaml").repair
+        ()
     """
     try:
         file = Path(path)

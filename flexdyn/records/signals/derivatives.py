@@ -33,6 +33,12 @@ class Derivatives:
         recording: what was filtered.
         smoother: the filter.
         noise: of the channels asked for, as found in their samples.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> view = fd.derivatives(run.to_recording(), ["q.elbow"])
+        >>> view.first("q.elbow").size == view.t.size
+        True
     """
 
     recording: Recording
@@ -98,6 +104,11 @@ def derivatives(
 
     Raises:
         InputError: time that is not uniform, no such channel, no position to choose by, or two ways to set the width.
+
+    Example:
+        >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
+        >>> view = fd.derivatives(run.to_recording(), ["q.elbow"], cutoff=20.0)
+        >>> acceleration = view.second("q.elbow")
     """
     rate = uniform_rate(rec)
     if cutoff is not None and smoother is not None:

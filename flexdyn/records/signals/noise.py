@@ -35,6 +35,12 @@ class Noise:
         autocorrelation: at lags 0, 1, ... 8 (times `hold`) samples.
         seen_above: frequency above which the noise stands clear of the motion [Hz]; what lies below is
             taken to continue it.
+
+    Example:
+        >>> t = np.arange(4000) / 1000
+        >>> q = np.sin(t) + np.random.default_rng(1).normal(0.0, 1e-4, t.size)
+        >>> 0.9e-4 < fd.Recording(t, {"q.elbow": q}).noise("q.elbow").std < 1.1e-4
+        True
     """
 
     std: float
@@ -89,6 +95,12 @@ def estimate_noise(t: npt.ArrayLike, x: npt.ArrayLike, *, unit: str = "", held: 
 
     Raises:
         InputError: fewer than 64 samples (16 values, where they are held), not finite, time that does not increase.
+
+    Example:
+        >>> t = np.arange(4000) / 1000
+        >>> q = np.sin(t) + np.random.default_rng(1).normal(0.0, 1e-4, t.size)
+        >>> 0.9e-4 < fd.estimate_noise(t, q).std < 1.1e-4
+        True
     """
     times, samples = _checked(t, x)
     hold = held_for(samples)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 METHODS = ("spline", "hermite", "linear")
 HELD = ("tau", "tau_applied")
-"""Signals that are held from each sample to the next (SPEC 4)."""
+"""Signals that are held from each sample to the next (contract, section 4)."""
 
 _SMOOTH = ("q", "v", "theta", "omega", "tau_s")
 _RATES = {"q": "v", "theta": "omega"}

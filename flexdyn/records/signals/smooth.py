@@ -40,6 +40,12 @@ class Smoother:
 
     Raises:
         InputError: outside these limits.
+
+    Example:
+        >>> smoother = fd.Smoother.at_cutoff(20.0, 1000.0)  # Hz, of samples at 1 kHz
+        >>> t = np.arange(2000) / 1000
+        >>> smoother.first(np.sin(t)).size < t.size
+        True
     """
 
     width: int
