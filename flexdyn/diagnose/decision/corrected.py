@@ -99,13 +99,17 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     share = shares(space, found.best)
     own = {c: genuine(space.candidates[c], each) for c, each in share.items()}
-    for c in there if share_in_windows is not None else ():
-        if own[c] < ESTABLISHED <= masses.of_any([c]):
-            own[c] = max(own[c], genuine(space.candidates[c], share_in_windows(c)))
+    shown = set[int]()
+    if share_in_windows is not None:
+        for c in (c for c in there if masses.of_any([c]) >= ESTABLISHED):
+            by_windows = genuine(space.candidates[c], share_in_windows(c))
+            own[c] = max(own[c], by_windows)
+            shown |= {c} if by_windows >= ESTABLISHED else set()
     named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
-    large = tuple(each for each in kept if _is_large(space, space.candidates[each.candidate], made))
+    small = {c.candidate for c in kept if not _is_large(space, space.candidates[c.candidate], made)} - shown
+    large = tuple(each for each in kept if each.candidate not in small)
     if large != kept:  # what the linear equations promised is not there
         kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
     made = made if converged(made) else fit(made.hypothesis, made.space)

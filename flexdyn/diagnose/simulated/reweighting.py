@@ -6,10 +6,12 @@ import contextlib
 import dataclasses
 
 from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.apart import UNSURE
 from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
 from flexdyn.diagnose.inference.search import neighbours
 from flexdyn.diagnose.inference.space import Structure
+from flexdyn.diagnose.shooting.gap import NOISE
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.errors import FlexdynError
@@ -18,6 +20,8 @@ ROUNDS = 3
 """Structures whose neighbours are compared, at most."""
 FITTED = 2
 """Swaps whose numbers are fitted to the windows: those that are nearest with the equations' numbers."""
+COMPARED = 16
+"""Windows over which structures are compared, spread evenly: 8 s; what is found is held against all of them."""
 FIRST = 6
 """Steps of the fit to the equations, from the linear estimate."""
 
@@ -82,6 +86,17 @@ class Simulated:
         for each in (*self._first(additions)[:1], *self._first(swaps)[:FITTED], *removals):
             self.fit(each)
 
+    def climbed(self, start: Structure) -> Structure:
+        """From a structure to its best neighbour, as long as that is better."""
+        here = start
+        self.fit(here)
+        for _ in range(ROUNDS):
+            self.around(here)
+            if not self.known or self.best() == here:
+                break
+            here = self.best()
+        return here
+
     def _first(self, structures: list[Structure]) -> list[Structure]:
         """Those that could be simulated, the most likely one first."""
         return sorted((s for s in structures if s in self.known), key=lambda s: (-self.known[s], sorted(s)))
@@ -119,16 +134,18 @@ def reweighed(found: Posterior, windows: Windows) -> Posterior:
         found: by the equations.
         windows: of the data of the fit.
     """
-    simulated = Simulated(found, windows)
-    here = found.best
-    simulated.fit(here)
-    if simulated.is_noise(here):
-        return dataclasses.replace(found, fitted=simulated.fits[here].made)
-    for _ in range(ROUNDS):
-        simulated.around(here)
-        if not simulated.known or simulated.best() == here:
-            break
-        here = simulated.best()
-    if not simulated.is_noise(here):
+    here = _fitted(found.fitted, windows)
+    if here.shot.gap <= NOISE:
+        return dataclasses.replace(found, fitted=here.made)
+    simulated = Simulated(found, windows.thinned(COMPARED))
+    best = simulated.climbed(found.best)
+    if best not in simulated.fits:
         return found
-    return dataclasses.replace(found, best=here, fitted=simulated.fits[here].made, known=simulated.known)
+    here = here if best == found.best else _fitted(simulated.fits[best].made, windows)
+    if not here.shot.is_noise():
+        return found
+    return dataclasses.replace(found, best=best, fitted=here.made, known=simulated.known)
+
+
+def _fitted(start: Fit, windows: Windows) -> WindowFit:
+    return fit_to_windows(WindowFit.of(start, windows))

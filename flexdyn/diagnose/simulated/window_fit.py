@@ -22,7 +22,7 @@ STEPS = 8
 SHARES = (1.0, 0.3, 0.1)
 """Shares of a step that are tried."""
 WORTH = 5.0
-"""Log posterior that a step must gain for another one [1]: half of what chi^2 must promise (`decision/corrected.py`)."""
+"""Log posterior that a step must gain for another one [1]."""
 
 
 @dataclass(frozen=True, eq=False)

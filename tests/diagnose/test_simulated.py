@@ -1,0 +1,86 @@
+"""Hypotheses fitted to windows of a sliding mass whose motion was computed without flexdyn."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.workspace import workspace
+from flexdyn.diagnose.shooting.gap import shoot
+from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
+from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
+
+RATE, MASS, LEVEL = 500.0, 2.5, 3.0
+LEVELS = Levels(2e-6, 0.02)
+T = np.arange(6000) / RATE
+FORCE = 4.0 * np.sin(2.0 * np.pi * 0.7 * T) + 2.5 * np.sin(2.0 * np.pi * 1.9 * T)
+
+
+def _begun(folder: Path, level: float, seed: int = 0) -> tuple[Fit, Windows]:
+    """A mass under Coulomb friction of 3 N, seen with noise; a hypothesis with another level, and its windows."""
+    x, v = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
+    assert 0.05 < (v == 0.0).mean() < 0.8
+    recording = slider_recording(x, FORCE, RATE, LEVELS, seed)
+    model = slider_model(folder)
+    space, start, _ = workspace(model, (measured(model, recording),))
+    friction = fd.effects.CoulombFriction("lift", side="link", level=level)
+    made = fit(dataclasses.replace(start, effects=(friction,)), space, steps=1)
+    return made, Windows.of(model, [recording], LEVELS.noise(1))
+
+
+def _level(found: Hypothesis) -> float:
+    (effect,) = found.effects
+    assert isinstance(effect, fd.effects.CoulombFriction)
+    return effect.level
+
+
+@pytest.mark.parametrize("level", [2.4, 3.6])
+def test_numbers_come_from_windows_that_stick_and_slide(tmp_path: Path, level: float) -> None:
+    """A level that is 20 % off comes to the true one within its error, and the gap to noise."""
+    made, windows = _begun(tmp_path, level)
+    start = WindowFit.of(made, windows)
+    found = fit_to_windows(start)
+    assert start.shot.gap > 5.0
+    assert found.shot.gap == pytest.approx(1.0, abs=0.2)
+    assert found.log_posterior > start.log_posterior + 100.0
+    (std,) = found.made.std().values()
+    assert 0.0 < std < 0.02 * LEVEL
+    assert abs(_level(found.made.hypothesis) - LEVEL) < 4.0 * std
+    assert found.made.stationary
+
+
+def test_a_fit_to_windows_is_never_worse_than_its_start(tmp_path: Path) -> None:
+    """From the true level, as from any other."""
+    made, windows = _begun(tmp_path, LEVEL)
+    start = WindowFit.of(made, windows)
+    found = fit_to_windows(start)
+    assert found.log_posterior >= start.log_posterior
+    assert found.shot.log_likelihood == shoot(found.made.hypothesis.seen(), windows, start.shot.x0).log_likelihood
+
+
+def test_innovations_of_the_true_model_have_unit_variance(tmp_path: Path) -> None:
+    """Of a free mass, over seeds; a mass that is 5 % off stands out, and its windows are less likely."""
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS, 0.0)
+    model, likely, misfit = slider_model(tmp_path), [], []
+    for seed in range(6):
+        windows = Windows.of(model, [slider_recording(x, FORCE, RATE, LEVELS, seed)], LEVELS.noise(1))
+        shots = [shoot(each, windows) for each in (model, model.replace(effects=[_lighter(0.05)]))]
+        misfit.append(shots[0].misfit)
+        likely.append([each.log_likelihood for each in shots])
+    rows = len(misfit) * len(misfit[0]) * windows.blocks
+    assert np.mean(misfit) == pytest.approx(1.0, abs=5.0 * np.sqrt(2.0 / rows))
+    assert all(right > wrong + 50.0 for right, wrong in likely)
+
+
+def _lighter(share: float) -> fd.effects.ParameterError:
+    """An error of the sliding mass."""
+    return fd.effects.ParameterError(of="mass", parameter="link_mass", factor=1.0 - share)
