@@ -118,6 +118,7 @@ void Events::apply(Stepper& stepper, double t_event) {
 void Events::settle(double t, const std::vector<double>& x) {
   settle_regions(t, x.data());
   settle_contacts(t, x.data());
+  settle_directions(t, x.data());
   any_stuck_ = std::any_of(work_.motion.begin(), work_.motion.end(), [](int m) { return m == stuck; });
   if (any_stuck_ && quiet_step_ == 0.0) find_quiet_step(t, x.data());
 }
@@ -165,6 +166,18 @@ void Events::settle_regions(double t, const double* x) {
   work_.smoothing = 1.0;  // friction of this call is not used
   plant_.evaluate_laws(work_, t, x, torque_(t));
   work_.located = true;
+}
+
+// At rest a law of the direction of motion is 0 on either piece, so that the accelerations do not depend on the choice.
+void Events::settle_directions(double t, const double* x) {
+  bool evaluated = false;
+  for (int which = 0; which < plant_.switches(); ++which) {
+    if (!plant_.rests_at_corner(which, x)) continue;
+    if (!evaluated) evaluate(t, x, true);
+    evaluated = true;
+    const double to_come = plant_.acceleration_at_corner(which, dx_.data());
+    if (to_come != 0.0) work_.region[which] = to_come < 0.0 ? -1 : 1;
+  }
 }
 
 void Events::settle_contacts(double t, const double* x) {

@@ -10,10 +10,14 @@
 //
 // Laws with a corner (dead zone, end stop, torque-speed line) take a region: the piece they are on. Solvers that
 // locate events fix the region over a step and go on smoothly past the corner; the others ask for it at every point.
+//
+// A new law needs a kind, a row in the table, its formula in the function of its stage, and, where it has a corner, its
+// cases in region_of and region_guard.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace flexdyn {
 
@@ -47,6 +51,68 @@ enum class LawKind {
   callback,  // a law written in Python
 };
 
+// Where the pieces of a law meet.
+enum class Corner {
+  none,
+  somewhere,
+  at_rest,  // where its velocity changes sign: what comes after rest is decided by the acceleration
+};
+
+struct LawName {
+  std::string_view name;
+  LawKind kind;
+  Stage stage;
+  int parameters;
+  Corner corner = Corner::none;
+  bool has_state = false;
+};
+
+// One row a law; Python knows them by these names.
+inline constexpr LawName law_table[] = {
+    {"viscous_friction", LawKind::viscous_friction, Stage::friction, 1},
+    {"coulomb_friction", LawKind::coulomb_friction, Stage::dry, 1},
+    {"asymmetric_friction", LawKind::asymmetric_friction, Stage::dry, 2},
+    {"stribeck_friction", LawKind::stribeck_friction, Stage::dry, 3},
+    {"quadratic_drag", LawKind::quadratic_drag, Stage::friction, 1},
+    {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1},
+    {"position_dependent_friction", LawKind::position_dependent_friction, Stage::dry, 3},
+    {"presliding_friction", LawKind::presliding_friction, Stage::friction, 3, Corner::none, true},
+    {"warm_up_friction", LawKind::warm_up_friction, Stage::friction, 2},
+    {"joint_coupling", LawKind::joint_coupling, Stage::friction, 1},
+    {"transmission_damping", LawKind::transmission_damping, Stage::spring, 1},
+    {"hardening_spring", LawKind::hardening_spring, Stage::spring, 1},
+    {"backlash", LawKind::backlash, Stage::deflection, 1, Corner::somewhere},
+    {"spring_hysteresis", LawKind::spring_hysteresis, Stage::spring, 2, Corner::none, true},
+    {"kinematic_error", LawKind::kinematic_error, Stage::deflection, 3},
+    {"torque_offset", LawKind::torque_offset, Stage::actuator, 1},
+    {"torque_constant_error", LawKind::torque_constant_error, Stage::actuator, 1},
+    {"torque_ripple", LawKind::torque_ripple, Stage::actuator, 3},
+    {"torque_speed_limit", LawKind::torque_speed_limit, Stage::actuator, 2, Corner::somewhere},
+    {"command_delay", LawKind::command_delay, Stage::actuator, 1},
+    {"parallel_spring", LawKind::parallel_spring, Stage::link, 2},
+    {"position_torque", LawKind::position_torque, Stage::link, 4},
+    {"end_stop", LawKind::end_stop, Stage::link, 4, Corner::somewhere},
+};
+
+// The row of a name, null if there is none.
+inline const LawName* named(std::string_view name) {
+  for (const LawName& row : law_table) {
+    if (row.name == name) return &row;
+  }
+  return nullptr;
+}
+
+// The row of a kind, null for a law written in Python.
+inline const LawName* row_of(LawKind kind) {
+  for (const LawName& row : law_table) {
+    if (row.kind == kind) return &row;
+  }
+  return nullptr;
+}
+
+inline Corner corner_of(LawKind kind) { return row_of(kind) == nullptr ? Corner::none : row_of(kind)->corner; }
+inline bool has_state(LawKind kind) { return row_of(kind) != nullptr && row_of(kind)->has_state; }
+
 // What a law sees at one instant: position and velocity of its side (transmission: delta and its rate).
 struct LawInput {
   double t = 0.0;
@@ -66,8 +132,8 @@ inline double internal_rate(LawKind kind, const double* p, const LawInput& in) {
   }
 }
 
-// f_link or f_motor of a law smooth in u [N m].
-inline double friction_torque(LawKind kind, const double* p, const LawInput& in) {
+// f_link or f_motor of a law that is 0 at rest or remembers [N m].
+inline double friction_torque(LawKind kind, const double* p, const LawInput& in, [[maybe_unused]] int region) {
   switch (kind) {
     case LawKind::viscous_friction: return p[0] * in.u;
     case LawKind::quadratic_drag: return p[0] * in.u * std::abs(in.u);
@@ -79,7 +145,8 @@ inline double friction_torque(LawKind kind, const double* p, const LawInput& in)
 }
 
 // Level L >= 0 of a dry law in a direction of motion (+1 or -1); its torque is direction * L [N m].
-inline double dry_level(LawKind kind, const double* p, const LawInput& in, double direction) {
+inline double dry_level(LawKind kind, const double* p, const LawInput& in, double direction,
+                        [[maybe_unused]] int region) {
   switch (kind) {
     case LawKind::coulomb_friction: return p[0];
     case LawKind::asymmetric_friction: return direction > 0.0 ? p[0] : p[1];

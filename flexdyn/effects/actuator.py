@@ -22,6 +22,8 @@ class TorqueOffset(JointEffect):
     law = "tau + offset"
     neutral = {"offset": 0.0}
     shown = {"offset": 0.3}
+    order = 2
+    linear = ("offset",)
 
     offset: float = parameter("N m")
 
@@ -41,6 +43,9 @@ class TorqueConstantError(JointEffect):
     law = "(1 + gain)*tau"
     neutral = {"gain": 0.0}
     shown = {"gain": 0.2}
+    order = 1
+    linear = ("gain",)
+    natural_size = 0.15
 
     gain: float = parameter("1")
 
@@ -62,6 +67,7 @@ class TorqueRipple(JointEffect):
     law = "tau + amplitude*sin(harmonic*theta + phase)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.3, "harmonic": 2.0, "phase": 0.0}
+    order = 3
 
     amplitude: float = parameter("N m")
     harmonic: float = parameter("1")
@@ -86,6 +92,12 @@ class TorqueSpeedLimit(JointEffect):
     law = "clip(tau, -stall_torque*(1 + omega/no_load_speed), stall_torque*(1 - omega/no_load_speed))"
     neutral = {"stall_torque": math.inf}
     shown = {"stall_torque": 1.0, "no_load_speed": 3.0}
+    order = 5
+    grids = {
+        "stall_torque": ("torque", (0.3, 0.45, 0.6, 0.75, 0.9, 1.2)),
+        "no_load_speed": ("speed", (1.1, 1.5, 2.0, 3.0, 10.0)),
+    }
+    of_recorded_torque = True
 
     stall_torque: float = parameter("N m", lower=0.0)
     no_load_speed: float = parameter("rad/s", lower=0.0, strict=True)
@@ -107,5 +119,8 @@ class CommandDelay(JointEffect):
     neutral = {"delay": 0.0}
     no_torque = "it shifts the command in time"
     shown = {"delay": 0.005}
+    order = 0
+    grids = {"delay": ("one", (0.0005, 0.001, 0.002, 0.004, 0.008))}
+    prevalence = "often"
 
     delay: float = parameter("s", lower=0.0)

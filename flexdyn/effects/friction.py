@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.base import JointEffect, parameter, spaced
 from flexdyn.effects.memory import MemoryEffect
 
 
@@ -25,6 +25,9 @@ class ViscousFriction(JointEffect):
     law = "coefficient*u"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.5}
+    linear = ("coefficient",)
+    prevalence = "everywhere"
+    of_velocity = True
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
 
@@ -46,6 +49,9 @@ class CoulombFriction(JointEffect):
     law = "level*Sgn(u)"
     neutral = {"level": 0.0}
     shown = {"level": 1.0}
+    linear = ("level",)
+    prevalence = "everywhere"
+    of_velocity = True
 
     level: float = parameter("N m", lower=0.0)
 
@@ -68,6 +74,11 @@ class AsymmetricFriction(JointEffect):
     law = "(level_positive if u > 0 else level_negative)*Sgn(u)"
     neutral = {"level_positive": 0.0, "level_negative": 0.0}
     shown = {"level_positive": 1.2, "level_negative": 0.7}
+    linear = ("level_positive", "level_negative")
+    contains = ("coulomb_friction", "torque_offset")
+    plainer = ("coulomb_friction",)
+    prevalence = "often"
+    of_velocity = True
 
     level_positive: float = parameter("N m", lower=0.0)
     level_negative: float = parameter("N m", lower=0.0)
@@ -92,6 +103,10 @@ class StribeckFriction(JointEffect):
     law = "excess*exp(-(abs(u)/velocity)^exponent)*Sgn(u)"
     neutral = {"excess": 0.0}
     shown = {"excess": 0.5, "velocity": 0.1}
+    linear = ("excess",)
+    grids = {"velocity": ("speed", spaced(0.003, 0.4, 9))}
+    prevalence = "often"
+    of_velocity = True
 
     excess: float = parameter("N m", lower=0.0)
     velocity: float = parameter("rad/s", lower=0.0, strict=True)
@@ -114,6 +129,8 @@ class QuadraticDrag(JointEffect):
     law = "coefficient*u*abs(u)"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.3}
+    linear = ("coefficient",)
+    of_velocity = True
 
     coefficient: float = parameter("N m s^2/rad^2", lower=0.0)
 
@@ -134,6 +151,10 @@ class LoadDependentFriction(JointEffect):
     law = "coefficient*abs(tau_s)*Sgn(u)"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.15}
+    takes_load = True
+    linear = ("coefficient",)
+    natural_size = 0.15
+    prevalence = "often"
 
     coefficient: float = parameter("1", lower=0.0)
 
@@ -156,6 +177,8 @@ class PositionDependentFriction(JointEffect):
     law = "amplitude*(1 + sin(harmonic*x + phase))*Sgn(u)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
+    contains = ("coulomb_friction",)
+    plainer = ("coulomb_friction",)
 
     amplitude: float = parameter("N m", lower=0.0)
     harmonic: float = parameter("1")
@@ -182,6 +205,8 @@ class PreslidingFriction(MemoryEffect):
     law = "stiffness*z + damping*z', z' = u - stiffness*abs(u)*z/level"
     neutral = {"level": 0.0}
     shown = {"level": 1.0, "stiffness": 500.0}
+    contains = ("coulomb_friction", "viscous_friction")
+    plainer = ("coulomb_friction",)
 
     level: float = parameter("N m", lower=0.0)
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
@@ -213,6 +238,10 @@ class WarmUpFriction(JointEffect):
     law = "coefficient*exp(-t/time_constant)*u"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 1.0, "time_constant": 300.0}
+    linear = ("coefficient",)
+    grids = {"time_constant": ("seconds", spaced(0.04, 1.5, 7))}
+    contains = ("viscous_friction",)
+    plainer = ("viscous_friction",)
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
     time_constant: float = parameter("s", lower=0.0, strict=True)

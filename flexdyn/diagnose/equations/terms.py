@@ -17,7 +17,6 @@ from flexdyn.effects import (
     JointCoupling,
     JointEffect,
     KinematicError,
-    LoadDependentFriction,
     MemoryEffect,
 )
 from flexdyn.model import FlexibleJointModel
@@ -25,7 +24,6 @@ from flexdyn.model import FlexibleJointModel
 Array = NDArray[np.float64]
 ROUNDS = 4
 """In which friction and the load that it depends on are made to agree."""
-ACTUATOR_ORDER = ("command_delay", "torque_constant_error", "torque_offset", "torque_ripple", "torque_speed_limit")
 
 
 def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
@@ -34,11 +32,10 @@ def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
 
 
 def applied_torque(effects: Sequence[JointEffect], motion: Motion, j: int) -> Array:
-    """tau_applied (samples,): delay, gain, offset, ripple and limit act on the torque asked for, in this order."""
+    """tau_applied (samples,): the actuator effects act on the torque asked for one after the other."""
     tau = motion.tau[:, j]
     acting = [e for e in effects if e.stage == "actuator"]
-    order = {name: place for place, name in enumerate(ACTUATOR_ORDER)}
-    for effect in sorted(acting, key=lambda e: order.get(e.name, len(order))):
+    for effect in sorted(acting, key=lambda e: e.order):
         if isinstance(effect, CommandDelay):
             tau = np.interp(motion.t - effect.delay, motion.t, tau)
         else:
@@ -88,7 +85,7 @@ def friction_torque(
     for effect in effects:
         if effect.side != side or effect.stage not in ("friction", "dry"):
             continue
-        if isinstance(effect, LoadDependentFriction):
+        if effect.takes_load:
             total += effect.torque(x[:, j], u[:, j], tau=carried)
         else:
             total += -own_torque(effect, model, motion)[1]
@@ -97,7 +94,7 @@ def friction_torque(
 
 def adds_up(effect: JointEffect) -> bool:
     """Whether an effect's torque does not depend on the other effects of its joint."""
-    plain = effect.stage in ("friction", "dry", "link") and not isinstance(effect, LoadDependentFriction)
+    plain = effect.stage in ("friction", "dry", "link") and not effect.takes_load
     return plain and effect.side in ("motor", "link")
 
 

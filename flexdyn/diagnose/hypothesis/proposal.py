@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -114,6 +115,35 @@ def linear(
         grid=points,
         positive=(bounds[name] >= 0.0,),
         axes=tuple(grid[0]),
+    )
+
+
+def declared(kind: type[Effect], place: Mapping[str, str], extent: Extent) -> Proposal:
+    """An effect by what its class says is linear in it, and what to try of its other numbers.
+
+    Args:
+        kind: its class.
+        place: ``joint`` and ``side``.
+        extent: what the joint does, by which the grids are sized.
+    """
+    place, names = {"effect": kind.name, **place}, tuple(kind.grids)
+    sizes = {"one": 1.0, **{key: getattr(extent, key) for key in ("torque", "speed", "deflection", "seconds")}}
+    values = [[share * sizes[scale] for share in shares] for scale, shares in kind.grids.values()]
+    grid = tuple(itertools.product(*values))
+    if not kind.linear:
+        return given(place, names, grid)
+    lower = {entry.name: entry.metadata["lower"] for entry in kind.parameters()}
+
+    def build(point: Point, x: Sequence[float]) -> Effect:
+        return at(place, **dict(zip(names, point, strict=True)), **dict(zip(kind.linear, map(float, x), strict=True)))
+
+    return Proposal(
+        place,
+        make=build,
+        units=lambda point: [(build(point, row), 1.0) for row in np.eye(len(kind.linear)).tolist()],
+        grid=grid,
+        positive=tuple(lower[name] >= 0.0 for name in kind.linear),
+        axes=names,
     )
 
 
