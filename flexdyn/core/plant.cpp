@@ -205,7 +205,9 @@ void Plant::dry_frictions(Workspace& w, double t, const double* x) const {
   for (std::size_t c = 0; c < dry_.size(); ++c) {
     const DryContact& contact = dry_[c];
     const double u = x[velocity_index(contact)];
-    for (const Law& law : contact.laws) follow(w, law, input(w, law, t, x));
+    for (const Law& law : contact.laws) {
+      if (law.region >= 0) follow(w, law, input(w, law, t, x));
+    }
     if (w.located) {
       w.friction[c] = w.motion[c] == stuck ? 0.0 : w.motion[c] * level(w, c, t, x, w.motion[c]);
     } else {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -118,13 +118,17 @@ def linear(
     )
 
 
-def declared(kind: type[Effect], place: Mapping[str, str], extent: Extent) -> Proposal:
+def declared(kind: type[Effect], place: Mapping[str, str], extent: Extent, beside: Collection[str] = ()) -> Proposal:
     """An effect by what its class says is linear in it, and what to try of its other numbers.
+
+    Its linear numbers may not be negative where their bound says so; nor where the plainer law, beside which alone a
+    negative one makes sense, is not in the model.
 
     Args:
         kind: its class.
         place: ``joint`` and ``side``.
         extent: what the joint does, by which the grids are sized.
+        beside: effects that the model has at this place.
     """
     place, names = {"effect": kind.name, **place}, tuple(kind.grids)
     sizes = {"one": 1.0, **{key: getattr(extent, key) for key in ("torque", "speed", "deflection", "seconds")}}
@@ -133,6 +137,7 @@ def declared(kind: type[Effect], place: Mapping[str, str], extent: Extent) -> Pr
     if not kind.linear:
         return given(place, names, grid)
     lower = {entry.name: entry.metadata["lower"] for entry in kind.parameters()}
+    alone = bool(kind.plainer) and not set(kind.plainer) & set(beside)
 
     def build(point: Point, x: Sequence[float]) -> Effect:
         return at(place, **dict(zip(names, point, strict=True)), **dict(zip(kind.linear, map(float, x), strict=True)))
@@ -142,7 +147,7 @@ def declared(kind: type[Effect], place: Mapping[str, str], extent: Extent) -> Pr
         make=build,
         units=lambda point: [(build(point, row), 1.0) for row in np.eye(len(kind.linear)).tolist()],
         grid=grid,
-        positive=tuple(lower[name] >= 0.0 for name in kind.linear),
+        positive=tuple(lower[name] >= 0.0 or alone for name in kind.linear),
         axes=names,
     )
 

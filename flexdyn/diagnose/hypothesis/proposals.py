@@ -12,6 +12,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.play import half_gaps
 from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, at, declared, given, linear, wave
 from flexdyn.effects import Effect, JointEffect, JointElasticity, catalogue
+from flexdyn.model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 SLOW_HARMONICS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
@@ -26,10 +27,10 @@ def proposals(equations: Equations) -> list[Proposal]:
         extent = Extent.of(equations, j)
         elastic = bool(equations.true.elastic[j])
         for side in ("motor", "link") if elastic else ("motor",):
-            found += _declared({"joint": joint, "side": side}, extent, elastic=elastic)
+            found += _declared({"joint": joint, "side": side}, extent, equations.true)
             found += _friction({"joint": joint, "side": side}, extent)
         if elastic:
-            found += _declared({"joint": joint, "side": "transmission"}, extent, elastic=True)
+            found += _declared({"joint": joint, "side": "transmission"}, extent, equations.true)
             found += _transmission(joint, extent, half_gaps(equations, j, extent.deflection))
         elif equations.true.rotor_inertia[j] > 0.0:
             found.append(_elasticity(joint))
@@ -41,13 +42,16 @@ def proposals(equations: Equations) -> list[Proposal]:
     return [*found, linear(tip, "mass", unit=1e-3)]
 
 
-def _declared(place: Mapping[str, str], extent: Extent, *, elastic: bool) -> Iterator[Proposal]:
+def _declared(place: Mapping[str, str], extent: Extent, true: FlexibleJointModel) -> Iterator[Proposal]:
     """Of one joint's side: every effect whose class says what is linear in it or what to try."""
+    elastic = bool(true.elastic[true.index(place["joint"])])
+    there = [each for each in true.all_effects if isinstance(each, JointEffect) and each.joint == place["joint"]]
+    beside = {each.name for each in there if each.side == place["side"]}
     for kind in catalogue().values():
         own = kind.__module__.startswith("flexdyn.") and issubclass(kind, JointEffect)
         possible = place["side"] in kind.sides and (elastic or not kind.takes_load)
         if own and possible and (kind.linear or kind.grids):
-            yield declared(kind, place, extent)
+            yield declared(kind, place, extent, beside)
 
 
 def _friction(place: Mapping[str, str], extent: Extent) -> Iterator[Proposal]:
