@@ -29,6 +29,7 @@ enum class LawKind {
   coulomb_friction,
   asymmetric_friction,
   stribeck_friction,
+  asymmetric_viscous_friction,
   quadratic_drag,
   load_dependent_friction,
   position_dependent_friction,
@@ -73,6 +74,7 @@ inline constexpr LawName law_table[] = {
     {"coulomb_friction", LawKind::coulomb_friction, Stage::dry, 1},
     {"asymmetric_friction", LawKind::asymmetric_friction, Stage::dry, 2},
     {"stribeck_friction", LawKind::stribeck_friction, Stage::dry, 3},
+    {"asymmetric_viscous_friction", LawKind::asymmetric_viscous_friction, Stage::friction, 2, Corner::at_rest},
     {"quadratic_drag", LawKind::quadratic_drag, Stage::friction, 1},
     {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1},
     {"position_dependent_friction", LawKind::position_dependent_friction, Stage::dry, 3},
@@ -133,9 +135,10 @@ inline double internal_rate(LawKind kind, const double* p, const LawInput& in) {
 }
 
 // f_link or f_motor of a law that is 0 at rest or remembers [N m].
-inline double friction_torque(LawKind kind, const double* p, const LawInput& in, [[maybe_unused]] int region) {
+inline double friction_torque(LawKind kind, const double* p, const LawInput& in, int region) {
   switch (kind) {
     case LawKind::viscous_friction: return p[0] * in.u;
+    case LawKind::asymmetric_viscous_friction: return (region > 0 ? p[0] : p[1]) * in.u;
     case LawKind::quadratic_drag: return p[0] * in.u * std::abs(in.u);
     case LawKind::warm_up_friction: return p[0] * std::exp(-in.t / p[1]) * in.u;
     case LawKind::joint_coupling: return p[0] * in.other;
@@ -213,6 +216,7 @@ inline int region_of(LawKind kind, const double* p, const LawInput& in, double v
       if (in.x < p[0]) return p[2] * (in.x - p[0]) + p[3] * in.u < 0.0 ? -1 : 0;
       return 0;
     case LawKind::backlash: return value > p[0] ? 1 : value < -p[0] ? -1 : 0;
+    case LawKind::asymmetric_viscous_friction: return in.u < 0.0 ? -1 : 1;
     default: return 0;
   }
 }
@@ -232,6 +236,7 @@ inline double region_guard(LawKind kind, const double* p, const LawInput& in, do
       return region > 0 ? std::min(up, in.x - p[1]) : std::min(down, p[0] - in.x);
     }
     case LawKind::backlash: return region == 0 ? p[0] - std::abs(value) : region * value - p[0];
+    case LawKind::asymmetric_viscous_friction: return region * in.u;
     default: return 1.0;
   }
 }

@@ -5,6 +5,7 @@ from flexdyn.effects.base import Effect, JointEffect, parameter, registered, uni
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
 from flexdyn.effects.friction import (
     AsymmetricFriction,
+    AsymmetricViscousFriction,
     CoulombFriction,
     LoadDependentFriction,
     PositionDependentFriction,
@@ -37,6 +38,7 @@ from flexdyn.effects.transmission import (
 
 __all__ = [
     "AsymmetricFriction",
+    "AsymmetricViscousFriction",
     "Backlash",
     "ChannelLag",
     "CommandDelay",

@@ -113,6 +113,38 @@ class StribeckFriction(JointEffect):
     exponent: float = parameter("1", lower=0.0, strict=True, default=1.0)
 
 
+class AsymmetricViscousFriction(JointEffect):
+    """Viscous friction with a coefficient for each direction of motion.
+
+    ``f = coefficient_positive u`` for u > 0, ``coefficient_negative u`` for u < 0: continuous, with a corner at rest.
+    Equal coefficients are viscous friction. Source: the friction of a screw drive identified for either direction
+    (Janot, Gautier, Brunot: Data set and reference models of EMPS, 2019).
+
+    One of the coefficients may be negative beside viscous friction of at least that size on the same side: ``(-c, c)``
+    says what the direction changes. Alone a negative coefficient would drive the joint.
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        coefficient_positive: for motion in the positive direction [N m s/rad].
+        coefficient_negative: for motion in the negative direction [N m s/rad].
+    """
+
+    sides = ("link", "motor")
+    stage = "friction"
+    law = "(coefficient_positive if u > 0 else coefficient_negative)*u"
+    neutral = {"coefficient_positive": 0.0, "coefficient_negative": 0.0}
+    shown = {"coefficient_positive": 0.6, "coefficient_negative": 0.3}
+    linear = ("coefficient_positive", "coefficient_negative")
+    contains = ("viscous_friction",)
+    plainer = ("viscous_friction",)
+    prevalence = "often"
+    of_velocity = True
+
+    coefficient_positive: float = parameter("N m s/rad")
+    coefficient_negative: float = parameter("N m s/rad")
+
+
 class QuadraticDrag(JointEffect):
     """Drag that grows with the square of speed: air, churned grease.
 

@@ -44,6 +44,8 @@ def smooth_friction(e: Any, t: float, u: float, other: float) -> float:
     """Friction of a law that is smooth in u and has no memory [N m]."""
     if e.name == "viscous_friction":
         return float(e.coefficient * u)
+    if e.name == "asymmetric_viscous_friction":
+        return float(max(e.coefficient_positive * u, 0.0) + min(e.coefficient_negative * u, 0.0))
     if e.name == "quadratic_drag":
         return float(e.coefficient * u**2 * np.sign(u))
     if e.name == "warm_up_friction":

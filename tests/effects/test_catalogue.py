@@ -21,6 +21,7 @@ TABLE: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
     ("coulomb_friction", BOTH, {"level": LEVEL}),
     ("asymmetric_friction", BOTH, {"level_positive": LEVEL, "level_negative": LEVEL}),
     ("stribeck_friction", BOTH, {"excess": LEVEL, "velocity": "rad/s", "exponent": ONE}),
+    ("asymmetric_viscous_friction", BOTH, {"coefficient_positive": VISCOUS, "coefficient_negative": VISCOUS}),
     ("quadratic_drag", BOTH, {"coefficient": "N m s^2/rad^2"}),
     ("load_dependent_friction", MOTOR, {"coefficient": ONE}),
     ("position_dependent_friction", BOTH, {"amplitude": LEVEL, "harmonic": ONE, "phase": ANGLE}),

@@ -34,6 +34,9 @@ LAWS: dict[str, Law] = {
     "coulomb_friction": lambda e, t, x, u, tau: e.level * np.sign(u),
     "asymmetric_friction": lambda e, t, x, u, tau: np.where(u > 0, e.level_positive, e.level_negative) * np.sign(u),
     "stribeck_friction": lambda e, t, x, u, tau: e.excess * np.exp(-((abs(u) / e.velocity) ** e.exponent)) * np.sign(u),
+    "asymmetric_viscous_friction": (
+        lambda e, t, x, u, tau: e.coefficient_positive * np.maximum(u, 0) + e.coefficient_negative * np.minimum(u, 0)
+    ),
     "quadratic_drag": lambda e, t, x, u, tau: e.coefficient * np.sign(u) * u**2,
     "load_dependent_friction": lambda e, t, x, u, tau: e.coefficient * abs(tau) * np.sign(u),
     "position_dependent_friction": (

@@ -12,6 +12,7 @@ import pytest
 import flexdyn as fd
 from flexdyn.effects import (
     AsymmetricFriction,
+    AsymmetricViscousFriction,
     Backlash,
     CommandDelay,
     CoulombFriction,
@@ -86,6 +87,10 @@ CORNERED: dict[str, list[Effect]] = {
         QuadraticDrag("elbow", side="motor", coefficient=0.3),
         QuadraticDrag("elbow", side="link", coefficient=0.2),
     ],
+    "asymmetric_viscous": [
+        AsymmetricViscousFriction("elbow", side="motor", coefficient_positive=0.3, coefficient_negative=0.9),
+        AsymmetricViscousFriction("shoulder", side="link", coefficient_positive=0.8, coefficient_negative=0.1),
+    ],
     "presliding": [PreslidingFriction("elbow", side="motor", **STIFF)],
     "presliding_link": [PreslidingFriction("shoulder", side="link", **STIFF)],
     "hysteresis": [SpringHysteresis("elbow", stiffness=60.0, width=0.003)],
@@ -105,7 +110,8 @@ CORNERED: dict[str, list[Effect]] = {
         TorqueOffset("elbow", offset=-0.1),
     ],
 }
-CORNERED_ON_RIGID = ["drag", "presliding", "presliding_link", "limit", "end_stops", "all_of_the_motor"]
+NEED_A_SPRING = ("hysteresis", "hysteresis_after_the_gap", "gaps_add", "gap_on_both")
+CORNERED_ON_RIGID = [name for name in CORNERED if name not in NEED_A_SPRING]
 
 DRY: dict[str, list[Effect]] = {
     "coulomb": [CoulombFriction("elbow", side="motor", level=0.2), CoulombFriction("elbow", side="link", level=0.1)],
