@@ -44,6 +44,7 @@ enum class LawKind {
   torque_offset,
   torque_constant_error,
   torque_ripple,
+  torque_saturation,
   torque_speed_limit,
   command_delay,  // acts on the command's time, not on its value
   parallel_spring,
@@ -89,6 +90,7 @@ inline constexpr LawName law_table[] = {
     {"torque_offset", LawKind::torque_offset, Stage::actuator, 1},
     {"torque_constant_error", LawKind::torque_constant_error, Stage::actuator, 1},
     {"torque_ripple", LawKind::torque_ripple, Stage::actuator, 3},
+    {"torque_saturation", LawKind::torque_saturation, Stage::actuator, 1},
     {"torque_speed_limit", LawKind::torque_speed_limit, Stage::actuator, 2, Corner::somewhere},
     {"command_delay", LawKind::command_delay, Stage::actuator, 1},
     {"parallel_spring", LawKind::parallel_spring, Stage::link, 2},
@@ -192,6 +194,7 @@ inline double actuator_torque(LawKind kind, const double* p, const LawInput& in,
   switch (kind) {
     case LawKind::torque_offset: return tau + p[0];
     case LawKind::torque_constant_error: return (1.0 + p[0]) * tau;
+    case LawKind::torque_saturation: return tau / (1.0 + std::abs(tau) / p[0]);
     case LawKind::torque_ripple: return tau + p[0] * std::sin(p[1] * in.x + p[2]);
     case LawKind::torque_speed_limit:
       // Regions: 0 inside, +-1 on the upper or lower line, +-2 past its end, where nothing is left.

@@ -1,6 +1,13 @@
 """The effects a drive and its links can have; one class each, the laws in the compiled core."""
 
-from flexdyn.effects.actuator import CommandDelay, TorqueConstantError, TorqueOffset, TorqueRipple, TorqueSpeedLimit
+from flexdyn.effects.actuator import (
+    CommandDelay,
+    TorqueConstantError,
+    TorqueOffset,
+    TorqueRipple,
+    TorqueSaturation,
+    TorqueSpeedLimit,
+)
 from flexdyn.effects.base import Effect, JointEffect, parameter, registered, unit_for
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
 from flexdyn.effects.friction import (
@@ -69,6 +76,7 @@ __all__ = [
     "TorqueConstantError",
     "TorqueOffset",
     "TorqueRipple",
+    "TorqueSaturation",
     "TorqueSpeedLimit",
     "TransmissionDamping",
     "ViscousFriction",

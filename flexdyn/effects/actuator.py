@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.base import JointEffect, parameter, spaced
 
 
 class TorqueOffset(JointEffect):
@@ -101,6 +101,33 @@ class TorqueSpeedLimit(JointEffect):
 
     stall_torque: float = parameter("N m", lower=0.0)
     no_load_speed: float = parameter("rad/s", lower=0.0, strict=True)
+
+
+class TorqueSaturation(JointEffect):
+    """Torque that is lost at high current: the iron saturates, and more current gives less and less torque.
+
+    ``tau_applied = tau/(1 + abs(tau)/scale)``: half of what is asked for is lost where ``abs(tau) = scale``, and no
+    torque reaches the scale. Of small torques ``abs(tau)/scale`` is lost, to first order. Its slope is continuous.
+
+    It takes what gain, offset and ripple of the current have made of the torque, for all of it goes through the iron.
+    The torque-speed line comes after it: that is of the torque that the motor gives. Source: the fall of the torque
+    constant at high current in motors' data sheets; a saturation of the Froelich kind, ``B = H/(a + b H)``.
+
+    Args:
+        joint: its name.
+        scale: torque that is never reached [N m]; infinite: no loss.
+    """
+
+    sides = ("motor",)
+    stage = "actuator"
+    law = "tau/(1 + abs(tau)/scale)"
+    neutral = {"scale": math.inf}
+    shown = {"scale": 2.0}
+    order = 4
+    grids = {"scale": ("torque", spaced(0.4, 40.0, 13))}
+    of_recorded_torque = True
+
+    scale: float = parameter("N m", lower=0.0, strict=True)
 
 
 class CommandDelay(JointEffect):

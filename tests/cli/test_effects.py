@@ -19,7 +19,7 @@ from tests.cli.conftest import Runner
 NAMES = tuple(fd.effects.catalogue())
 WITHOUT_LAW = {"payload": "it changes M(q) and h(q, v)", "parameter_error": "it changes a number of the model"}
 DRAWN = tuple(name for name in NAMES if name not in WITHOUT_LAW)
-OVER_TORQUE = ("torque_offset", "torque_constant_error")
+OVER_TORQUE = ("torque_offset", "torque_constant_error", "torque_saturation")
 OVER_TIME = ("command_delay", "channel_lag")
 OVER_POSITION = (
     *("position_dependent_friction", "presliding_friction", "joint_elasticity", "hardening_spring", "backlash"),

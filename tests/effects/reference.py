@@ -71,11 +71,14 @@ def on_link(e: Any, q: float, v: float) -> float:
 
 
 def motor(effects: Sequence[Any], tau: float, theta: float, omega: float) -> float:
-    """tau_applied: gain, offset, ripple, limit."""
+    """tau_applied: gain, offset, ripple, saturation, limit."""
     tau = tau * (1.0 + sum(e.gain for e in effects if e.name == "torque_constant_error"))
     tau = tau + sum(e.offset for e in effects if e.name == "torque_offset")
     ripples = [e for e in effects if e.name == "torque_ripple"]
     tau = tau + sum(e.amplitude * math.sin(e.harmonic * theta + e.phase) for e in ripples)
+    for e in effects:
+        if e.name == "torque_saturation":
+            tau = e.scale * tau / (e.scale + abs(tau))
     for e in effects:
         if e.name == "torque_speed_limit":
             upper = max(0.0, e.stall_torque * (1.0 - omega / e.no_load_speed))

@@ -37,6 +37,7 @@ TABLE: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
     ("torque_constant_error", MOTOR, {"gain": ONE}),
     ("torque_ripple", MOTOR, {"amplitude": LEVEL, "harmonic": ONE, "phase": ANGLE}),
     ("torque_speed_limit", MOTOR, {"stall_torque": LEVEL, "no_load_speed": "rad/s"}),
+    ("torque_saturation", MOTOR, {"scale": LEVEL}),
     ("command_delay", MOTOR, {"delay": "s"}),
     ("payload", (), {"mass": "kg"}),
     ("parallel_spring", LINK, {"stiffness": "N m/rad", "rest": ANGLE}),
@@ -86,6 +87,7 @@ ABOVE_ZERO = [
     "joint_elasticity.stiffness",
     "spring_hysteresis.width",
     "torque_speed_limit.no_load_speed",
+    "torque_saturation.scale",
     "parameter_error.factor",
 ]
 EXAMPLES = catalogue_examples()
@@ -137,7 +139,12 @@ def test_lower_bounds(path: str) -> None:
 @pytest.mark.parametrize("effect", EXAMPLES, ids=lambda effect: effect.name)
 def test_numbers_without_sense(effect: Effect) -> None:
     """NaN nowhere; infinity only where it means "none"."""
-    may_be = {"joint_elasticity": {"stiffness"}, "torque_speed_limit": {"stall_torque"}, "end_stop": {"lower", "upper"}}
+    may_be = {
+        "joint_elasticity": {"stiffness"},
+        "torque_speed_limit": {"stall_torque"},
+        "torque_saturation": {"scale"},
+        "end_stop": {"lower", "upper"},
+    }
     for field in effect.parameters():
         with pytest.raises(fd.InputError, match=rf"{effect.name}\.{field.name}: a number is needed"):
             changed(effect, **{field.name: math.nan})

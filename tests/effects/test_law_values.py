@@ -49,6 +49,7 @@ LAWS: dict[str, Law] = {
     "torque_offset": lambda e, t, x, u, tau: tau + e.offset,
     "torque_constant_error": lambda e, t, x, u, tau: tau * (1 + e.gain),
     "torque_ripple": lambda e, t, x, u, tau: tau + e.amplitude * np.sin(e.harmonic * x + e.phase),
+    "torque_saturation": lambda e, t, x, u, tau: np.sign(tau) / (1 / abs(tau) + 1 / e.scale),
     "torque_speed_limit": lambda e, t, x, u, tau: clipped(e, tau, u),
     "parallel_spring": lambda e, t, x, u, tau: e.stiffness * (e.rest - x),
     "position_torque": lambda e, t, x, u, tau: (
@@ -68,6 +69,7 @@ ODD = [
     "transmission_damping",
     "hardening_spring",
     "torque_constant_error",
+    "torque_saturation",
     "torque_speed_limit",
     "joint_coupling",
 ]
