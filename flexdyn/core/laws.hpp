@@ -32,6 +32,7 @@ enum class LawKind {
   asymmetric_viscous_friction,
   quadratic_drag,
   load_dependent_friction,
+  directional_gear_loss,
   position_dependent_friction,
   presliding_friction,
   warm_up_friction,
@@ -77,7 +78,8 @@ inline constexpr LawName law_table[] = {
     {"stribeck_friction", LawKind::stribeck_friction, Stage::dry, 3},
     {"asymmetric_viscous_friction", LawKind::asymmetric_viscous_friction, Stage::friction, 2, Corner::at_rest},
     {"quadratic_drag", LawKind::quadratic_drag, Stage::friction, 1},
-    {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1},
+    {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1, Corner::somewhere},
+    {"directional_gear_loss", LawKind::directional_gear_loss, Stage::dry, 2, Corner::somewhere},
     {"position_dependent_friction", LawKind::position_dependent_friction, Stage::dry, 3},
     {"presliding_friction", LawKind::presliding_friction, Stage::friction, 3, Corner::none, true},
     {"warm_up_friction", LawKind::warm_up_friction, Stage::friction, 2},
@@ -149,9 +151,8 @@ inline double friction_torque(LawKind kind, const double* p, const LawInput& in,
   }
 }
 
-// Level L >= 0 of a dry law in a direction of motion (+1 or -1); its torque is direction * L [N m].
-inline double dry_level(LawKind kind, const double* p, const LawInput& in, double direction,
-                        [[maybe_unused]] int region) {
+// Level L >= 0 of a dry law on its region in a direction of motion (+1 or -1); its torque is direction * L [N m].
+inline double dry_level(LawKind kind, const double* p, const LawInput& in, double direction, int region) {
   switch (kind) {
     case LawKind::coulomb_friction: return p[0];
     case LawKind::asymmetric_friction: return direction > 0.0 ? p[0] : p[1];
@@ -162,7 +163,9 @@ inline double dry_level(LawKind kind, const double* p, const LawInput& in, doubl
       const double power = p[2] == 1.0 ? ratio : std::pow(std::abs(ratio), p[2]);
       return p[0] * std::exp(-power);
     }
-    case LawKind::load_dependent_friction: return p[0] * std::abs(in.tau_s);
+    // The region is the sign of the load: past its zero the branch goes on smoothly.
+    case LawKind::load_dependent_friction: return p[0] * region * in.tau_s;
+    case LawKind::directional_gear_loss: return (direction * region > 0.0 ? p[0] : p[1]) * region * in.tau_s;
     case LawKind::position_dependent_friction: return p[0] * (1.0 + std::sin(p[1] * in.x + p[2]));
     default: return 0.0;
   }
@@ -220,6 +223,8 @@ inline int region_of(LawKind kind, const double* p, const LawInput& in, double v
       return 0;
     case LawKind::backlash: return value > p[0] ? 1 : value < -p[0] ? -1 : 0;
     case LawKind::asymmetric_viscous_friction: return in.u < 0.0 ? -1 : 1;
+    case LawKind::load_dependent_friction:
+    case LawKind::directional_gear_loss: return in.tau_s < 0.0 ? -1 : 1;
     default: return 0;
   }
 }
@@ -240,6 +245,8 @@ inline double region_guard(LawKind kind, const double* p, const LawInput& in, do
     }
     case LawKind::backlash: return region == 0 ? p[0] - std::abs(value) : region * value - p[0];
     case LawKind::asymmetric_viscous_friction: return region * in.u;
+    case LawKind::load_dependent_friction:
+    case LawKind::directional_gear_loss: return region * in.tau_s;
     default: return 1.0;
   }
 }

@@ -77,7 +77,7 @@ def test_every_law_can_be_drawn(tmp_path: Path, name: str) -> None:
     texts = _texts(tmp_path / "law.svg")
     assert name.replace("_", " ").capitalize() in texts
     assert kind.law in texts
-    over_torque = name in OVER_TORQUE or name == "load_dependent_friction"
+    over_torque = name in OVER_TORQUE or kind.takes_load
     across = "[N m]" if over_torque else "[s]" if name in OVER_TIME else "[rad]" if name in OVER_POSITION else "[rad/s]"
     is_length = kind.stage in ("sensor", "deflection")
     labels = [text for text in texts if text.endswith(("[N m]", "[s]", "[rad]", "[rad/s]"))]

@@ -39,6 +39,9 @@ LAWS: dict[str, Law] = {
     ),
     "quadratic_drag": lambda e, t, x, u, tau: e.coefficient * np.sign(u) * u**2,
     "load_dependent_friction": lambda e, t, x, u, tau: e.coefficient * abs(tau) * np.sign(u),
+    "directional_gear_loss": (
+        lambda e, t, x, u, tau: np.where(tau * u > 0, e.driving * tau, -e.driven * tau) * (u != 0)
+    ),
     "position_dependent_friction": (
         lambda e, t, x, u, tau: e.amplitude * (1 + np.sin(e.harmonic * x + e.phase)) * np.sign(u)
     ),
@@ -64,6 +67,7 @@ ODD = [
     "stribeck_friction",
     "quadratic_drag",
     "load_dependent_friction",
+    "directional_gear_loss",
     "warm_up_friction",
     "joint_elasticity",
     "transmission_damping",

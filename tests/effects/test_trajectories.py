@@ -16,6 +16,7 @@ from flexdyn.effects import (
     Backlash,
     CommandDelay,
     CoulombFriction,
+    DirectionalGearLoss,
     Effect,
     EndStop,
     HardeningSpring,
@@ -125,6 +126,12 @@ DRY: dict[str, list[Effect]] = {
     "position_dependent": [PositionDependentFriction("elbow", side="link", amplitude=0.3, **WAVE)],
     "position_dependent_motor": [PositionDependentFriction("elbow", side="motor", amplitude=0.3, **WAVE)],
     "load_dependent": [LoadDependentFriction("shoulder", coefficient=0.3)],
+    "load_directional": [DirectionalGearLoss("shoulder", driving=0.2, driven=0.6)],
+    "load_directional_with_all": [
+        DirectionalGearLoss("elbow", driving=0.5, driven=0.1),
+        TransmissionDamping("elbow", coefficient=0.4),
+        KinematicError("elbow", amplitude=0.004, harmonic=9.0, phase=0.3),
+    ],
     "load_dependent_with_all": [
         LoadDependentFriction("elbow", coefficient=0.3),
         TransmissionDamping("elbow", coefficient=0.4),
