@@ -168,16 +168,25 @@ void Events::settle_regions(double t, const double* x) {
   work_.located = true;
 }
 
-// At rest a law of the direction of motion is 0 on either piece, so that the accelerations do not depend on the choice.
+// A law that is nothing at its corner, on either piece, leaves the accelerations as they are: so these say on which
+// piece the motion goes on.
 void Events::settle_directions(double t, const double* x) {
-  bool evaluated = false;
+  std::vector<int> open;
   for (int which = 0; which < plant_.switches(); ++which) {
-    if (!plant_.rests_at_corner(which, x)) continue;
-    if (!evaluated) evaluate(t, x, true);
-    evaluated = true;
-    const double to_come = plant_.acceleration_at_corner(which, dx_.data());
-    if (to_come != 0.0) work_.region[which] = to_come < 0.0 ? -1 : 1;
+    if (plant_.at_zero_corner(work_, which, t, x)) open.push_back(which);
   }
+  if (open.empty()) return;
+  constexpr double soon = 1e-5;
+  evaluate(t, x, true);
+  const int half = plant_.velocities();
+  std::vector<double> ahead(x, x + plant_.state_size());
+  for (int i = 0; i < half; ++i) {
+    ahead[i] += soon * (dx_[i] + 0.5 * soon * dx_[half + i]);
+    ahead[half + i] += soon * dx_[half + i];
+  }
+  evaluate(t, ahead.data(), false);
+  for (const int which : open) work_.region[which] = plant_.current_region(work_, which, t, ahead.data());
+  evaluate(t, x, true);
 }
 
 void Events::settle_contacts(double t, const double* x) {

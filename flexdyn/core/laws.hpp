@@ -58,7 +58,7 @@ enum class LawKind {
 enum class Corner {
   none,
   somewhere,
-  at_rest,  // where its velocity changes sign: what comes after rest is decided by the acceleration
+  at_zero,  // where it is nothing itself: on which piece a motion goes on from there, the motion decides
 };
 
 struct LawName {
@@ -76,10 +76,10 @@ inline constexpr LawName law_table[] = {
     {"coulomb_friction", LawKind::coulomb_friction, Stage::dry, 1},
     {"asymmetric_friction", LawKind::asymmetric_friction, Stage::dry, 2},
     {"stribeck_friction", LawKind::stribeck_friction, Stage::dry, 3},
-    {"asymmetric_viscous_friction", LawKind::asymmetric_viscous_friction, Stage::friction, 2, Corner::at_rest},
+    {"asymmetric_viscous_friction", LawKind::asymmetric_viscous_friction, Stage::friction, 2, Corner::at_zero},
     {"quadratic_drag", LawKind::quadratic_drag, Stage::friction, 1},
-    {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1, Corner::somewhere},
-    {"directional_gear_loss", LawKind::directional_gear_loss, Stage::dry, 2, Corner::somewhere},
+    {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1, Corner::at_zero},
+    {"directional_gear_loss", LawKind::directional_gear_loss, Stage::dry, 2, Corner::at_zero},
     {"position_dependent_friction", LawKind::position_dependent_friction, Stage::dry, 3},
     {"presliding_friction", LawKind::presliding_friction, Stage::friction, 3, Corner::none, true},
     {"warm_up_friction", LawKind::warm_up_friction, Stage::friction, 2},

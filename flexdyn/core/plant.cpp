@@ -238,14 +238,8 @@ int Plant::follow(Workspace& w, const Law& law, const LawInput& in) const {
   return w.region[law.region] = region_at(w, law, in);
 }
 
-bool Plant::rests_at_corner(int which, const double* x) const {
-  const Law& law = switches_[which];
-  return corner_of(law.kind) == Corner::at_rest && x[velocity_index(law.joint, law.side)] == 0.0;
-}
-
-double Plant::acceleration_at_corner(int which, const double* dx) const {
-  const Law& law = switches_[which];
-  return dx[velocity_index(law.joint, law.side)];
+bool Plant::at_zero_corner(const Workspace& w, int which, double t, const double* x) const {
+  return corner_of(switches_[which].kind) == Corner::at_zero && region_margin(w, which, t, x) == 0.0;
 }
 
 int Plant::current_region(const Workspace& w, int which, double t, const double* x) const {

@@ -156,9 +156,8 @@ class Plant {
   double level(const Workspace& w, std::size_t contact, double t, const double* x, double direction) const;
   int current_region(const Workspace& w, int which, double t, const double* x) const;
   double region_margin(const Workspace& w, int which, double t, const double* x) const;
-  // Whether a law whose pieces are its two directions of motion rests, and where the motion to come (x') takes it.
-  bool rests_at_corner(int which, const double* x) const;
-  double acceleration_at_corner(int which, const double* dx) const;
+  // Whether a law is at the corner at which it is nothing itself: on either piece.
+  bool at_zero_corner(const Workspace& w, int which, double t, const double* x) const;
 
  private:
   void sort_in(Law law);
