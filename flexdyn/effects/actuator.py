@@ -93,8 +93,8 @@ class TorqueSpeedLimit(JointEffect):
     neutral = {"stall_torque": math.inf}
     shown = {"stall_torque": 1.0, "no_load_speed": 3.0}
     order = 5
-    grids = {
-        "stall_torque": ("torque", (0.3, 0.45, 0.6, 0.75, 0.9, 1.2)),
+    grids = {  # of what was given: a controller may ask a motor at its limit for many times that
+        "stall_torque": ("given", (0.45, 0.6, 0.75, 0.9, 1.2, 1.6, 2.2, 3.0)),
         "no_load_speed": ("speed", (1.1, 1.5, 2.0, 3.0, 10.0)),
     }
     of_recorded_torque = True
@@ -124,7 +124,7 @@ class TorqueSaturation(JointEffect):
     neutral = {"scale": math.inf}
     shown = {"scale": 2.0}
     order = 4
-    grids = {"scale": ("torque", spaced(0.4, 40.0, 13))}
+    grids = {"scale": ("given", spaced(0.7, 70.0, 13))}
     of_recorded_torque = True
 
     scale: float = parameter("N m", lower=0.0, strict=True)

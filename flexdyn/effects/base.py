@@ -25,7 +25,7 @@ from flexdyn.errors import InputError, did_you_mean
 Array = NDArray[np.float64]
 Side = Literal["link", "motor", "transmission", "sensor"]
 Stage = Literal["actuator", "deflection", "spring", "friction", "dry", "link", "inertia", "sensor", "model"]
-Scale = Literal["torque", "speed", "deflection", "seconds", "one"]
+Scale = Literal["given", "speed", "deflection", "seconds", "one"]
 Prevalence = Literal["everywhere", "often", "seldom"]
 
 _registry: dict[str, type[Effect]] = {}
@@ -79,8 +79,9 @@ class Effect:
 
     Class attributes for a diagnosis, which proposes every class that names `linear` or `grids`:
         linear: parameters in which the torque is linear, all together: it is nothing where they are 0.
-        grids: values to try of the others, in units of what the joint does: its greatest ``torque``, ``speed`` or
-            ``deflection``, the ``seconds`` of the recording, or ``one`` of the parameter's own unit.
+        grids: values to try of the others, in units of what the joint does: the greatest torque that its motor must
+            have ``given``, its greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of
+            the parameter's own unit.
         contains: names of effects that it becomes in a limit of its numbers; they never stand beside it.
         plainer: those of them that are the same law without its further numbers: only what these add speaks for it.
         natural_size: prior standard deviation of its size where that has nothing to do with the drive's torque.
