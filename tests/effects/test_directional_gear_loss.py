@@ -152,4 +152,5 @@ def test_many_runs_are_the_single_ones() -> None:
     many = fd.simulate_many(models, [3.0], duration=1.0, solver=EXACT, rate=100, q0=[-0.9])
     for model, run in zip(models, many, strict=True):
         one = fd.simulate(model, [3.0], 1.0, EXACT, rate=100, q0=[-0.9])
+        assert isinstance(run, fd.Run)
         np.testing.assert_array_equal(states(run), states(one))

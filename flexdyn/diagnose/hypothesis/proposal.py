@@ -145,11 +145,11 @@ def declared(kind: type[Effect], place: Mapping[str, str], extent: Extent, besid
     alone = bool(kind.plainer) and not set(kind.plainer) & set(beside)
 
     def build(point: Point, x: Sequence[float]) -> Effect:
-        return at(place, **dict(zip(names, point, strict=True)), **dict(zip(kind.linear, map(float, x), strict=True)))
+        return at(place, **dict(zip(names, point, strict=True)), **dict(zip(kind.linear, x, strict=True)))
 
     return Proposal(
         place,
-        make=build,
+        make=lambda point, x: build(point, x.tolist()),
         units=lambda point: [(build(point, row), 1.0) for row in np.eye(len(kind.linear)).tolist()],
         grid=grid,
         positive=tuple(lower[name] >= 0.0 or alone for name in kind.linear),
