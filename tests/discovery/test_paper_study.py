@@ -73,9 +73,6 @@ def test_the_hidden_friction_is_found_in_what_another_simulator_made(answer: fd.
             assert abs(number.value - getattr(effect, name)) <= max(4.0 * number.std, 1e-12)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="numbers come from the equations alone: simulated windows are off by twice noise"
-)
 def test_the_corrected_model_simulates_them_to_noise(answer: fd.Diagnosis) -> None:
     """Nothing is left."""
     assert answer.verdict == "explained"
