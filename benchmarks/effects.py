@@ -39,7 +39,11 @@ SOLVERS = (
 )
 NEGATED = ("offset", "rest", "cos_1", "cos_2")
 """Numbers that change their sign in a mirror."""
-SWAPPED = {"lower": "upper", "level_positive": "level_negative"}
+SWAPPED = {
+    "lower": "upper",
+    "level_positive": "level_negative",
+    "coefficient_positive": "coefficient_negative",
+}
 MAY_SUPPLY = ("joint_coupling",)
 
 

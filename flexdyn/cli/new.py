@@ -156,8 +156,8 @@ def _effects(model: FlexibleJointModel) -> list[str]:
     first, *others = model.joint_names
     prismatic = model.robot.kinds[0] == "prismatic"
     lines = [
-        "# Any number of effects; several of one kind add up. Those of a transmission and load_dependent_friction need",
-        "# an elastic joint, joint_elasticity a rigid one whose rotor has inertia.",
+        "# Any number of effects; several of one kind add up. Those of a transmission, and those of its load",
+        "# tau_s, need an elastic joint, joint_elasticity a rigid one whose rotor has inertia.",
         "effects:",
     ]
     for kind in catalogue().values():

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "bindings.hpp"
 #include "events.hpp"
@@ -11,45 +10,10 @@ namespace flexdyn {
 
 namespace {
 
-struct LawName {
-  LawKind kind;
-  Stage stage;
-  int parameters;
-};
-
-const std::map<std::string, LawName>& law_table() {
-  static const std::map<std::string, LawName> table = {
-      {"viscous_friction", {LawKind::viscous_friction, Stage::friction, 1}},
-      {"coulomb_friction", {LawKind::coulomb_friction, Stage::dry, 1}},
-      {"asymmetric_friction", {LawKind::asymmetric_friction, Stage::dry, 2}},
-      {"stribeck_friction", {LawKind::stribeck_friction, Stage::dry, 3}},
-      {"quadratic_drag", {LawKind::quadratic_drag, Stage::friction, 1}},
-      {"load_dependent_friction", {LawKind::load_dependent_friction, Stage::dry, 1}},
-      {"position_dependent_friction", {LawKind::position_dependent_friction, Stage::dry, 3}},
-      {"presliding_friction", {LawKind::presliding_friction, Stage::friction, 3}},
-      {"warm_up_friction", {LawKind::warm_up_friction, Stage::friction, 2}},
-      {"joint_coupling", {LawKind::joint_coupling, Stage::friction, 1}},
-      {"transmission_damping", {LawKind::transmission_damping, Stage::spring, 1}},
-      {"hardening_spring", {LawKind::hardening_spring, Stage::spring, 1}},
-      {"backlash", {LawKind::backlash, Stage::deflection, 1}},
-      {"spring_hysteresis", {LawKind::spring_hysteresis, Stage::spring, 2}},
-      {"kinematic_error", {LawKind::kinematic_error, Stage::deflection, 3}},
-      {"torque_offset", {LawKind::torque_offset, Stage::actuator, 1}},
-      {"torque_constant_error", {LawKind::torque_constant_error, Stage::actuator, 1}},
-      {"torque_ripple", {LawKind::torque_ripple, Stage::actuator, 3}},
-      {"torque_speed_limit", {LawKind::torque_speed_limit, Stage::actuator, 2}},
-      {"command_delay", {LawKind::command_delay, Stage::actuator, 1}},
-      {"parallel_spring", {LawKind::parallel_spring, Stage::link, 2}},
-      {"position_torque", {LawKind::position_torque, Stage::link, 4}},
-      {"end_stop", {LawKind::end_stop, Stage::link, 4}},
-  };
-  return table;
-}
-
 const LawName& find_law(const std::string& name) {
-  const auto found = law_table().find(name);
-  if (found == law_table().end()) throw std::invalid_argument("no such law: " + name);
-  return found->second;
+  const LawName* found = named(name);
+  if (found == nullptr) throw std::invalid_argument("no such law: " + name);
+  return *found;
 }
 
 Side side_of(const std::string& side) {
@@ -93,11 +57,11 @@ double law_value(const Law& law, const LawInput& in, double tau) {
   const int region = region_of(law.kind, law.p, in, law.stage == Stage::deflection ? in.x : tau);
   const double direction = (in.u > 0.0) - (in.u < 0.0);
   switch (law.stage) {
-    case Stage::friction: return friction_torque(law.kind, law.p, in);
+    case Stage::friction: return friction_torque(law.kind, law.p, in, region);
     case Stage::spring: return law.kind == LawKind::transmission_damping ? law.p[0] * in.u : spring_torque(law.kind, law.p, in);
     case Stage::actuator: return actuator_torque(law.kind, law.p, in, tau, region);
     case Stage::link: return link_torque(law.kind, law.p, in, region);
-    case Stage::dry: return direction * dry_level(law.kind, law.p, in, direction);
+    case Stage::dry: return direction * dry_level(law.kind, law.p, in, direction, region);
     case Stage::deflection: break;
   }
   return law.kind == LawKind::backlash ? (region == 0 ? 0.0 : in.x - region * law.p[0])

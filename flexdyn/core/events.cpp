@@ -118,6 +118,7 @@ void Events::apply(Stepper& stepper, double t_event) {
 void Events::settle(double t, const std::vector<double>& x) {
   settle_regions(t, x.data());
   settle_contacts(t, x.data());
+  settle_directions(t, x.data());
   any_stuck_ = std::any_of(work_.motion.begin(), work_.motion.end(), [](int m) { return m == stuck; });
   if (any_stuck_ && quiet_step_ == 0.0) find_quiet_step(t, x.data());
 }
@@ -165,6 +166,27 @@ void Events::settle_regions(double t, const double* x) {
   work_.smoothing = 1.0;  // friction of this call is not used
   plant_.evaluate_laws(work_, t, x, torque_(t));
   work_.located = true;
+}
+
+// A law that is nothing at its corner, on either piece, leaves the accelerations as they are: so these say on which
+// piece the motion goes on.
+void Events::settle_directions(double t, const double* x) {
+  std::vector<int> open;
+  for (int which = 0; which < plant_.switches(); ++which) {
+    if (plant_.at_zero_corner(work_, which, t, x)) open.push_back(which);
+  }
+  if (open.empty()) return;
+  constexpr double soon = 1e-5;
+  evaluate(t, x, true);
+  const int half = plant_.velocities();
+  std::vector<double> ahead(x, x + plant_.state_size());
+  for (int i = 0; i < half; ++i) {
+    ahead[i] += soon * (dx_[i] + 0.5 * soon * dx_[half + i]);
+    ahead[half + i] += soon * dx_[half + i];
+  }
+  evaluate(t, ahead.data(), false);
+  for (const int which : open) work_.region[which] = plant_.current_region(work_, which, t, ahead.data());
+  evaluate(t, x, true);
 }
 
 void Events::settle_contacts(double t, const double* x) {

@@ -47,6 +47,7 @@ class Events {
   double locate(Stepper& stepper, std::size_t guard, double left, double right);
   void settle_regions(double t, const double* x);
   void settle_contacts(double t, const double* x);
+  void settle_directions(double t, const double* x);
   void settle_resting(const std::vector<std::size_t>& resting, double t, const double* x);
   bool contradicts(std::size_t contact, double t, const double* x) const;
   std::size_t guards() const { return plant_.contacts().size() + static_cast<std::size_t>(plant_.switches()); }

@@ -10,10 +10,14 @@
 //
 // Laws with a corner (dead zone, end stop, torque-speed line) take a region: the piece they are on. Solvers that
 // locate events fix the region over a step and go on smoothly past the corner; the others ask for it at every point.
+//
+// A new law needs a kind, a row in the table, its formula in the function of its stage, and, where it has a corner, its
+// cases in region_of and region_guard.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace flexdyn {
 
@@ -25,8 +29,10 @@ enum class LawKind {
   coulomb_friction,
   asymmetric_friction,
   stribeck_friction,
+  asymmetric_viscous_friction,
   quadratic_drag,
   load_dependent_friction,
+  directional_gear_loss,
   position_dependent_friction,
   presliding_friction,
   warm_up_friction,
@@ -39,6 +45,7 @@ enum class LawKind {
   torque_offset,
   torque_constant_error,
   torque_ripple,
+  torque_saturation,
   torque_speed_limit,
   command_delay,  // acts on the command's time, not on its value
   parallel_spring,
@@ -46,6 +53,71 @@ enum class LawKind {
   end_stop,
   callback,  // a law written in Python
 };
+
+// Where the pieces of a law meet.
+enum class Corner {
+  none,
+  somewhere,
+  at_zero,  // where it is nothing itself: on which piece a motion goes on from there, the motion decides
+};
+
+struct LawName {
+  std::string_view name;
+  LawKind kind;
+  Stage stage;
+  int parameters;
+  Corner corner = Corner::none;
+  bool has_state = false;
+};
+
+// One row a law; Python knows them by these names.
+inline constexpr LawName law_table[] = {
+    {"viscous_friction", LawKind::viscous_friction, Stage::friction, 1},
+    {"coulomb_friction", LawKind::coulomb_friction, Stage::dry, 1},
+    {"asymmetric_friction", LawKind::asymmetric_friction, Stage::dry, 2},
+    {"stribeck_friction", LawKind::stribeck_friction, Stage::dry, 3},
+    {"asymmetric_viscous_friction", LawKind::asymmetric_viscous_friction, Stage::friction, 2, Corner::at_zero},
+    {"quadratic_drag", LawKind::quadratic_drag, Stage::friction, 1},
+    {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1, Corner::at_zero},
+    {"directional_gear_loss", LawKind::directional_gear_loss, Stage::dry, 2, Corner::at_zero},
+    {"position_dependent_friction", LawKind::position_dependent_friction, Stage::dry, 3},
+    {"presliding_friction", LawKind::presliding_friction, Stage::friction, 3, Corner::none, true},
+    {"warm_up_friction", LawKind::warm_up_friction, Stage::friction, 2},
+    {"joint_coupling", LawKind::joint_coupling, Stage::friction, 1},
+    {"transmission_damping", LawKind::transmission_damping, Stage::spring, 1},
+    {"hardening_spring", LawKind::hardening_spring, Stage::spring, 1},
+    {"backlash", LawKind::backlash, Stage::deflection, 1, Corner::somewhere},
+    {"spring_hysteresis", LawKind::spring_hysteresis, Stage::spring, 2, Corner::none, true},
+    {"kinematic_error", LawKind::kinematic_error, Stage::deflection, 3},
+    {"torque_offset", LawKind::torque_offset, Stage::actuator, 1},
+    {"torque_constant_error", LawKind::torque_constant_error, Stage::actuator, 1},
+    {"torque_ripple", LawKind::torque_ripple, Stage::actuator, 3},
+    {"torque_saturation", LawKind::torque_saturation, Stage::actuator, 1},
+    {"torque_speed_limit", LawKind::torque_speed_limit, Stage::actuator, 2, Corner::somewhere},
+    {"command_delay", LawKind::command_delay, Stage::actuator, 1},
+    {"parallel_spring", LawKind::parallel_spring, Stage::link, 2},
+    {"position_torque", LawKind::position_torque, Stage::link, 4},
+    {"end_stop", LawKind::end_stop, Stage::link, 4, Corner::somewhere},
+};
+
+// The row of a name, null if there is none.
+inline const LawName* named(std::string_view name) {
+  for (const LawName& row : law_table) {
+    if (row.name == name) return &row;
+  }
+  return nullptr;
+}
+
+// The row of a kind, null for a law written in Python.
+inline const LawName* row_of(LawKind kind) {
+  for (const LawName& row : law_table) {
+    if (row.kind == kind) return &row;
+  }
+  return nullptr;
+}
+
+inline Corner corner_of(LawKind kind) { return row_of(kind) == nullptr ? Corner::none : row_of(kind)->corner; }
+inline bool has_state(LawKind kind) { return row_of(kind) != nullptr && row_of(kind)->has_state; }
 
 // What a law sees at one instant: position and velocity of its side (transmission: delta and its rate).
 struct LawInput {
@@ -66,10 +138,11 @@ inline double internal_rate(LawKind kind, const double* p, const LawInput& in) {
   }
 }
 
-// f_link or f_motor of a law smooth in u [N m].
-inline double friction_torque(LawKind kind, const double* p, const LawInput& in) {
+// f_link or f_motor of a law that is 0 at rest or remembers [N m].
+inline double friction_torque(LawKind kind, const double* p, const LawInput& in, int region) {
   switch (kind) {
     case LawKind::viscous_friction: return p[0] * in.u;
+    case LawKind::asymmetric_viscous_friction: return (region > 0 ? p[0] : p[1]) * in.u;
     case LawKind::quadratic_drag: return p[0] * in.u * std::abs(in.u);
     case LawKind::warm_up_friction: return p[0] * std::exp(-in.t / p[1]) * in.u;
     case LawKind::joint_coupling: return p[0] * in.other;
@@ -78,8 +151,8 @@ inline double friction_torque(LawKind kind, const double* p, const LawInput& in)
   }
 }
 
-// Level L >= 0 of a dry law in a direction of motion (+1 or -1); its torque is direction * L [N m].
-inline double dry_level(LawKind kind, const double* p, const LawInput& in, double direction) {
+// Level L >= 0 of a dry law on its region in a direction of motion (+1 or -1); its torque is direction * L [N m].
+inline double dry_level(LawKind kind, const double* p, const LawInput& in, double direction, int region) {
   switch (kind) {
     case LawKind::coulomb_friction: return p[0];
     case LawKind::asymmetric_friction: return direction > 0.0 ? p[0] : p[1];
@@ -90,7 +163,9 @@ inline double dry_level(LawKind kind, const double* p, const LawInput& in, doubl
       const double power = p[2] == 1.0 ? ratio : std::pow(std::abs(ratio), p[2]);
       return p[0] * std::exp(-power);
     }
-    case LawKind::load_dependent_friction: return p[0] * std::abs(in.tau_s);
+    // The region is the sign of the load: past its zero the branch goes on smoothly.
+    case LawKind::load_dependent_friction: return p[0] * region * in.tau_s;
+    case LawKind::directional_gear_loss: return (direction * region > 0.0 ? p[0] : p[1]) * region * in.tau_s;
     case LawKind::position_dependent_friction: return p[0] * (1.0 + std::sin(p[1] * in.x + p[2]));
     default: return 0.0;
   }
@@ -122,6 +197,7 @@ inline double actuator_torque(LawKind kind, const double* p, const LawInput& in,
   switch (kind) {
     case LawKind::torque_offset: return tau + p[0];
     case LawKind::torque_constant_error: return (1.0 + p[0]) * tau;
+    case LawKind::torque_saturation: return tau / (1.0 + std::abs(tau) / p[0]);
     case LawKind::torque_ripple: return tau + p[0] * std::sin(p[1] * in.x + p[2]);
     case LawKind::torque_speed_limit:
       // Regions: 0 inside, +-1 on the upper or lower line, +-2 past its end, where nothing is left.
@@ -146,6 +222,9 @@ inline int region_of(LawKind kind, const double* p, const LawInput& in, double v
       if (in.x < p[0]) return p[2] * (in.x - p[0]) + p[3] * in.u < 0.0 ? -1 : 0;
       return 0;
     case LawKind::backlash: return value > p[0] ? 1 : value < -p[0] ? -1 : 0;
+    case LawKind::asymmetric_viscous_friction: return in.u < 0.0 ? -1 : 1;
+    case LawKind::load_dependent_friction:
+    case LawKind::directional_gear_loss: return in.tau_s < 0.0 ? -1 : 1;
     default: return 0;
   }
 }
@@ -165,6 +244,9 @@ inline double region_guard(LawKind kind, const double* p, const LawInput& in, do
       return region > 0 ? std::min(up, in.x - p[1]) : std::min(down, p[0] - in.x);
     }
     case LawKind::backlash: return region == 0 ? p[0] - std::abs(value) : region * value - p[0];
+    case LawKind::asymmetric_viscous_friction: return region * in.u;
+    case LawKind::load_dependent_friction:
+    case LawKind::directional_gear_loss: return region * in.tau_s;
     default: return 1.0;
   }
 }

@@ -5,18 +5,6 @@
 
 namespace flexdyn {
 
-namespace {
-
-bool has_corner(LawKind kind) {
-  return kind == LawKind::torque_speed_limit || kind == LawKind::end_stop || kind == LawKind::backlash;
-}
-
-bool has_internal_state(LawKind kind) {
-  return kind == LawKind::presliding_friction || kind == LawKind::spring_hysteresis;
-}
-
-}  // namespace
-
 Plant::Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stiffness, std::vector<double> damping,
              std::vector<double> rotor_inertia, std::vector<double> spin, const std::vector<Law>& laws)
     : links_(std::move(links)), n_(links_->size()), rotor_slot_(n_, -1), K_(std::move(stiffness)),
@@ -52,8 +40,8 @@ void Plant::sort_in(Law law) {
     delay_[law.joint] += law.p[0];
     return;
   }
-  if (has_internal_state(law.kind)) law.state = internal_++;
-  if (has_corner(law.kind)) {
+  if (has_state(law.kind)) law.state = internal_++;
+  if (corner_of(law.kind) != Corner::none) {
     law.region = switches();
     switches_.push_back(law);
   }
@@ -94,8 +82,12 @@ bool Plant::has_delay() const {
 }
 
 std::size_t Plant::velocity_index(const DryContact& contact) const {
-  const int base = n_ + elastic();
-  return contact.side == Side::link ? base + contact.joint : base + n_ + rotor_slot_[contact.joint];
+  return velocity_index(contact.joint, contact.side);
+}
+
+std::size_t Plant::velocity_index(int joint, Side side) const {
+  const int base = n_ + elastic(), slot = rotor_slot_[joint];
+  return side == Side::link || slot < 0 ? base + joint : base + n_ + slot;
 }
 
 void Plant::rotor(const double* x, double* theta, double* omega) const {
@@ -198,13 +190,13 @@ void Plant::frictions(Workspace& w, double t, const double* x) const {
   for (const Law& law : friction_) {
     if (law.state >= 0 && w.without_internal) continue;
     const LawInput in = input(w, law, t, x);
-    const double torque = law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in);
+    const int region = follow(w, law, in);
+    const double torque = law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in, region);
     (law.side == Side::link ? w.f_link : w.f_motor)[law.joint] += torque;
   }
   for (const Law& law : link_) {
     const LawInput in = input(w, law, t, x);
-    if (law.region >= 0 && !w.located) w.region[law.region] = region_of(law.kind, law.p, in, 0.0);
-    w.tau_link[law.joint] += link_torque(law.kind, law.p, in, law.region < 0 ? 0 : w.region[law.region]);
+    w.tau_link[law.joint] += link_torque(law.kind, law.p, in, follow(w, law, in));
   }
   dry_frictions(w, t, x);
 }
@@ -213,6 +205,9 @@ void Plant::dry_frictions(Workspace& w, double t, const double* x) const {
   for (std::size_t c = 0; c < dry_.size(); ++c) {
     const DryContact& contact = dry_[c];
     const double u = x[velocity_index(contact)];
+    for (const Law& law : contact.laws) {
+      if (law.region >= 0) follow(w, law, input(w, law, t, x));
+    }
     if (w.located) {
       w.friction[c] = w.motion[c] == stuck ? 0.0 : w.motion[c] * level(w, c, t, x, w.motion[c]);
     } else {
@@ -224,8 +219,27 @@ void Plant::dry_frictions(Workspace& w, double t, const double* x) const {
 
 double Plant::level(const Workspace& w, std::size_t contact, double t, const double* x, double direction) const {
   double sum = 0.0;
-  for (const Law& law : dry_[contact].laws) sum += dry_level(law.kind, law.p, input(w, law, t, x), direction);
+  for (const Law& law : dry_[contact].laws) sum += level_of(w, law, t, x, direction);
   return sum;
+}
+
+double Plant::level_of(const Workspace& w, const Law& law, double t, const double* x, double direction) const {
+  const LawInput in = input(w, law, t, x);
+  return dry_level(law.kind, law.p, in, direction, region_at(w, law, in));
+}
+
+int Plant::region_at(const Workspace& w, const Law& law, const LawInput& in) const {
+  if (law.region < 0) return 0;
+  return w.located ? w.region[law.region] : region_of(law.kind, law.p, in, 0.0);
+}
+
+int Plant::follow(Workspace& w, const Law& law, const LawInput& in) const {
+  if (law.region < 0) return 0;
+  return w.region[law.region] = region_at(w, law, in);
+}
+
+bool Plant::at_zero_corner(const Workspace& w, int which, double t, const double* x) const {
+  return corner_of(switches_[which].kind) == Corner::at_zero && region_margin(w, which, t, x) == 0.0;
 }
 
 int Plant::current_region(const Workspace& w, int which, double t, const double* x) const {
@@ -329,7 +343,7 @@ double Plant::motor_share(const Workspace& w, std::size_t contact, double t, con
   const double direction = w.friction[contact] < 0.0 ? -1.0 : 1.0;
   double motor = 0.0, all = 0.0;
   for (const Law& law : dry.laws) {
-    const double one = dry_level(law.kind, law.p, input(w, law, t, x), direction);
+    const double one = level_of(w, law, t, x, direction);
     all += one;
     if (law.side == Side::motor) motor += one;
   }

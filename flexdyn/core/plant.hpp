@@ -119,6 +119,7 @@ class Plant {
   const double* v(const double* x) const { return x + n_ + elastic(); }
   const double* z(const double* x) const { return x + 2 * (n_ + elastic()); }
   std::size_t velocity_index(const DryContact& contact) const;
+  std::size_t velocity_index(int joint, Side side) const;
   // theta and omega of every joint; rigid joints read q and v.
   void rotor(const double* x, double* theta, double* omega) const;
 
@@ -155,6 +156,8 @@ class Plant {
   double level(const Workspace& w, std::size_t contact, double t, const double* x, double direction) const;
   int current_region(const Workspace& w, int which, double t, const double* x) const;
   double region_margin(const Workspace& w, int which, double t, const double* x) const;
+  // Whether a law is at the corner at which it is nothing itself: on either piece.
+  bool at_zero_corner(const Workspace& w, int which, double t, const double* x) const;
 
  private:
   void sort_in(Law law);
@@ -178,6 +181,10 @@ class Plant {
   // Of a rigid joint's dry friction, the part of its motor-side laws: before the gear.
   double motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const;
   LawInput input(const Workspace& w, const Law& law, double t, const double* x) const;
+  double level_of(const Workspace& w, const Law& law, double t, const double* x, double direction) const;
+  // The piece that a friction, dry or link law is on: the one held, else that of the point, which `follow` notes down.
+  int region_at(const Workspace& w, const Law& law, const LawInput& in) const;
+  int follow(Workspace& w, const Law& law, const LawInput& in) const;
 
   std::shared_ptr<const LinkDynamics> links_;
   int n_;

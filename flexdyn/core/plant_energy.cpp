@@ -32,7 +32,7 @@ void Plant::powers(const Workspace& w, double t, const double* x, const double* 
   }
   for (const Law& law : friction_) {
     const LawInput in = input(w, law, t, x);
-    const double torque = law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in);
+    const double torque = law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in, region_at(w, law, in));
     // What a bristle stores is not lost: 1/2 stiffness z^2.
     const double stored = law.state < 0 ? 0.0 : law.p[1] * in.z * internal_rate(law.kind, law.p, in);
     law_power[law.index] = torque * in.u - stored;
@@ -48,7 +48,7 @@ void Plant::powers(const Workspace& w, double t, const double* x, const double* 
     const double direction = u < 0.0 ? -1.0 : 1.0;
     const double share = w.located ? direction : smooth_sign(u, w.smoothing);
     for (const Law& law : dry_[c].laws) {
-      law_power[law.index] = dry_level(law.kind, law.p, input(w, law, t, x), direction) * share * u;
+      law_power[law.index] = level_of(w, law, t, x, direction) * share * u;
     }
   }
 }

@@ -147,6 +147,7 @@ class TimeStepping : public Stepper {
     const auto& contacts = plant_.contacts();
     level_.resize(2 * contacts.size());
     std::vector<double> x = x_;
+    work_.located = false;  // a level is that of the load as it is, on whatever piece the step ends
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       const std::size_t at = plant_.velocity_index(contacts[c]);
       for (const int direction : {backward, forward}) {
@@ -158,6 +159,7 @@ class TimeStepping : public Stepper {
       }
       x[at] = x_[at];
     }
+    work_.located = true;
   }
 
   // Rotor velocities that laws see are kept in the workspace.

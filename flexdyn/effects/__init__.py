@@ -1,11 +1,20 @@
 """The effects a drive and its links can have; one class each, the laws in the compiled core."""
 
-from flexdyn.effects.actuator import CommandDelay, TorqueConstantError, TorqueOffset, TorqueRipple, TorqueSpeedLimit
+from flexdyn.effects.actuator import (
+    CommandDelay,
+    TorqueConstantError,
+    TorqueOffset,
+    TorqueRipple,
+    TorqueSaturation,
+    TorqueSpeedLimit,
+)
 from flexdyn.effects.base import Effect, JointEffect, parameter, registered, unit_for
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
 from flexdyn.effects.friction import (
     AsymmetricFriction,
+    AsymmetricViscousFriction,
     CoulombFriction,
+    DirectionalGearLoss,
     LoadDependentFriction,
     PositionDependentFriction,
     PreslidingFriction,
@@ -37,11 +46,13 @@ from flexdyn.effects.transmission import (
 
 __all__ = [
     "AsymmetricFriction",
+    "AsymmetricViscousFriction",
     "Backlash",
     "ChannelLag",
     "CommandDelay",
     "CoulombFriction",
     "DeflectionEffect",
+    "DirectionalGearLoss",
     "Effect",
     "EncoderEccentricity",
     "EndStop",
@@ -67,6 +78,7 @@ __all__ = [
     "TorqueConstantError",
     "TorqueOffset",
     "TorqueRipple",
+    "TorqueSaturation",
     "TorqueSpeedLimit",
     "TransmissionDamping",
     "ViscousFriction",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.base import JointEffect, parameter, spaced
 
 
 class TorqueOffset(JointEffect):
@@ -22,6 +22,8 @@ class TorqueOffset(JointEffect):
     law = "tau + offset"
     neutral = {"offset": 0.0}
     shown = {"offset": 0.3}
+    order = 2
+    linear = ("offset",)
 
     offset: float = parameter("N m")
 
@@ -41,6 +43,9 @@ class TorqueConstantError(JointEffect):
     law = "(1 + gain)*tau"
     neutral = {"gain": 0.0}
     shown = {"gain": 0.2}
+    order = 1
+    linear = ("gain",)
+    natural_size = 0.15
 
     gain: float = parameter("1")
 
@@ -62,6 +67,7 @@ class TorqueRipple(JointEffect):
     law = "tau + amplitude*sin(harmonic*theta + phase)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.3, "harmonic": 2.0, "phase": 0.0}
+    order = 3
 
     amplitude: float = parameter("N m")
     harmonic: float = parameter("1")
@@ -86,9 +92,42 @@ class TorqueSpeedLimit(JointEffect):
     law = "clip(tau, -stall_torque*(1 + omega/no_load_speed), stall_torque*(1 - omega/no_load_speed))"
     neutral = {"stall_torque": math.inf}
     shown = {"stall_torque": 1.0, "no_load_speed": 3.0}
+    order = 5
+    grids = {  # of what was given: a controller may ask a motor at its limit for many times that
+        "stall_torque": ("given", (0.45, 0.6, 0.75, 0.9, 1.2, 1.6, 2.2, 3.0)),
+        "no_load_speed": ("speed", (1.1, 1.5, 2.0, 3.0, 10.0)),
+    }
+    of_recorded_torque = True
 
     stall_torque: float = parameter("N m", lower=0.0)
     no_load_speed: float = parameter("rad/s", lower=0.0, strict=True)
+
+
+class TorqueSaturation(JointEffect):
+    """Torque that is lost at high current: the iron saturates, and more current gives less and less torque.
+
+    ``tau_applied = tau/(1 + abs(tau)/scale)``: half of what is asked for is lost where ``abs(tau) = scale``, and no
+    torque reaches the scale. Of small torques ``abs(tau)/scale`` is lost, to first order. Its slope is continuous.
+
+    It takes what gain, offset and ripple of the current have made of the torque, for all of it goes through the iron.
+    The torque-speed line comes after it: that is of the torque that the motor gives. Source: the fall of the torque
+    constant at high current in motors' data sheets; a saturation of the Froelich kind, ``B = H/(a + b H)``.
+
+    Args:
+        joint: its name.
+        scale: torque that is never reached [N m]; infinite: no loss.
+    """
+
+    sides = ("motor",)
+    stage = "actuator"
+    law = "tau/(1 + abs(tau)/scale)"
+    neutral = {"scale": math.inf}
+    shown = {"scale": 2.0}
+    order = 4
+    grids = {"scale": ("given", spaced(0.7, 70.0, 13))}
+    of_recorded_torque = True
+
+    scale: float = parameter("N m", lower=0.0, strict=True)
 
 
 class CommandDelay(JointEffect):
@@ -107,5 +146,8 @@ class CommandDelay(JointEffect):
     neutral = {"delay": 0.0}
     no_torque = "it shifts the command in time"
     shown = {"delay": 0.005}
+    order = 0
+    grids = {"delay": ("one", (0.0005, 0.001, 0.002, 0.004, 0.008))}
+    prevalence = "often"
 
     delay: float = parameter("s", lower=0.0)

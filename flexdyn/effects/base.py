@@ -25,6 +25,8 @@ from flexdyn.errors import InputError, did_you_mean
 Array = NDArray[np.float64]
 Side = Literal["link", "motor", "transmission", "sensor"]
 Stage = Literal["actuator", "deflection", "spring", "friction", "dry", "link", "inertia", "sensor", "model"]
+Scale = Literal["given", "speed", "deflection", "seconds", "one"]
+Prevalence = Literal["everywhere", "often", "seldom"]
 
 _registry: dict[str, type[Effect]] = {}
 
@@ -52,6 +54,11 @@ def parameter(
     return dataclasses.field(default=default, metadata=metadata)
 
 
+def spaced(first: float, last: float, count: int) -> tuple[float, ...]:
+    """Values of a grid from the first to the last, each the same factor larger."""
+    return tuple(float(value) for value in np.geomspace(first, last, count))
+
+
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(parameter, dataclasses.field))
 class Effect:
     """Base of all effects; subclasses become frozen dataclasses of their own accord.
@@ -67,6 +74,21 @@ class Effect:
         neutral: the parameter values at which it does nothing; such an effect is dropped from the plant.
         no_torque: where the law is no torque over position and velocity: what to use instead.
         shown: parameter values with which the documentation shows it.
+        takes_load: its torque depends on what the transmission carries, so that it needs an elastic joint.
+        order: place among the effects on the motor's torque; the least acts first, users' own last.
+
+    Class attributes for a diagnosis, which proposes every class that names `linear` or `grids`:
+        linear: parameters in which the torque is linear, all together: it is nothing where they are 0.
+        grids: values to try of the others, in units of what the joint does: the greatest torque that its motor must
+            have ``given``, its greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of
+            the parameter's own unit.
+        contains: names of effects that it becomes in a limit of its numbers; they never stand beside it.
+        plainer: those of them that are the same law without its further numbers: only what these add speaks for it.
+        natural_size: prior standard deviation of its size where that has nothing to do with the drive's torque.
+        prevalence: how many drives have it. It is weighed against something unknown that looks like it.
+        of_velocity: friction that the velocity alone decides.
+        of_recorded_torque: it bends the torque on its way, so that what it does is a matter of the recorded torque;
+            what others do is taken of the torque that the model needs, whose noise is less.
     """
 
     name: ClassVar[str]
@@ -76,6 +98,16 @@ class Effect:
     neutral: ClassVar[Mapping[str, float]] = {}
     no_torque: ClassVar[str] = ""
     shown: ClassVar[Mapping[str, float]] = {}
+    takes_load: ClassVar[bool] = False
+    order: ClassVar[int] = 100
+    linear: ClassVar[tuple[str, ...]] = ()
+    grids: ClassVar[Mapping[str, tuple[Scale, tuple[float, ...]]]] = {}
+    contains: ClassVar[tuple[str, ...]] = ()
+    plainer: ClassVar[tuple[str, ...]] = ()
+    natural_size: ClassVar[float] = math.inf
+    prevalence: ClassVar[Prevalence] = "seldom"
+    of_velocity: ClassVar[bool] = False
+    of_recorded_torque: ClassVar[bool] = False
 
     def __init_subclass__(cls, abstract: bool = False) -> None:
         """Make the subclass a frozen dataclass and enter it in the catalogue under its name."""
@@ -127,7 +159,7 @@ class Effect:
             u: velocity of the effect's side [rad/s or m/s]; delta' in a transmission, omega of the other joint in a
                 coupling.
             t: time since the start of the run [s].
-            tau: torque before the law, for the stage ``actuator``; tau_s for load-dependent friction [N m or N].
+            tau: torque before the law, for the stage ``actuator``; tau_s for laws that take the load [N m or N].
 
         Returns:
             the torque [N m or N], of the broadcast shape of the arguments. A dry law gives the end of its set in the

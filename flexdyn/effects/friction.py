@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.base import JointEffect, parameter, spaced
 from flexdyn.effects.memory import MemoryEffect
 
 
@@ -25,6 +25,9 @@ class ViscousFriction(JointEffect):
     law = "coefficient*u"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.5}
+    linear = ("coefficient",)
+    prevalence = "everywhere"
+    of_velocity = True
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
 
@@ -46,6 +49,9 @@ class CoulombFriction(JointEffect):
     law = "level*Sgn(u)"
     neutral = {"level": 0.0}
     shown = {"level": 1.0}
+    linear = ("level",)
+    prevalence = "everywhere"
+    of_velocity = True
 
     level: float = parameter("N m", lower=0.0)
 
@@ -68,6 +74,11 @@ class AsymmetricFriction(JointEffect):
     law = "(level_positive if u > 0 else level_negative)*Sgn(u)"
     neutral = {"level_positive": 0.0, "level_negative": 0.0}
     shown = {"level_positive": 1.2, "level_negative": 0.7}
+    linear = ("level_positive", "level_negative")
+    contains = ("coulomb_friction", "torque_offset")
+    plainer = ("coulomb_friction",)
+    prevalence = "often"
+    of_velocity = True
 
     level_positive: float = parameter("N m", lower=0.0)
     level_negative: float = parameter("N m", lower=0.0)
@@ -92,10 +103,46 @@ class StribeckFriction(JointEffect):
     law = "excess*exp(-(abs(u)/velocity)^exponent)*Sgn(u)"
     neutral = {"excess": 0.0}
     shown = {"excess": 0.5, "velocity": 0.1}
+    linear = ("excess",)
+    grids = {"velocity": ("speed", spaced(0.003, 0.4, 9))}
+    prevalence = "often"
+    of_velocity = True
 
     excess: float = parameter("N m", lower=0.0)
     velocity: float = parameter("rad/s", lower=0.0, strict=True)
     exponent: float = parameter("1", lower=0.0, strict=True, default=1.0)
+
+
+class AsymmetricViscousFriction(JointEffect):
+    """Viscous friction with a coefficient for each direction of motion.
+
+    ``f = coefficient_positive u`` for u > 0, ``coefficient_negative u`` for u < 0: continuous, with a corner at rest.
+    Equal coefficients are viscous friction. Source: the friction of a screw drive identified for either direction
+    (Janot, Gautier, Brunot: Data set and reference models of EMPS, 2019).
+
+    One of the coefficients may be negative beside viscous friction of at least that size on the same side: ``(-c, c)``
+    says what the direction changes. Alone a negative coefficient would drive the joint.
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        coefficient_positive: for motion in the positive direction [N m s/rad].
+        coefficient_negative: for motion in the negative direction [N m s/rad].
+    """
+
+    sides = ("link", "motor")
+    stage = "friction"
+    law = "(coefficient_positive if u > 0 else coefficient_negative)*u"
+    neutral = {"coefficient_positive": 0.0, "coefficient_negative": 0.0}
+    shown = {"coefficient_positive": 0.6, "coefficient_negative": 0.3}
+    linear = ("coefficient_positive", "coefficient_negative")
+    contains = ("viscous_friction",)
+    plainer = ("viscous_friction",)
+    prevalence = "often"
+    of_velocity = True
+
+    coefficient_positive: float = parameter("N m s/rad")
+    coefficient_negative: float = parameter("N m s/rad")
 
 
 class QuadraticDrag(JointEffect):
@@ -114,6 +161,8 @@ class QuadraticDrag(JointEffect):
     law = "coefficient*u*abs(u)"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.3}
+    linear = ("coefficient",)
+    of_velocity = True
 
     coefficient: float = parameter("N m s^2/rad^2", lower=0.0)
 
@@ -134,8 +183,61 @@ class LoadDependentFriction(JointEffect):
     law = "coefficient*abs(tau_s)*Sgn(u)"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.15}
+    takes_load = True
+    linear = ("coefficient",)
+    natural_size = 0.15
+    prevalence = "often"
 
     coefficient: float = parameter("1", lower=0.0)
+
+
+class DirectionalGearLoss(JointEffect):
+    """Dry friction in proportion to the load, one share where the motor drives and another where the load drives it.
+
+    ``f = (driving if tau_s omega > 0 else driven) abs(tau_s) Sgn(omega)``, tau_s the transmission torque of this
+    instant, damping included. Where ``tau_s omega > 0`` power flows from the motor to the link. Equal coefficients are
+    `LoadDependentFriction`. The efficiency is ``1/(1 + driving)`` where the motor drives and ``1 - driven`` where the
+    load does.
+
+    At rest each direction has its own level, for one of them would be driving and the other one being driven::
+
+        tau_s > 0:   f in [-driven tau_s, driving tau_s],
+        tau_s < 0:   f in [-driving |tau_s|, driven |tau_s|].
+
+    A rotor at rest has ``tau_m = tau_s + f``, so that it stays there while
+
+        (1 - driven) |tau_s| <= tau_m sign(tau_s) <= (1 + driving) |tau_s|.
+
+    A gear with ``driven >= 1`` locks itself: without motor torque no load turns it back, and to let the load down the
+    motor must push with more than ``(driven - 1) |tau_s|``. A rotor that the load has set in motion is then braked to
+    rest, for the friction is more than the load that drives it. Both levels are at least 0 at any load, and in motion
+    the torque is the end of the interval of its direction: the law is monotone in omega at a given load, and from each
+    state one motion follows.
+
+    Source: worm and screw gears, which lock themselves below the angle of friction; the mesh efficiencies of Pelchen,
+    Schweiger, Otter, Modeling and Simulating the Efficiency of Gearboxes and of Planetary Gearboxes (Modelica
+    conference 2002).
+
+    Args:
+        joint: its name; it must be elastic.
+        driving: friction torque over transmission torque where the motor drives the load [1].
+        driven: the same where the load drives the motor; 1 or more: self-locking [1].
+    """
+
+    sides = ("motor",)
+    stage = "dry"
+    law = "(driving if tau_s*u > 0 else driven)*abs(tau_s)*Sgn(u)"
+    neutral = {"driving": 0.0, "driven": 0.0}
+    shown = {"driving": 0.15, "driven": 0.4}
+    takes_load = True
+    linear = ("driving", "driven")
+    contains = ("load_dependent_friction",)
+    plainer = ("load_dependent_friction",)
+    natural_size = 0.3
+    prevalence = "often"
+
+    driving: float = parameter("1", lower=0.0)
+    driven: float = parameter("1", lower=0.0)
 
 
 class PositionDependentFriction(JointEffect):
@@ -156,6 +258,8 @@ class PositionDependentFriction(JointEffect):
     law = "amplitude*(1 + sin(harmonic*x + phase))*Sgn(u)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
+    contains = ("coulomb_friction",)
+    plainer = ("coulomb_friction",)
 
     amplitude: float = parameter("N m", lower=0.0)
     harmonic: float = parameter("1")
@@ -182,6 +286,8 @@ class PreslidingFriction(MemoryEffect):
     law = "stiffness*z + damping*z', z' = u - stiffness*abs(u)*z/level"
     neutral = {"level": 0.0}
     shown = {"level": 1.0, "stiffness": 500.0}
+    contains = ("coulomb_friction", "viscous_friction")
+    plainer = ("coulomb_friction",)
 
     level: float = parameter("N m", lower=0.0)
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
@@ -213,6 +319,10 @@ class WarmUpFriction(JointEffect):
     law = "coefficient*exp(-t/time_constant)*u"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 1.0, "time_constant": 300.0}
+    linear = ("coefficient",)
+    grids = {"time_constant": ("seconds", spaced(0.04, 1.5, 7))}
+    contains = ("viscous_friction",)
+    plainer = ("viscous_friction",)
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
     time_constant: float = parameter("s", lower=0.0, strict=True)

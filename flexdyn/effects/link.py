@@ -128,6 +128,7 @@ class JointCoupling(JointEffect):
     law = "coefficient*omega of joint other"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.5}
+    prevalence = "often"
 
     coefficient: float = parameter("N m s/rad")
     other: str = dataclasses.field(kw_only=True)

@@ -94,6 +94,7 @@ class ChannelLag(SensorEffect):
     law = "x(t - delay)"
     neutral = {"delay": 0.0}
     shown = {"delay": 0.005}
+    prevalence = "often"
 
     delay: float = parameter("s", lower=0.0)
 
@@ -122,6 +123,7 @@ class EncoderEccentricity(SensorEffect):
     law = "x + amplitude*sin(harmonic*x + phase)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.002, "harmonic": 1.0, "phase": 0.0}
+    natural_size = 0.01
     signals = POSITIONS
 
     amplitude: float = parameter("rad")
@@ -146,6 +148,7 @@ class SensorOffset(SensorEffect):
     law = "x + offset"
     neutral = {"offset": 0.0}
     shown = {"offset": 0.01}
+    natural_size = 0.01
 
     offset: float = parameter("unit of the channel")
 
@@ -167,6 +170,7 @@ class SensorGain(SensorEffect):
     law = "(1 + gain)*x"
     neutral = {"gain": 0.0}
     shown = {"gain": 0.05}
+    natural_size = 0.03
 
     gain: float = parameter("1")
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.base import JointEffect, parameter, spaced
 from flexdyn.effects.memory import MemoryEffect
 
 Array = NDArray[np.float64]
@@ -32,6 +32,7 @@ class JointElasticity(JointEffect):
     law = "a rigid joint becomes elastic: stiffness*delta"
     neutral = {"stiffness": math.inf}
     shown = {"stiffness": 5000.0}
+    prevalence = "often"
 
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
 
@@ -55,6 +56,7 @@ class TransmissionDamping(JointEffect):
     law = "coefficient*(omega - v)"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 2.0}
+    linear = ("coefficient",)
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
 
@@ -74,6 +76,7 @@ class HardeningSpring(JointEffect):
     law = "cubic*delta^3"
     neutral = {"cubic": 0.0}
     shown = {"cubic": 2.0e8}
+    linear = ("cubic",)
 
     cubic: float = parameter("N m/rad^3", lower=0.0)
 
@@ -134,6 +137,8 @@ class SpringHysteresis(MemoryEffect):
     law = "stiffness*h, h' = delta' - abs(delta')*h/width"
     neutral = {"stiffness": 0.0}
     shown = {"stiffness": 1000.0, "width": 0.002}
+    linear = ("stiffness",)
+    grids = {"width": ("deflection", spaced(0.003, 3.0, 9))}
 
     stiffness: float = parameter("N m/rad", lower=0.0)
     width: float = parameter("rad", lower=0.0, strict=True)
@@ -165,6 +170,7 @@ class KinematicError(DeflectionEffect):
     law = "delta -> delta + amplitude*sin(harmonic*theta + phase)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.002, "harmonic": 2.0, "phase": 0.0}
+    natural_size = 0.01
 
     amplitude: float = parameter("rad")
     harmonic: float = parameter("1")

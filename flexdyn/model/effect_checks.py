@@ -10,7 +10,6 @@ from flexdyn.effects import (
     JointCoupling,
     JointEffect,
     JointElasticity,
-    LoadDependentFriction,
     Payload,
     SensorEffect,
     effect_from_dict,
@@ -67,7 +66,7 @@ def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect
 
 
 def _needs_spring(effect: JointEffect) -> bool:
-    return effect.side == "transmission" or isinstance(effect, LoadDependentFriction)
+    return effect.side == "transmission" or effect.takes_load
 
 
 def _check_softening(name: str, joint: Joint) -> None:

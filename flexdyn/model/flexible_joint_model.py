@@ -15,7 +15,6 @@ from flexdyn.effects import (
     CoulombFriction,
     Effect,
     JointElasticity,
-    LoadDependentFriction,
     ParameterError,
     ViscousFriction,
 )
@@ -194,7 +193,7 @@ class FlexibleJointModel:
         kept = [
             effect
             for effect in true.effects
-            if getattr(effect, "side", None) != "transmission" and not isinstance(effect, LoadDependentFriction)
+            if getattr(effect, "side", None) != "transmission" and not effect.takes_load
         ]
         links = {signal: values for signal, values in self.initial.items() if signal in ("q", "v")}
         return true.replace(joints={"*": {"stiffness": math.inf}}, effects=kept, initial=links)

@@ -20,9 +20,6 @@ from flexdyn.robot.tree import Tree
 
 Array = NDArray[np.float64]
 
-# Torque asked for -> delay, gain, offset, ripple, limit -> tau_applied: the order in which they act.
-ACTUATOR_ORDER = ("command_delay", "torque_constant_error", "torque_offset", "torque_ripple", "torque_speed_limit")
-
 # Effects without a law in the plant: they change M and h, numbers, or what is measured.
 OTHER_STAGES = ("inertia", "model", "sensor")
 
@@ -216,8 +213,7 @@ def acting_effects(model: FlexibleJointModel) -> list[Effect]:
     """
     acting = [effect for effect in model.all_effects if not effect.is_neutral and effect.stage not in OTHER_STAGES]
     acting = _gains_added(acting)
-    order = {name: place for place, name in enumerate(ACTUATOR_ORDER)}
-    return sorted(acting, key=lambda effect: order.get(effect.name, len(order)))
+    return sorted(acting, key=lambda effect: effect.order)
 
 
 def _gains_added(effects: list[Effect]) -> list[Effect]:

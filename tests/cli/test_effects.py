@@ -19,7 +19,7 @@ from tests.cli.conftest import Runner
 NAMES = tuple(fd.effects.catalogue())
 WITHOUT_LAW = {"payload": "it changes M(q) and h(q, v)", "parameter_error": "it changes a number of the model"}
 DRAWN = tuple(name for name in NAMES if name not in WITHOUT_LAW)
-OVER_TORQUE = ("torque_offset", "torque_constant_error")
+OVER_TORQUE = ("torque_offset", "torque_constant_error", "torque_saturation")
 OVER_TIME = ("command_delay", "channel_lag")
 OVER_POSITION = (
     *("position_dependent_friction", "presliding_friction", "joint_elasticity", "hardening_spring", "backlash"),
@@ -77,7 +77,7 @@ def test_every_law_can_be_drawn(tmp_path: Path, name: str) -> None:
     texts = _texts(tmp_path / "law.svg")
     assert name.replace("_", " ").capitalize() in texts
     assert kind.law in texts
-    over_torque = name in OVER_TORQUE or name == "load_dependent_friction"
+    over_torque = name in OVER_TORQUE or kind.takes_load
     across = "[N m]" if over_torque else "[s]" if name in OVER_TIME else "[rad]" if name in OVER_POSITION else "[rad/s]"
     is_length = kind.stage in ("sensor", "deflection")
     labels = [text for text in texts if text.endswith(("[N m]", "[s]", "[rad]", "[rad/s]"))]

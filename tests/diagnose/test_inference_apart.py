@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+import flexdyn as fd
 from flexdyn.diagnose.hypothesis.proposal import Proposal
-from flexdyn.diagnose.inference.apart import CHANCE, COMMON, SELDOM, UNSURE, genuine, shares
+from flexdyn.diagnose.inference.apart import CHANCE, GUESSED, ODDS, OFTEN, SELDOM, UNSURE, genuine, shares
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
@@ -265,7 +266,8 @@ def test_a_genuine_effect_is_more_likely_than_an_imitation(kind: str, ratio: flo
     drawn = np.random.default_rng(1).random(400_000)
     stands_out = drawn / (1.0 - drawn)  # a share s is R = s/(1 - s) over the rest
     imitation = float((stands_out >= ratio).mean())
-    odds = COMMON.get(kind, SELDOM)
+    known = fd.effects.registered().get(kind)
+    odds = OFTEN if kind in GUESSED else SELDOM if known is None else ODDS[known.prevalence]
     assert genuine(_candidate(kind), ratio) == pytest.approx(odds / (odds + imitation), rel=5e-3)
 
 

@@ -22,15 +22,15 @@ RATE, MASS, ROTOR, LOSS, GRAVITY = 500.0, 2.5, 0.6, 0.12, 9.81
 UNITS = {"theta.lift": "m", "tau.lift": "N"}
 
 
-def _model(folder: Path) -> fd.FlexibleJointModel:
+def model(folder: Path) -> fd.FlexibleJointModel:
     """A mass that a rigid drive lifts."""
     return fd.FlexibleJointModel(slider(folder), {"lift": {"rotor_inertia": ROTOR}}, gravity=[0.0, 0.0, -GRAVITY])
 
 
-def _lifted(force: Array) -> Array:
+def lifted(force: Array, up: float = LOSS, down: float = LOSS) -> Array:
     """Position under held forces; the drive loses a share of what it carries. It never stops for long (samples,).
 
-    With s the sign of the speed, ``(MASS + ROTOR) a = f - MASS g - LOSS MASS (a + g) s`` as long as a > -g.
+    With s the sign of the speed, ``(MASS + ROTOR) a = f - MASS g - share MASS (a + g) s`` as long as a > -g.
     """
     x, v, found = 0.0, 0.0, []
     for f in force.tolist():
@@ -38,7 +38,8 @@ def _lifted(force: Array) -> Array:
         left = 1.0 / RATE
         while left > 1e-15:
             way = np.sign(v) or np.sign(f - MASS * GRAVITY)
-            a = (f - MASS * GRAVITY * (1.0 + LOSS * way)) / (MASS + ROTOR + LOSS * MASS * way)
+            loss = way * (up if way > 0.0 else down)
+            a = (f - MASS * GRAVITY * (1.0 + loss)) / (MASS + ROTOR + loss * MASS)
             if v == 0.0 and a * way <= 0.0:  # it sticks
                 break
             assert a > -GRAVITY
@@ -54,7 +55,7 @@ def _recording(seconds: float, sizes: tuple[float, float]) -> fd.Recording:
     force = MASS * GRAVITY + 9.0 * np.sin(2.9 * t + 0.3) + 7.0 * np.sin(6.1 * t) + 4.0 * np.sin(13.0 * t)
     draw = np.random.default_rng(3)
     theta, noisy = (
-        exact + size * draw.standard_normal(len(t)) for exact, size in zip((_lifted(force), force), sizes, strict=True)
+        exact + size * draw.standard_normal(len(t)) for exact, size in zip((lifted(force), force), sizes, strict=True)
     )
     return fd.Recording(t, {"theta.lift": theta, "tau.lift": noisy}, meta={"units": UNITS})
 
@@ -65,8 +66,8 @@ def test_its_column_is_what_the_joint_carries_against_the_motion(tmp_path: Path)
     w, size = 5.0, 0.08
     force = MASS * GRAVITY - (MASS + ROTOR) * size * w**2 * np.sin(w * t)
     record = fd.Recording(t, {"theta.lift": size * np.sin(w * t), "tau.lift": force}, meta={"units": UNITS})
-    data = measured(_model(tmp_path), record)
-    at = Equations(_model(tmp_path), (data,), Filters.of_rate(data.dt))
+    data = measured(model(tmp_path), record)
+    at = Equations(model(tmp_path), (data,), Filters.of_rate(data.dt))
     (proposal,) = [each for each in everything(at) if each.place["effect"] == "load_dependent_friction"]
     column = columns_of(at, proposal, ())[:, 0]
     rows = at.filters.instants(len(at.motions[0].t))
@@ -78,7 +79,7 @@ def test_its_column_is_what_the_joint_carries_against_the_motion(tmp_path: Path)
 
 def test_it_is_found_with_an_elasticity(tmp_path: Path) -> None:
     """A rigid joint has no transmission torque in the model, so the hypothesis makes it as stiff as the data allow."""
-    bare, noise, start = prepared(_model(tmp_path), (measured(_model(tmp_path), _recording(16.0, (2e-6, 0.02))),))
+    bare, noise, start = prepared(model(tmp_path), (measured(model(tmp_path), _recording(16.0, (2e-6, 0.02))),))
     found = posterior(bare, noise, start)
     assert [found.space.candidates[c].kind for c, _ in sorted(found.best)] == ["load_dependent_friction"]
     friction, spring = sorted(found.fitted.hypothesis.effects, key=lambda each: each.name, reverse=True)

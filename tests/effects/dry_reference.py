@@ -23,12 +23,14 @@ class Contact:
         place: of the contact's velocity in x.
         inertia: that the friction torque accelerates [kg m^2].
         level: interval's end in a direction of motion, at (t, x) [N m].
+        corner: changes its sign where the level has a corner, at (t, x); None: nowhere.
     """
 
     free: Callable[[float, State, float], Array]
     place: int
     inertia: float
     level: Callable[[float, State, float], float]
+    corner: Callable[[float, State], float] | None = None
 
     def needed(self, t: float, x: State) -> float:
         """Friction that keeps the contact from accelerating [N m]."""
@@ -69,14 +71,17 @@ def _stuck(contact: Contact) -> tuple[Any, list[Any]]:
     return f, [up, down]
 
 
-def integrate(contact: Contact, x0: State, times: Array) -> tuple[Array, list[float]]:
-    """States at `times`, and the instants at which the contact stopped or broke away."""
+def integrate(contact: Contact, x0: State, times: Array, max_step: float = 0.01) -> tuple[Array, list[float]]:
+    """States at `times`, and the instants at which the contact stopped, broke away or passed a corner of its level."""
     t, x = 0.0, np.array(x0, dtype=float)
     out: list[Array] = []
     events: list[float] = []
     motion = int(np.sign(x[contact.place])) or contact.next_motion(0.0, x)
     while True:
         f, watched = _sliding(contact, motion, t) if motion else _stuck(contact)
+        ends = len(watched)
+        if contact.corner is not None:
+            watched = [*watched, contact.corner]
         found = solve_ivp(
             f,
             (t, times[-1]),
@@ -84,7 +89,7 @@ def integrate(contact: Contact, x0: State, times: Array) -> tuple[Array, list[fl
             method="DOP853",
             rtol=1e-12,
             atol=1e-13,
-            max_step=0.01,
+            max_step=max_step,
             events=watched,
             dense_output=True,
         )
@@ -92,6 +97,7 @@ def integrate(contact: Contact, x0: State, times: Array) -> tuple[Array, list[fl
         inside = (times >= t) & ((times < found.t[-1]) | (found.status == 0))
         if inside.any():
             out.append(found.sol(times[inside]).T)
+        events += [float(at) for passed in found.t_events[ends:] for at in passed if at > t + 1e-9]
         if found.status == 0:
             return np.vstack(out), events
         t, x = float(found.t[-1]), found.y[:, -1].copy()

@@ -35,6 +35,8 @@ def level(e: Any, x: float, u: float, tau_s: float, direction: float) -> float:
         return float(e.excess * math.exp(-((abs(u) / e.velocity) ** e.exponent)))
     if e.name == "load_dependent_friction":
         return float(e.coefficient * abs(tau_s))
+    if e.name == "directional_gear_loss":
+        return float(max(e.driving * direction * tau_s, -e.driven * direction * tau_s))
     if e.name == "position_dependent_friction":
         return float(e.amplitude * (1.0 + math.sin(e.harmonic * x + e.phase)))
     return 0.0
@@ -44,6 +46,8 @@ def smooth_friction(e: Any, t: float, u: float, other: float) -> float:
     """Friction of a law that is smooth in u and has no memory [N m]."""
     if e.name == "viscous_friction":
         return float(e.coefficient * u)
+    if e.name == "asymmetric_viscous_friction":
+        return float(max(e.coefficient_positive * u, 0.0) + min(e.coefficient_negative * u, 0.0))
     if e.name == "quadratic_drag":
         return float(e.coefficient * u**2 * np.sign(u))
     if e.name == "warm_up_friction":
@@ -69,11 +73,14 @@ def on_link(e: Any, q: float, v: float) -> float:
 
 
 def motor(effects: Sequence[Any], tau: float, theta: float, omega: float) -> float:
-    """tau_applied: gain, offset, ripple, limit."""
+    """tau_applied: gain, offset, ripple, saturation, limit."""
     tau = tau * (1.0 + sum(e.gain for e in effects if e.name == "torque_constant_error"))
     tau = tau + sum(e.offset for e in effects if e.name == "torque_offset")
     ripples = [e for e in effects if e.name == "torque_ripple"]
     tau = tau + sum(e.amplitude * math.sin(e.harmonic * theta + e.phase) for e in ripples)
+    for e in effects:
+        if e.name == "torque_saturation":
+            tau = e.scale * tau / (e.scale + abs(tau))
     for e in effects:
         if e.name == "torque_speed_limit":
             upper = max(0.0, e.stall_torque * (1.0 - omega / e.no_load_speed))

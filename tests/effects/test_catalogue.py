@@ -21,8 +21,10 @@ TABLE: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
     ("coulomb_friction", BOTH, {"level": LEVEL}),
     ("asymmetric_friction", BOTH, {"level_positive": LEVEL, "level_negative": LEVEL}),
     ("stribeck_friction", BOTH, {"excess": LEVEL, "velocity": "rad/s", "exponent": ONE}),
+    ("asymmetric_viscous_friction", BOTH, {"coefficient_positive": VISCOUS, "coefficient_negative": VISCOUS}),
     ("quadratic_drag", BOTH, {"coefficient": "N m s^2/rad^2"}),
     ("load_dependent_friction", MOTOR, {"coefficient": ONE}),
+    ("directional_gear_loss", MOTOR, {"driving": ONE, "driven": ONE}),
     ("position_dependent_friction", BOTH, {"amplitude": LEVEL, "harmonic": ONE, "phase": ANGLE}),
     ("presliding_friction", BOTH, {"level": LEVEL, "stiffness": "N m/rad", "damping": VISCOUS}),
     ("warm_up_friction", BOTH, {"coefficient": VISCOUS, "time_constant": "s"}),
@@ -36,6 +38,7 @@ TABLE: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
     ("torque_constant_error", MOTOR, {"gain": ONE}),
     ("torque_ripple", MOTOR, {"amplitude": LEVEL, "harmonic": ONE, "phase": ANGLE}),
     ("torque_speed_limit", MOTOR, {"stall_torque": LEVEL, "no_load_speed": "rad/s"}),
+    ("torque_saturation", MOTOR, {"scale": LEVEL}),
     ("command_delay", MOTOR, {"delay": "s"}),
     ("payload", (), {"mass": "kg"}),
     ("parallel_spring", LINK, {"stiffness": "N m/rad", "rest": ANGLE}),
@@ -61,6 +64,8 @@ AT_LEAST_ZERO = [
     "stribeck_friction.excess",
     "quadratic_drag.coefficient",
     "load_dependent_friction.coefficient",
+    "directional_gear_loss.driving",
+    "directional_gear_loss.driven",
     "position_dependent_friction.amplitude",
     "presliding_friction.level",
     "presliding_friction.damping",
@@ -85,6 +90,7 @@ ABOVE_ZERO = [
     "joint_elasticity.stiffness",
     "spring_hysteresis.width",
     "torque_speed_limit.no_load_speed",
+    "torque_saturation.scale",
     "parameter_error.factor",
 ]
 EXAMPLES = catalogue_examples()
@@ -136,7 +142,12 @@ def test_lower_bounds(path: str) -> None:
 @pytest.mark.parametrize("effect", EXAMPLES, ids=lambda effect: effect.name)
 def test_numbers_without_sense(effect: Effect) -> None:
     """NaN nowhere; infinity only where it means "none"."""
-    may_be = {"joint_elasticity": {"stiffness"}, "torque_speed_limit": {"stall_torque"}, "end_stop": {"lower", "upper"}}
+    may_be = {
+        "joint_elasticity": {"stiffness"},
+        "torque_speed_limit": {"stall_torque"},
+        "torque_saturation": {"scale"},
+        "end_stop": {"lower", "upper"},
+    }
     for field in effect.parameters():
         with pytest.raises(fd.InputError, match=rf"{effect.name}\.{field.name}: a number is needed"):
             changed(effect, **{field.name: math.nan})

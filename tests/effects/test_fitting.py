@@ -13,6 +13,7 @@ import pytest
 import flexdyn as fd
 from flexdyn.effects import (
     Backlash,
+    DirectionalGearLoss,
     Effect,
     HardeningSpring,
     JointCoupling,
@@ -32,6 +33,7 @@ NEEDS_SPRING: list[Effect] = [
     SpringHysteresis("elbow", stiffness=1.0, width=0.01),
     KinematicError("elbow", amplitude=0.01, harmonic=1.0, phase=0.0),
     LoadDependentFriction("elbow", coefficient=0.1),
+    DirectionalGearLoss("elbow", driving=0.1, driven=0.3),
 ]
 SLIDER = """<robot name="slider"><link name="base"/>
 <link name="a"><inertial><mass value="2.5"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>

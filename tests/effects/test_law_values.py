@@ -34,8 +34,14 @@ LAWS: dict[str, Law] = {
     "coulomb_friction": lambda e, t, x, u, tau: e.level * np.sign(u),
     "asymmetric_friction": lambda e, t, x, u, tau: np.where(u > 0, e.level_positive, e.level_negative) * np.sign(u),
     "stribeck_friction": lambda e, t, x, u, tau: e.excess * np.exp(-((abs(u) / e.velocity) ** e.exponent)) * np.sign(u),
+    "asymmetric_viscous_friction": (
+        lambda e, t, x, u, tau: e.coefficient_positive * np.maximum(u, 0) + e.coefficient_negative * np.minimum(u, 0)
+    ),
     "quadratic_drag": lambda e, t, x, u, tau: e.coefficient * np.sign(u) * u**2,
     "load_dependent_friction": lambda e, t, x, u, tau: e.coefficient * abs(tau) * np.sign(u),
+    "directional_gear_loss": (
+        lambda e, t, x, u, tau: np.where(tau * u > 0, e.driving * tau, -e.driven * tau) * (u != 0)
+    ),
     "position_dependent_friction": (
         lambda e, t, x, u, tau: e.amplitude * (1 + np.sin(e.harmonic * x + e.phase)) * np.sign(u)
     ),
@@ -46,6 +52,7 @@ LAWS: dict[str, Law] = {
     "torque_offset": lambda e, t, x, u, tau: tau + e.offset,
     "torque_constant_error": lambda e, t, x, u, tau: tau * (1 + e.gain),
     "torque_ripple": lambda e, t, x, u, tau: tau + e.amplitude * np.sin(e.harmonic * x + e.phase),
+    "torque_saturation": lambda e, t, x, u, tau: np.sign(tau) / (1 / abs(tau) + 1 / e.scale),
     "torque_speed_limit": lambda e, t, x, u, tau: clipped(e, tau, u),
     "parallel_spring": lambda e, t, x, u, tau: e.stiffness * (e.rest - x),
     "position_torque": lambda e, t, x, u, tau: (
@@ -60,11 +67,13 @@ ODD = [
     "stribeck_friction",
     "quadratic_drag",
     "load_dependent_friction",
+    "directional_gear_loss",
     "warm_up_friction",
     "joint_elasticity",
     "transmission_damping",
     "hardening_spring",
     "torque_constant_error",
+    "torque_saturation",
     "torque_speed_limit",
     "joint_coupling",
 ]

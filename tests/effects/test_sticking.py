@@ -14,6 +14,7 @@ import flexdyn as fd
 from flexdyn.effects import (
     AsymmetricFriction,
     CoulombFriction,
+    DirectionalGearLoss,
     Effect,
     LoadDependentFriction,
     PositionDependentFriction,
@@ -58,6 +59,16 @@ ON_LINK: list[tuple[str, list[Effect]]] = [
     ),
 ]
 MOTOR_ONLY: list[tuple[str, list[Effect]]] = [
+    ("directional_gear", [DirectionalGearLoss("shoulder", driving=0.05, driven=0.2)]),
+    ("directional_gear_other_way", [DirectionalGearLoss("shoulder", driving=0.3, driven=0.1)]),
+    (
+        "directional_gear_and_coulomb",
+        [
+            DirectionalGearLoss("shoulder", driving=0.05, driven=0.2),
+            TransmissionDamping("shoulder", coefficient=0.3),
+            CoulombFriction("shoulder", side="motor", level=0.1),
+        ],
+    ),
     ("load_dependent", [LoadDependentFriction("shoulder", coefficient=0.1)]),
     (
         "load_dependent_and_coulomb",
@@ -77,7 +88,7 @@ def to_motor(effects: list[Effect]) -> list[Effect]:
 
 def contact_of(arm: Arm, side: str, tau: float) -> Contact:
     """The arm's one contact; its dry laws are taken off the smoothed equations and put back as a set."""
-    dry = [e for e in arm.effects if e.name.endswith("_friction") and e.name != "viscous_friction"]
+    dry = [e for e in arm.effects if e.stage == "dry"]
     bare = dataclasses.replace(arm, effects=tuple(e for e in arm.effects if e not in dry))
     elastic = bool(arm.elastic)
     place = 3 if elastic and side == "motor" else 2 if elastic else 1
@@ -94,7 +105,10 @@ def contact_of(arm: Arm, side: str, tau: float) -> Contact:
         position = x[1] if place == 3 else x[0]
         return sum(level(e, position, x[place], tau_s, direction) for e in dry) if half else 0.0
 
-    return Contact(free, place, inertia, interval)
+    def load(t: float, x: Any) -> float:
+        return bare.spring(0, (x[0], x[1], x[2], x[3]), []).link
+
+    return Contact(free, place, inertia, interval, load if any(e.takes_load for e in dry) else None)
 
 
 def compare(arm: Arm, side: str, effects: list[Effect], tau: float) -> tuple[fd.Run, list[float]]:
@@ -140,7 +154,7 @@ def test_link_friction_on_an_elastic_joint(name: str, effects: list[Effect]) -> 
     ids=[name for name, _ in ON_LINK + MOTOR_ONLY],
 )
 def test_motor_friction_on_an_elastic_joint(name: str, effects: list[Effect]) -> None:
-    """The rotor sticks and breaks away while the link swings on its spring."""
+    """The rotor sticks and breaks away while the link swings on its spring; the load's changes of sign are located."""
     run, events = compare(ELASTIC, "motor", effects, 0.2)
     assert run.stats["events"] == len(events) >= 5
 

@@ -12,9 +12,11 @@ import pytest
 import flexdyn as fd
 from flexdyn.effects import (
     AsymmetricFriction,
+    AsymmetricViscousFriction,
     Backlash,
     CommandDelay,
     CoulombFriction,
+    DirectionalGearLoss,
     Effect,
     EndStop,
     HardeningSpring,
@@ -31,6 +33,7 @@ from flexdyn.effects import (
     TorqueConstantError,
     TorqueOffset,
     TorqueRipple,
+    TorqueSaturation,
     TorqueSpeedLimit,
     TransmissionDamping,
     ViscousFriction,
@@ -62,6 +65,7 @@ SMOOTH: dict[str, list[Effect]] = {
     "torque_offset": [TorqueOffset("elbow", offset=0.3)],
     "gains_add": [TorqueConstantError("elbow", gain=0.3), TorqueConstantError("elbow", gain=-0.5)],
     "ripple": [TorqueRipple("shoulder", amplitude=0.3, **WAVE), TorqueRipple("shoulder", amplitude=0.1, **WAVE)],
+    "saturation": [TorqueSaturation("shoulder", scale=1.1), TorqueSaturation("elbow", scale=0.4)],
     "gain_then_offset": [TorqueOffset("elbow", offset=0.3), TorqueConstantError("elbow", gain=0.5)],
     "parallel_spring": [ParallelSpring("shoulder", stiffness=2.0, rest=0.5)],
     "position_torque": [PositionTorque("elbow", cos_1=0.3, sin_1=-0.2, cos_2=0.15, sin_2=0.4)],
@@ -75,6 +79,7 @@ ON_RIGID = [
     "torque_offset",
     "gains_add",
     "ripple",
+    "saturation",
     "gain_then_offset",
     "parallel_spring",
     "position_torque",
@@ -85,6 +90,10 @@ CORNERED: dict[str, list[Effect]] = {
     "drag": [
         QuadraticDrag("elbow", side="motor", coefficient=0.3),
         QuadraticDrag("elbow", side="link", coefficient=0.2),
+    ],
+    "asymmetric_viscous": [
+        AsymmetricViscousFriction("elbow", side="motor", coefficient_positive=0.3, coefficient_negative=0.9),
+        AsymmetricViscousFriction("shoulder", side="link", coefficient_positive=0.8, coefficient_negative=0.1),
     ],
     "presliding": [PreslidingFriction("elbow", side="motor", **STIFF)],
     "presliding_link": [PreslidingFriction("shoulder", side="link", **STIFF)],
@@ -100,12 +109,14 @@ CORNERED: dict[str, list[Effect]] = {
     "end_stops": [EndStop("elbow", lower=0.4, upper=0.9, stiffness=80.0, damping=1.5)],
     "all_of_the_motor": [
         TorqueSpeedLimit("elbow", stall_torque=0.9, no_load_speed=8.0),
+        TorqueSaturation("elbow", scale=3.0),
         TorqueRipple("elbow", amplitude=0.3, **WAVE),
         TorqueConstantError("elbow", gain=0.4),
         TorqueOffset("elbow", offset=-0.1),
     ],
 }
-CORNERED_ON_RIGID = ["drag", "presliding", "presliding_link", "limit", "end_stops", "all_of_the_motor"]
+NEED_A_SPRING = ("hysteresis", "hysteresis_after_the_gap", "gaps_add", "gap_on_both")
+CORNERED_ON_RIGID = [name for name in CORNERED if name not in NEED_A_SPRING]
 
 DRY: dict[str, list[Effect]] = {
     "coulomb": [CoulombFriction("elbow", side="motor", level=0.2), CoulombFriction("elbow", side="link", level=0.1)],
@@ -115,6 +126,12 @@ DRY: dict[str, list[Effect]] = {
     "position_dependent": [PositionDependentFriction("elbow", side="link", amplitude=0.3, **WAVE)],
     "position_dependent_motor": [PositionDependentFriction("elbow", side="motor", amplitude=0.3, **WAVE)],
     "load_dependent": [LoadDependentFriction("shoulder", coefficient=0.3)],
+    "load_directional": [DirectionalGearLoss("shoulder", driving=0.2, driven=0.6)],
+    "load_directional_with_all": [
+        DirectionalGearLoss("elbow", driving=0.5, driven=0.1),
+        TransmissionDamping("elbow", coefficient=0.4),
+        KinematicError("elbow", amplitude=0.004, harmonic=9.0, phase=0.3),
+    ],
     "load_dependent_with_all": [
         LoadDependentFriction("elbow", coefficient=0.3),
         TransmissionDamping("elbow", coefficient=0.4),

@@ -89,7 +89,7 @@ def on_every_side(effect: Any) -> list[Any]:
 
 def needs_spring(effect: Any) -> bool:
     """Whether the effect can be on an elastic joint alone."""
-    return getattr(effect, "side", "") == "transmission" or effect.name == "load_dependent_friction"
+    return getattr(effect, "side", "") == "transmission" or effect.takes_load
 
 
 CASES = [

@@ -59,9 +59,7 @@ def _found(made: Study) -> Iterator[str]:
         "What is left, and not named: a ripple over position of about 1 N with two cycles a turn of the screw (2.5 "
         "mm), seen at the lowest speed; friction that is less in the first centimetres per second after a reversal "
         "than its level, the opposite of a Stribeck effect; and in PULSES one jump of the force at 22.4 s that "
-        "nothing in the record explains. The law of the difference by direction, `viscous_asymmetry`, is the "
-        "study's own (emps_friction.py): without it the catalogue offers laws of position instead, for the axis "
-        "passes its middle fast and its ends slowly."
+        "nothing in the record explains."
     )
 
 

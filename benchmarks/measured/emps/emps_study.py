@@ -21,7 +21,6 @@ from emps_data import (
     read_records,
     replayed_controller,
 )
-from emps_friction import ViscousAsymmetry
 from emps_page import write_page
 from emps_result import Account, Study
 
@@ -38,11 +37,11 @@ MOST = {"closed loop, DATA_EMPS": 0.039, "closed loop, PULSES": 0.05, "inverse m
 
 def published_either_way(plain: fd.FlexibleJointModel) -> fd.FlexibleJointModel:
     """The report's second model: viscous and dry friction of either direction (its mass is the first's to 0.05 %)."""
-    up, down = 166.7061, 240.4236
-    viscous = fd.effects.ViscousFriction("carriage", side="motor", coefficient=0.5 * (up + down))
     dry = fd.effects.AsymmetricFriction("carriage", side="motor", level_positive=20.1440, level_negative=20.6277)
-    either = ViscousAsymmetry("carriage", side="motor", coefficient=0.5 * (up - down))
-    return plain.replace(effects=[viscous, dry, either])
+    viscous = fd.effects.AsymmetricViscousFriction(
+        "carriage", side="motor", coefficient_positive=166.7061, coefficient_negative=240.4236
+    )
+    return plain.replace(effects=[viscous, dry])
 
 
 def study(folder: Path) -> Study:

@@ -22,7 +22,7 @@ from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.suspects import ESTABLISHED
-from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction
+from flexdyn.effects import Effect, JointEffect, JointElasticity
 
 Array = NDArray[np.float64]
 Share = Callable[[int], float]
@@ -167,8 +167,8 @@ def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
 
 
 def needed(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
-    """Effects with the elasticities that load-dependent friction among them needs."""
-    loaded = {each.joint for each in effects if isinstance(each, LoadDependentFriction)}
+    """Effects with the elasticities that those among them need which take the load."""
+    loaded = {each.joint for each in effects if isinstance(each, JointEffect) and each.takes_load}
     soft = [each for each in here.effects if isinstance(each, JointElasticity) and each.joint in loaded]
     return (*effects, *(each for each in soft if each not in effects))
 
@@ -178,7 +178,7 @@ def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
     soft = {each.joint for each in effects if isinstance(each, JointElasticity)}
     true = here.given.resolved()
     soft |= {name for name, elastic in zip(true.joint_names, true.elastic, strict=True) if elastic}
-    return tuple(each for each in effects if not isinstance(each, LoadDependentFriction) or each.joint in soft)
+    return tuple(each for each in effects if not each.takes_load or getattr(each, "joint", "") in soft)
 
 
 def converged(made: Fit) -> bool:

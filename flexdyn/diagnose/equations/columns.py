@@ -17,7 +17,6 @@ from flexdyn.effects import (
     Effect,
     JointEffect,
     JointElasticity,
-    LoadDependentFriction,
     Payload,
     SensorEffect,
     TorqueConstantError,
@@ -39,7 +38,7 @@ def stands_alone(equations: Equations, effect: JointEffect) -> bool:
 def is_loaded(equations: Equations, j: int) -> bool:
     """Whether a joint has friction that depends on what its transmission carries."""
     true = equations.true
-    return any(isinstance(e, LoadDependentFriction) and true.index(e.joint) == j for e in true.all_effects)
+    return any(isinstance(e, JointEffect) and e.takes_load and true.index(e.joint) == j for e in true.all_effects)
 
 
 def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> Array:

@@ -13,8 +13,6 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
-KNOWN = ("viscous_friction", "coulomb_friction", "quadratic_drag", "stribeck_friction", "asymmetric_friction")
-"""Friction that a velocity alone decides."""
 NOT_PLAIN = (Backlash, HardeningSpring, SpringHysteresis)
 """What makes a transmission another thing than a linear spring."""
 ROUNDS, STEP, STEEPEST = 8, 1e-4, 10.0
@@ -86,5 +84,5 @@ def _more(springs: list[HardeningSpring | SpringHysteresis], seen: Array) -> Arr
 
 def _friction(model: FlexibleJointModel, j: int, side: str, x: Array, u: Array, t: Array) -> Array:
     """Friction torque (samples,) on one side of a joint."""
-    known = [e for e in _acting(model, j) if e.side == side and e.name in KNOWN]
+    known = [e for e in _acting(model, j) if e.side == side and e.of_velocity]
     return np.asarray(sum((torque_of(e, x, u, t=t, tau=np.zeros_like(x)) for e in known), np.zeros_like(x)))

@@ -17,15 +17,11 @@ from flexdyn.effects import (
     JointCoupling,
     JointEffect,
     KinematicError,
-    LoadDependentFriction,
     MemoryEffect,
 )
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-ROUNDS = 4
-"""In which friction and the load that it depends on are made to agree."""
-ACTUATOR_ORDER = ("command_delay", "torque_constant_error", "torque_offset", "torque_ripple", "torque_speed_limit")
 
 
 def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
@@ -34,11 +30,10 @@ def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
 
 
 def applied_torque(effects: Sequence[JointEffect], motion: Motion, j: int) -> Array:
-    """tau_applied (samples,): delay, gain, offset, ripple and limit act on the torque asked for, in this order."""
+    """tau_applied (samples,): the actuator effects act on the torque asked for one after the other."""
     tau = motion.tau[:, j]
     acting = [e for e in effects if e.stage == "actuator"]
-    order = {name: place for place, name in enumerate(ACTUATOR_ORDER)}
-    for effect in sorted(acting, key=lambda e: order.get(e.name, len(order))):
+    for effect in sorted(acting, key=lambda e: e.order):
         if isinstance(effect, CommandDelay):
             tau = np.interp(motion.t - effect.delay, motion.t, tau)
         else:
@@ -82,13 +77,13 @@ def _is_damping(effect: JointEffect) -> bool:
 def friction_torque(
     effects: Sequence[JointEffect], model: FlexibleJointModel, motion: Motion, j: int, side: str, carried: Array
 ) -> Array:
-    """f_motor or f_link (samples,) of a joint; `carried` is tau_s, which load-dependent friction takes."""
+    """f_motor or f_link (samples,) of a joint; `carried` is tau_s, on which some of it depends."""
     x, u = (motion.q, motion.v) if side == "link" else (motion.theta, motion.omega)
     total = np.zeros(len(motion.t))
     for effect in effects:
         if effect.side != side or effect.stage not in ("friction", "dry"):
             continue
-        if isinstance(effect, LoadDependentFriction):
+        if effect.takes_load:
             total += effect.torque(x[:, j], u[:, j], tau=carried)
         else:
             total += -own_torque(effect, model, motion)[1]
@@ -97,7 +92,7 @@ def friction_torque(
 
 def adds_up(effect: JointEffect) -> bool:
     """Whether an effect's torque does not depend on the other effects of its joint."""
-    plain = effect.stage in ("friction", "dry", "link") and not isinstance(effect, LoadDependentFriction)
+    plain = effect.stage in ("friction", "dry", "link") and not effect.takes_load
     return plain and effect.side in ("motor", "link")
 
 
@@ -130,7 +125,8 @@ class Terms:
     Attributes:
         motor: tau_applied - tau_s - f_motor; on a rigid joint without tau_s.
         link: tau_s - f_link + torques on the link; on a rigid joint without tau_s.
-        tau_s: carried by the transmission; on a rigid joint what the link needs.
+        tau_s: carried by the transmission; where one of its positions was made up, or it is rigid, what the link needs:
+            so friction that takes the load stands in rows of motor torque, and not the load in rows of what is left.
     """
 
     motor: Array
@@ -138,41 +134,17 @@ class Terms:
     tau_s: Array
 
 
-def _carried(
-    model: FlexibleJointModel, effects: Sequence[JointEffect], motion: Motion, j: int, applied: Array, link: Array
-) -> Array:
-    """What the transmission carries (samples,) by the equation that made up a position.
-
-    Args:
-        model: of the arm.
-        effects: of the joint.
-        motion: along which.
-        j: the joint.
-        applied: torque on the motor (samples,).
-        link: torques on the link but the transmission's (samples,).
-    """
-    only_motor = not motion.data.has_q[j]
-    side, sign = ("motor", -1.0) if only_motor else ("link", 1.0)
-    inertial = model.rotor_inertia[j] * motion.alpha[:, j]
-    frictionless: Array = applied - inertial if only_motor else motion.inverse_dynamics[:, j] - link
-    carried = frictionless
-    for _ in range(ROUNDS):
-        carried = frictionless + sign * friction_torque(effects, model, motion, j, side, carried)
-    return carried
-
-
 def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: Motion, j: int) -> Terms:
     """The torques on a joint's rotor and link along a motion."""
     acting = of_joint(effects, model.joint_names[j])
-    motor = applied = applied_torque(acting, motion, j)
-    link = others = link_torque(acting, motion, j)
-    carried = np.zeros(len(motion.t))
+    motor = applied_torque(acting, motion, j)
+    link = link_torque(acting, motion, j)
+    link = link - friction_torque(acting, model, motion, j, "link", np.zeros(len(motion.t)))
+    carried = motion.inverse_dynamics[:, j] - link
     if model.elastic[j]:
         both = spring_torque(model, acting, motion, j)
-        carried = both[:, 0]
+        if motion.data.both[j]:
+            carried = both[:, 0]
         motor, link = motor - both[:, 1], link + both[:, 0]
-        if not motion.data.both[j]:
-            carried = _carried(model, acting, motion, j, applied, others)
     motor = motor - friction_torque(acting, model, motion, j, "motor", carried)
-    link = link - friction_torque(acting, model, motion, j, "link", carried)
-    return Terms(motor, link, carried if model.elastic[j] else motion.inverse_dynamics[:, j] - link)
+    return Terms(motor, link, carried)

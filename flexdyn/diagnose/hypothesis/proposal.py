@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,6 +55,7 @@ class Extent:
         span: range of the rotor's position [rad].
         deflection: nearly the greatest, 0 on a rigid joint [rad].
         torque: the greatest asked for [N m].
+        given: nearly the greatest that the motion needed, as the model has it, and at most that [N m].
         seconds: duration of the longest recording [s].
         low, high: ends of the link's range [rad].
         ratio: of the gear [1].
@@ -64,6 +66,7 @@ class Extent:
     span: float
     deflection: float
     torque: float
+    given: float
     seconds: float
     low: float
     high: float
@@ -77,12 +80,15 @@ class Extent:
             np.concatenate([getattr(m, name)[:, j] for m in equations.motions])
             for name in ("omega", "theta", "delta", "tau", "q")
         )
+        needed = np.concatenate([equations.needed(along, j) for along in equations.motions])
+        asked = max(float(np.abs(tau).max()), 1e-9)
         wound = float(np.percentile(np.abs(delta - np.median(delta)), 99.5)) if equations.true.elastic[j] else 0.0
         return cls(
             speed=max(float(np.percentile(np.abs(omega), 99.0)), 1e-9),
             span=max(float(np.ptp(theta)), 1e-9),
             deflection=max(wound, 1e-9),
-            torque=max(float(np.abs(tau).max()), 1e-9),
+            torque=asked,
+            given=max(min(float(np.percentile(np.abs(needed), 99.5)), asked), 1e-6 * asked),
             seconds=max(float(m.t[-1] - m.t[0]) for m in equations.motions),
             low=float(q.min()),
             high=float(q.max()),
@@ -114,6 +120,40 @@ def linear(
         grid=points,
         positive=(bounds[name] >= 0.0,),
         axes=tuple(grid[0]),
+    )
+
+
+def declared(kind: type[Effect], place: Mapping[str, str], extent: Extent, beside: Collection[str] = ()) -> Proposal:
+    """An effect by what its class says is linear in it, and what to try of its other numbers.
+
+    Its linear numbers may not be negative where their bound says so; nor where the plainer law, beside which alone a
+    negative one makes sense, is not in the model.
+
+    Args:
+        kind: its class.
+        place: ``joint`` and ``side``.
+        extent: what the joint does, by which the grids are sized.
+        beside: effects that the model has at this place.
+    """
+    place, names = {"effect": kind.name, **place}, tuple(kind.grids)
+    sizes = {"one": 1.0, **{key: getattr(extent, key) for key in ("given", "speed", "deflection", "seconds")}}
+    values = [[share * sizes[scale] for share in shares] for scale, shares in kind.grids.values()]
+    grid = tuple(itertools.product(*values))
+    if not kind.linear:
+        return given(place, names, grid)
+    lower = {entry.name: entry.metadata["lower"] for entry in kind.parameters()}
+    alone = bool(kind.plainer) and not set(kind.plainer) & set(beside)
+
+    def build(point: Point, x: Sequence[float]) -> Effect:
+        return at(place, **dict(zip(names, point, strict=True)), **dict(zip(kind.linear, x, strict=True)))
+
+    return Proposal(
+        place,
+        make=lambda point, x: build(point, x.tolist()),
+        units=lambda point: [(build(point, row), 1.0) for row in np.eye(len(kind.linear)).tolist()],
+        grid=grid,
+        positive=tuple(lower[name] >= 0.0 or alone for name in kind.linear),
+        axes=names,
     )
 
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.play import half_gaps
-from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, at, given, linear, wave
-from flexdyn.effects import Effect, JointElasticity
+from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, at, declared, given, linear, wave
+from flexdyn.effects import Effect, JointEffect, JointElasticity, catalogue
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 SLOW_HARMONICS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
@@ -27,8 +27,10 @@ def proposals(equations: Equations) -> list[Proposal]:
         extent = Extent.of(equations, j)
         elastic = bool(equations.true.elastic[j])
         for side in ("motor", "link") if elastic else ("motor",):
+            found += _declared({"joint": joint, "side": side}, extent, equations.true)
             found += _friction({"joint": joint, "side": side}, extent)
         if elastic:
+            found += _declared({"joint": joint, "side": "transmission"}, extent, equations.true)
             found += _transmission(joint, extent, half_gaps(equations, j, extent.deflection))
         elif equations.true.rotor_inertia[j] > 0.0:
             found.append(_elasticity(joint))
@@ -40,29 +42,21 @@ def proposals(equations: Equations) -> list[Proposal]:
     return [*found, linear(tip, "mass", unit=1e-3)]
 
 
+def _declared(place: Mapping[str, str], extent: Extent, true: FlexibleJointModel) -> Iterator[Proposal]:
+    """Of one joint's side: every effect whose class says what is linear in it or what to try."""
+    elastic = bool(true.elastic[true.index(place["joint"])])
+    there = [each for each in true.all_effects if isinstance(each, JointEffect) and each.joint == place["joint"]]
+    beside = {each.name for each in there if each.side == place["side"]}
+    for kind in catalogue().values():
+        own = kind.__module__.startswith("flexdyn.") and issubclass(kind, JointEffect)
+        possible = place["side"] in kind.sides and (elastic or not kind.takes_load)
+        if own and possible and (kind.linear or kind.grids):
+            yield declared(kind, place, extent, beside)
+
+
 def _friction(place: Mapping[str, str], extent: Extent) -> Iterator[Proposal]:
-    yield linear({"effect": "viscous_friction", **place}, "coefficient")
-    yield linear({"effect": "coulomb_friction", **place}, "level")
-    yield linear({"effect": "quadratic_drag", **place}, "coefficient")
-    speeds = [{"velocity": float(v)} for v in extent.speed * np.geomspace(0.003, 0.4, 9)]
-    yield linear({"effect": "stribeck_friction", **place}, "excess", speeds)
-    times = [{"time_constant": float(s)} for s in extent.seconds * np.geomspace(0.04, 1.5, 7)]
-    yield linear({"effect": "warm_up_friction", **place}, "coefficient", times)
-    yield _asymmetric({"effect": "asymmetric_friction", **place})
     yield _swinging({"effect": "position_dependent_friction", **place}, extent)
     yield _presliding({"effect": "presliding_friction", **place}, extent)
-
-
-def _asymmetric(place: Mapping[str, str]) -> Proposal:
-    def build(up: float, down: float) -> Effect:
-        return at(place, level_positive=up, level_negative=down)
-
-    return Proposal(
-        place,
-        make=lambda point, x: build(float(x[0]), float(x[1])),
-        units=lambda point: [(build(1.0, 0.0), 1.0), (build(0.0, 1.0), 1.0)],
-        positive=(True, True),
-    )
 
 
 def _swinging(place: Mapping[str, str], extent: Extent) -> Proposal:
@@ -101,11 +95,6 @@ def _presliding(place: Mapping[str, str], extent: Extent) -> Proposal:
 
 def _transmission(joint: str, extent: Extent, gaps: Sequence[float]) -> Iterator[Proposal]:
     across = {"joint": joint, "side": "transmission"}
-    yield linear({"effect": "load_dependent_friction", "joint": joint, "side": "motor"}, "coefficient")
-    yield linear({"effect": "transmission_damping", **across}, "coefficient")
-    yield linear({"effect": "hardening_spring", **across}, "cubic")
-    widths = [{"width": float(w)} for w in extent.deflection * np.geomspace(0.003, 3.0, 9)]
-    yield linear({"effect": "spring_hysteresis", **across}, "stiffness", widths)
     yield given({"effect": "backlash", **across}, ("half_gap",), [(gap,) for gap in gaps])
     turns = (1.0, 2.0, 3.0, 4.0, extent.ratio, 2.0 * extent.ratio, 4.0 * extent.ratio)
     yield wave({"effect": "kinematic_error", **across}, turns, 1e-6)
@@ -123,15 +112,9 @@ def _elasticity(joint: str) -> Proposal:
 
 def _actuator(joint: str, extent: Extent) -> Iterator[Proposal]:
     motor = {"joint": joint, "side": "motor"}
-    yield linear({"effect": "torque_offset", **motor}, "offset")
-    yield linear({"effect": "torque_constant_error", **motor}, "gain")
     slow = SLOW_HARMONICS if extent.turns else ()
     turns = (*slow, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0)))
     yield wave({"effect": "torque_ripple", **motor}, turns, extent.torque)
-    yield given({"effect": "command_delay", **motor}, ("delay",), [(d,) for d in (0.0005, 0.001, 0.002, 0.004, 0.008)])
-    shares, speeds = (0.3, 0.45, 0.6, 0.75, 0.9, 1.2), (1.1, 1.5, 2.0, 3.0, 10.0)
-    lines = [(a * extent.torque, b * extent.speed) for a, b in product(shares, speeds)]
-    yield given({"effect": "torque_speed_limit", **motor}, ("stall_torque", "no_load_speed"), lines)
 
 
 def _link(joint: str, extent: Extent) -> Iterator[Proposal]:

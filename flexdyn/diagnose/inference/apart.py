@@ -19,7 +19,6 @@ from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import lower_factor
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.effects import catalogue
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -28,18 +27,10 @@ CHANCE, UNSURE = 5.0, 0.05
 EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 0.3
 """Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest. In
 24 hidden cases outside the catalogue the best imitation stood out by 46 at most; the rest must by 60 to be named."""
-COMMON = {
-    "viscous_friction": EVERYWHERE,
-    "coulomb_friction": EVERYWHERE,
-    "stribeck_friction": OFTEN,
-    "asymmetric_friction": OFTEN,
-    "load_dependent_friction": OFTEN,
-    "joint_coupling": OFTEN,
-    "joint_elasticity": OFTEN,
-    "channel_lag": OFTEN,
-    "command_delay": OFTEN,
-    "rotor_inertia": OFTEN,
-}
+ODDS = {"everywhere": EVERYWHERE, "often": OFTEN, "seldom": SELDOM}
+"""By what an effect's class declares."""
+GUESSED = ("rotor_inertia",)
+"""Numbers of the file that are often wrong."""
 
 
 def genuine(candidate: Candidate, share: float) -> float:
@@ -50,9 +41,9 @@ def genuine(candidate: Candidate, share: float) -> float:
         share: power of its own part over that of what is left [1].
     """
     late_encoder = candidate.kind == "channel_lag" and not candidate.place["channel"].startswith("tau")
-    law = catalogue().get(candidate.kind)
-    own = law is not None and not law.__module__.startswith("flexdyn.")  # who writes a law expects it
-    prior = SELDOM if late_encoder else COMMON.get(candidate.kind, OFTEN if own else SELDOM)
+    own = not candidate.law.__module__.startswith("flexdyn.")  # who writes a law expects it
+    often = own or candidate.kind in GUESSED
+    prior = SELDOM if late_encoder else OFTEN if often else ODDS[candidate.law.prevalence]
     odds = prior * (1.0 + min(share, 1e12))
     return odds / (1.0 + odds)
 

@@ -12,9 +12,9 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import Motion
 from flexdyn.diagnose.equations.terms import applied_torque, joint_terms, of_joint
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
-from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, given, linear
+from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, declared, given
 from flexdyn.diagnose.hypothesis.proposals import proposals
-from flexdyn.effects import ChannelLag, Effect, JointEffect, LoadDependentFriction, TorqueSpeedLimit
+from flexdyn.effects import ChannelLag, Effect, JointEffect, catalogue
 
 Array = NDArray[np.float64]
 DELAYS = (0.0005, 0.001, 0.002, 0.004, 0.008)
@@ -37,10 +37,13 @@ def everything(equations: Equations) -> list[Proposal]:
 
 
 def _loaded(equations: Equations) -> list[Proposal]:
-    """Load-dependent friction of rigid joints: the model can hold it where the joint becomes elastic as well."""
-    true, place = equations.true, {"effect": LoadDependentFriction.name, "side": "motor"}
-    rigid = [name for j, name in enumerate(true.joint_names) if not true.elastic[j] and true.rotor_inertia[j] > 0.0]
-    return [linear({**place, "joint": name}, "coefficient") for name in rigid]
+    """Friction of rigid joints that takes the load: the model can hold it where the joint becomes elastic as well."""
+    true, kinds = equations.true, [kind for kind in catalogue().values() if kind.takes_load and kind.linear]
+    found = []
+    for j in np.flatnonzero(~true.elastic & (true.rotor_inertia > 0.0)).tolist():
+        place, extent = {"joint": true.joint_names[j], "side": "motor"}, Extent.of(equations, j)
+        found += [declared(kind, place, extent) for kind in kinds]
+    return found
 
 
 def columns_of(equations: Equations, proposal: Proposal, point: Point) -> Array:
@@ -52,21 +55,21 @@ def _of_effect(equations: Equations, effect: Effect, scale: float) -> Array:
     """Change of the residual (rows,) where the model has an effect more, over `scale`.
 
     What acts on the torque acts on the one that the model needs: the recorded one's noise is in the residual as well
-    (errors in variables). A limit is the exception: what it cuts off is not needed.
+    (errors in variables). What bends the torque is the exception: what it takes off is not needed.
     """
     if isinstance(effect, ChannelLag) and effect.signal == "tau":
         return _of_late_torque(equations, effect) / scale
-    if isinstance(effect, LoadDependentFriction) and not equations.true.elastic[equations.true.index(effect.joint)]:
-        return _of_loaded(equations, effect) / scale
-    on_the_way = isinstance(effect, JointEffect) and effect.stage == "actuator"
-    if not on_the_way or isinstance(effect, TorqueSpeedLimit):
+    if not isinstance(effect, JointEffect):
         return columns.of_effect(equations, effect, scale)
-    effect = columns.on_joint(effect)
     j = equations.true.index(effect.joint)
+    if effect.takes_load and not equations.true.elastic[j]:
+        return _of_loaded(equations, effect) / scale
+    if effect.stage != "actuator" or effect.of_recorded_torque:
+        return columns.of_effect(equations, effect, scale)
     return equations.of_torque(j, lambda along: ("motor", _on_the_way(equations, effect, along, j))) / scale
 
 
-def _of_loaded(equations: Equations, effect: LoadDependentFriction) -> Array:
+def _of_loaded(equations: Equations, effect: JointEffect) -> Array:
     true = equations.true
     j = true.index(effect.joint)
 

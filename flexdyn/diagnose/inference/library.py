@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,23 +20,13 @@ from flexdyn.diagnose.hypothesis.linear import tangent_scale
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.effects import CommandDelay, Effect, JointEffect, LoadDependentFriction, TorqueConstantError
+from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
 from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 SHARE = 0.3
 """Prior standard deviation of an effect's torque, as a share of the joint's root mean square torque."""
-NATURAL_SIZE = {
-    "torque_constant_error": 0.15,
-    "load_dependent_friction": 0.15,
-    "sensor_gain": 0.03,
-    "sensor_offset": 0.01,
-    "encoder_eccentricity": 0.01,
-    "kinematic_error": 0.01,
-}
-"""Prior standard deviation of sizes that no drive scales: of gains and efficiencies [1], of encoders and gears [rad]:
-data sheets of torque constants say 10 %, of gears 5 to 20 % lost, of assembled encoders arc minutes."""
 FREED = 1.0
 """Prior standard deviation of the factor of a number whose tolerance is wrong [1]."""
 ANGLES = {
@@ -92,6 +83,11 @@ class Candidate:
         if self.proposal is not None:
             return dict(self.proposal.place)
         return {} if self.number is None else {"of": self.number.of, "parameter": self.number.parameter}
+
+    @cached_property
+    def law(self) -> type[Effect]:
+        """What its class declares; that of any effect for a number of the file."""
+        return registered().get(self.kind, Effect)
 
     @property
     def group(self) -> str:
@@ -372,7 +368,7 @@ class Library:
     def _spread(self, effect: Effect, name: str) -> float:
         """Prior standard deviation of a parameter that makes an effect large."""
         true = self.equations.true
-        if isinstance(effect, LoadDependentFriction) and not true.elastic[true.index(effect.joint)]:
+        if isinstance(effect, JointEffect) and effect.takes_load and not true.elastic[true.index(effect.joint)]:
             column = self.columns(next(p for p in self.proposals if p.is_of(effect)), ())
             return np.inf if column is None else float(column.std[0])
         return self.alone(effect).belief(effect, name)[1]
@@ -423,5 +419,5 @@ def _natural(kind: str, of_drive: float) -> float:
 
     Errors of positions are as large as assembly makes them, however stiff the spring is on which they pull.
     """
-    natural = NATURAL_SIZE.get(kind, np.inf)
+    natural = registered()[kind].natural_size
     return natural if kind in BY_NATURE else min(of_drive, natural)

@@ -29,7 +29,7 @@ from flexdyn.diagnose.inference.library import WAVES, Library
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
 from flexdyn.diagnose.inference.whitening import Tempered
-from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction
+from flexdyn.effects import Effect, JointEffect, JointElasticity
 from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
@@ -239,7 +239,7 @@ def _nonlinear(space: Space, structure: Structure) -> set[int]:
 def _waits(space: Space, c: int) -> bool:
     """Whether a candidate makes a rigid joint elastic: all its equations change, so it stays linear until the end."""
     candidate, true = space.candidates[c], space.library.equations.true
-    if candidate.kind == LoadDependentFriction.name:
+    if candidate.law.takes_load:
         return not true.elastic[true.index(candidate.place["joint"])]
     return candidate.kind == JointElasticity.name
 
@@ -271,11 +271,13 @@ def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole
 
 
 def _softened(space: Space, structure: Structure, effects: list[Effect]) -> list[Effect]:
-    """Elasticities that load-dependent friction needs and the structure lacks: as stiff as the data allow."""
+    """Elasticities that friction which takes the load needs and the structure lacks: as stiff as the data allow."""
     soft = {each.joint for each in effects if isinstance(each, JointElasticity)}
     true, found = space.library.equations.true, list[Effect]()
     for each in effects:
-        if not isinstance(each, LoadDependentFriction) or true.elastic[true.index(each.joint)] or each.joint in soft:
+        if not isinstance(each, JointEffect) or not each.takes_load:
+            continue
+        if true.elastic[true.index(each.joint)] or each.joint in soft:
             continue
         place = {"effect": JointElasticity.name, "joint": each.joint}
         (c,) = (c for c, other in enumerate(space.candidates) if place.items() <= other.place.items())

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betaln
 
-from flexdyn.diagnose.hypothesis.nesting import CONTAINS
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.refinement import refined
@@ -63,7 +62,7 @@ class Scan:
         me = self.space.candidates[c]
         found = [c]
         for k, other in enumerate(self.space.candidates):
-            nested = other.kind in CONTAINS.get(me.kind, ()) or me.kind in CONTAINS.get(other.kind, ())
+            nested = other.kind in me.law.contains or me.kind in other.law.contains
             if k != c and ((nested and _where(me) == _where(other)) or _undo(me, other)):
                 found.append(k)
         return np.array(found)

@@ -31,13 +31,6 @@ NEGLIGIBLE = 3e-3
 """Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
 NATURAL = 5.0
 """Log odds of a harmonic that is a whole number, or a whole number of motor turns, to one that is not."""
-PLAINER = {
-    "asymmetric_friction": ("coulomb_friction",),
-    "presliding_friction": ("coulomb_friction",),
-    "position_dependent_friction": ("coulomb_friction",),
-    "warm_up_friction": ("viscous_friction",),
-}
-"""What a law becomes where its further parameters do nothing: only what these add speaks for it."""
 SPARE = 400
 """Columns for refined grid points."""
 
@@ -220,7 +213,7 @@ class Space:
         """The plainer laws at the same place that each candidate contains."""
         found = {}
         for c, each in enumerate(self.candidates):
-            names = PLAINER.get(each.kind, ())
+            names = each.law.plainer
             found[c] = tuple(k for k, other in enumerate(self.candidates) if other.kind in names and _same(each, other))
         return found
 
