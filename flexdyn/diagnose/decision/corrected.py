@@ -18,7 +18,7 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.apart import genuine, shares
-from flexdyn.diagnose.inference.library import Candidate
+from flexdyn.diagnose.inference.library import SMALLEST, Candidate
 from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.suspects import ESTABLISHED
@@ -99,17 +99,22 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     share = shares(space, found.best)
     own = {c: genuine(space.candidates[c], each) for c, each in share.items()}
-    shown = set[int]()
-    if share_in_windows is not None:
-        for c in (c for c in there if masses.of_any([c]) >= ESTABLISHED):
-            by_windows = genuine(space.candidates[c], share_in_windows(c))
-            own[c] = max(own[c], by_windows)
-            shown |= {c} if by_windows >= ESTABLISHED else set()
+    sure = [c for c in there if masses.of_any([c]) >= ESTABLISHED]
+    seen = {c: genuine(space.candidates[c], share_in_windows(c)) for c in sure} if share_in_windows else {}
+    own = {c: max(each, seen.get(c, 0.0)) for c, each in own.items()}
     named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
-    small = {c.candidate for c in kept if not _is_large(space, space.candidates[c.candidate], made)} - shown
-    large = tuple(each for each in kept if each.candidate not in small)
+    large = tuple(
+        each
+        for each in kept
+        if _is_large(
+            space,
+            space.candidates[each.candidate],
+            made,
+            0.0 if seen.get(each.candidate, 0.0) >= ESTABLISHED else SMALLEST,
+        )
+    )
     if large != kept:  # what the linear equations promised is not there
         kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
     made = made if converged(made) else fit(made.hypothesis, made.space)
@@ -127,14 +132,14 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
     return effect is not None and not effect.is_neutral
 
 
-def _is_large(space: Space, candidate: Candidate, made: Fit) -> bool:
+def _is_large(space: Space, candidate: Candidate, made: Fit, smallest: float) -> bool:
     """Whether the effect of a candidate is as large as one must be, where the fit has it."""
     here, effect = made.hypothesis, effect_of(candidate, made.hypothesis)
     if effect is None:
         return candidate.number is not None
     without = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
     change = made.equations.residual - made.equations.of(without.model()).residual
-    share, least = space.library.size_of(effect, change)
+    share, least = space.library.size_of(effect, change, smallest)
     return share >= least
 
 

@@ -271,17 +271,18 @@ class Library:
         low, high = float(np.log(min(grid))), float(np.log(max(grid)))
         return -value * (float(np.log(value)) - 0.5 * (low + high)), value * max(0.5 * (high - low), 0.1)
 
-    def size_of(self, effect: Effect, change: Array) -> tuple[float, float]:
+    def size_of(self, effect: Effect, change: Array, least: float = SMALLEST) -> tuple[float, float]:
         """Share of its joint's torque that an effect has, and the one from which it is one [1].
 
         Args:
             effect: of which.
             change: of the residual by it (rows,).
+            least: share of the torque below which an effect is none, whatever the encoders resolve [1].
         """
         share = float(self._size(change[:, None])[0])
         angle = abs(float(getattr(effect, ANGLES.get(effect.name, ""), np.inf)))
         place = {key: str(getattr(effect, key)) for key in ("joint", "channel") if hasattr(effect, key)}
-        return share, max(SMALLEST, self._resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
+        return share, max(least, self._resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
 
     def _resolution(self, place: Mapping[str, str]) -> float:
         """Step of the encoders [rad or m] for effects on positions: what is smaller may be rounding; 0 for others."""
