@@ -105,15 +105,11 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
+    least = {c: 0.0 if each >= ESTABLISHED else SMALLEST for c, each in seen.items()}
     large = tuple(
         each
         for each in kept
-        if _is_large(
-            space,
-            space.candidates[each.candidate],
-            made,
-            0.0 if seen.get(each.candidate, 0.0) >= ESTABLISHED else SMALLEST,
-        )
+        if _is_large(space, space.candidates[each.candidate], made, least.get(each.candidate, SMALLEST))
     )
     if large != kept:  # what the linear equations promised is not there
         kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
