@@ -75,7 +75,7 @@ def concluded(
         where=() if said == "no_discrepancy" else first.where,
         left=last.left,
         data=(*answer.data, *(each.source(found.joints, last.rows.noise) for each in parts[1])),
-        notes=notes(compared),
+        notes=notes(compared, found),
         residuals=drawn(plain.equations, first.after, plain.whiten),
         write_model=not first.worse,
         stopped=() if found.converged else stopped(found.fitted),

@@ -113,7 +113,7 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     )
     if large != kept:  # what the linear equations promised is not there
         kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
-    made = made if converged(made) else fit(made.hypothesis, made.space)
+    made = made if converged(made) or made.block else fit(made.hypothesis, made.space)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = not left(HeldOut(plain.equations, made.equations, plain.noise, plain.whiten), {})
     made = made if explained else within(made)

@@ -14,6 +14,7 @@ from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE
 from flexdyn.diagnose.inference.passes import hypothesis_of
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
+from flexdyn.effects import ChannelLag, Effect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
 
@@ -34,11 +35,13 @@ def findings(
 
 
 def names_told(found: Corrected) -> list[Name]:
-    """Names without numbers that came back into their tolerance, and with those that are surely beyond it unnamed.
+    """Names without what is no finding, and with numbers that are surely beyond their tolerance unnamed.
 
-    The latter only where no more than noise is left: else a number may do the work of something that has no name.
+    No findings are numbers that came back into their tolerance, and lags of torques within one sample. Numbers without
+    a name are told only where no more than noise is left: else one may do the work of something that has no name.
     """
     own = [each for each in found.names if (n := found.candidates[each.candidate].number) is None or _beyond(found, n)]
+    own = [each for each in own if not _is_within_a_sample(found, found.effect(each.candidate))]
     if not found.explained:
         return own
     named = {each.candidate for each in found.names}
@@ -48,6 +51,18 @@ def names_told(found: Corrected) -> list[Name]:
             if probability >= ESTABLISHED:
                 own.append(Name(c, (), probability))
     return own
+
+
+def lags_within_a_sample(found: Corrected) -> list[ChannelLag]:
+    """Lags of torques by no more than a sample: where in its sample a torque was read, nobody knows."""
+    effects = found.hypothesis.effects
+    return [each for each in effects if isinstance(each, ChannelLag) and _is_within_a_sample(found, each)]
+
+
+def _is_within_a_sample(found: Corrected, effect: Effect | None) -> bool:
+    if not isinstance(effect, ChannelLag) or not effect.channel.startswith("tau."):
+        return False
+    return effect.delay <= found.fitted.equations.data[0].dt
 
 
 def _beyond(found: Corrected, number: FileNumber) -> bool:

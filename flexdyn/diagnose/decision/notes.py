@@ -6,6 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.decision.findings import lags_within_a_sample
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
 from flexdyn.diagnose.inference.passes import Posterior
@@ -14,10 +16,16 @@ FARTHEST = 3
 """Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""
 
 
-def notes(compared: Posterior) -> tuple[str, ...]:
-    """A sentence each: encoders that are missing, users' laws that fail, and a search that had not come to rest."""
+def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
+    """A sentence each: missing encoders, users' laws that fail, times of torques, a search that did not settle."""
     failed = own_effects(compared.space.library.equations)[1]
-    return (*_of_channels(compared), *failed, *_of_search(compared))
+    return (*_of_channels(compared), *failed, *_of_torques(found), *_of_search(compared))
+
+
+def _of_torques(found: Corrected) -> Iterator[str]:
+    for each in lags_within_a_sample(found):
+        late = f"{each.channel} comes {1e3 * each.delay:.3g} ms late, less than a sample"
+        yield f"{late}: it was sampled rather than held, or read late in its sample; that is no finding"
 
 
 def _of_channels(compared: Posterior) -> Iterator[str]:
