@@ -63,8 +63,9 @@ STAGES = {
     "hypothesis": ("data", "equations"),
     "shooting": (),
     "inference": EQUATIONS,
-    "experiment": (*EQUATIONS, "shooting", "report"),
-    "decision": (*EQUATIONS, "shooting", "inference", "experiment", "report"),
+    "simulated": (*EQUATIONS, "shooting", "inference"),
+    "experiment": (*EQUATIONS, "shooting", "simulated", "report"),
+    "decision": (*EQUATIONS, "shooting", "inference", "simulated", "experiment", "report"),
     "report": (),
 }
 """Folders of `flexdyn.diagnose`, and which others each may know: what compares knows no test data and no report."""

@@ -17,8 +17,10 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import beta, norm
 
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
+from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
-from flexdyn.diagnose.inference.library import SHARE, Candidate, Column, Library
+from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.inference.priors import SHARE
 from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Space, Structure
 from flexdyn.effects import Effect
 from flexdyn.model.uncertain_parameters import FileNumber

@@ -16,8 +16,8 @@ from flexdyn.diagnose.decision.gaps import Shots
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import prepared
-from flexdyn.diagnose.inference.library import SMALLEST
 from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.priors import SMALLEST
 from flexdyn.diagnose.shooting.gap import Shot
 from flexdyn.effects import Effect, EncoderEccentricity, JointElasticity, LoadDependentFriction, ViscousFriction
 from tests.diagnose.truths import sliding

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.apart import CHANCE, GUESSED, ODDS, OFTEN, SELDOM, UNSURE, genuine, shares
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column

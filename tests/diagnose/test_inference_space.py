@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.library import CERTAIN
+from flexdyn.diagnose.inference.priors import CERTAIN
 from flexdyn.diagnose.inference.space import SPARE, Structure
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber

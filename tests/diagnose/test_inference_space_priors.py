@@ -11,7 +11,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from flexdyn.diagnose.inference.library import SHARE, SMALLEST, Column
+from flexdyn.diagnose.inference.candidate import Column
+from flexdyn.diagnose.inference.priors import SHARE, SMALLEST
 from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Structure
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber

@@ -7,7 +7,7 @@ import dataclasses
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.passes import error_of, rows_of, tempered
+from flexdyn.diagnose.inference.weights import error_of, rows_of, tempered
 
 WEIGHTINGS, STEPS = 4, 4
 """Fits, each with weights by the model error that the last one leaves, and steps of each."""

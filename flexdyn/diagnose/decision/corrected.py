@@ -18,9 +18,11 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.apart import genuine, shares
-from flexdyn.diagnose.inference.library import SMALLEST, Candidate
-from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
+from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.priors import SMALLEST
 from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import ESTABLISHED
 from flexdyn.effects import Effect, JointEffect, JointElasticity
 

@@ -14,7 +14,7 @@ from flexdyn.diagnose.experiment.design import with_experiment
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.passes import hypothesis_of
+from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import Finding
 
 STEPS = 4

@@ -89,10 +89,7 @@ def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[Part])
 
 def _places(plain: Workspace, at: Equations) -> tuple[Place, ...]:
     """Where a model's residual is more than noise; offsets of the encoders are allowed for."""
-    white, offsets = plain.whiten(at.residual), plain.nuisance
-    loose = np.diag(1.0 / plain.nuisance_sigma**2)
-    white = white - offsets @ np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white)
-    found = localise(at, white, plain.whiten.mask)
+    found = localise(at, plain.white(at.residual), plain.whiten.mask)
     return tuple(Place(each.joint, each.side, each.share, each.regime) for each in found)
 
 

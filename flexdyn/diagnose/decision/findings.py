@@ -11,7 +11,7 @@ from flexdyn.diagnose.decision.corrected import Corrected, effect_of
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE
-from flexdyn.diagnose.inference.passes import hypothesis_of
+from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
 from flexdyn.effects import ChannelLag, Effect

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.decision.masses import Masses
-from flexdyn.diagnose.inference.library import Candidate
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.suspects import Considered, Number, Structure, Suspect

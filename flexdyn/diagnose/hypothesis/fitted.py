@@ -124,6 +124,12 @@ class Workspace:
     channels: tuple[str, ...] = ()
     beliefs: Callable[[Effect, str], tuple[float, float]] | None = None
 
+    def white(self, residual: Array) -> Array:
+        """A residual made white, the encoders' offsets that suit it best taken off (rows,)."""
+        white, offsets = self.whiten(residual), self.nuisance
+        loose = np.diag(1.0 / self.nuisance_sigma**2)
+        return np.asarray(white - offsets @ np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white))
+
     @property
     def rows(self) -> int:
         """Rows that say something."""

@@ -41,6 +41,11 @@ class Proposal:
     fixed: bool = False
     axes: tuple[str, ...] = ()
 
+    @property
+    def joint(self) -> str:
+        """That it acts on, itself or by a channel; empty for what acts on no one joint."""
+        return self.place.get("joint") or self.place.get("channel", "").partition(".")[2]
+
     def is_of(self, effect: Effect) -> bool:
         """Whether an effect is of this kind at this place."""
         return all(getattr(effect, "name" if key == "effect" else key, None) == it for key, it in self.place.items())

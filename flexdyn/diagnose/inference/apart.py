@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import lower_factor
-from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
 
 Array = NDArray[np.float64]
@@ -59,7 +59,7 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
     """
     columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
-    squares = np.array([each.squares(columns, mean) for each in space.equations])
+    squares = space.squares(columns, mean)
     below = _undetected(space.noise)
     excess = np.maximum(squares - space.noise.count - below, 0.0) * (1.0 - 1.0 / space.noise.times)
     typical, weights = _typical(space, excess), space.gram.weights

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.equations import LINK, SENSOR, Equations
+from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.autoregression import Autoregression
+from flexdyn.diagnose.inference.priors import WAVES
 
 Array = NDArray[np.float64]
 MOST = 200.0
@@ -79,3 +84,24 @@ def _filter(equations: Equations) -> float:
     places = [np.arange(kernel.taps.shape[1]) - kernel.half for kernel in kernels]
     variances = [float(kernel.taps[0] @ m**2) for kernel, m in zip(kernels, places, strict=True)]
     return float(np.sqrt(sum(variances))) * dt
+
+
+def with_harmonics(equations: Equations, known: list[Proposal], runs: NDArray[np.intp]) -> list[Proposal]:
+    """Proposals of waves at the harmonics that the residual holds."""
+    many = len(equations.kinds)
+    found: dict[str, list[float]] = {}
+    for row, (j, kind) in enumerate(equations.kinds):
+        joint = equations.true.joint_names[j]
+        if kind == SENSOR:
+            continue
+        signal = "q" if kind == LINK else "theta"
+        left = equations.residual.reshape(-1, many)[:, row]
+        found.setdefault(joint, []).extend(peaks(equations, left, runs[:, row], row, signal))
+    return [_at(each, found) for each in known]
+
+
+def _at(proposal: Proposal, harmonics: Mapping[str, list[float]]) -> Proposal:
+    if proposal.place["effect"] not in WAVES:
+        return proposal
+    more = {(h,) for h in harmonics.get(proposal.joint, ())}
+    return dataclasses.replace(proposal, grid=tuple(sorted({*proposal.grid, *more})))

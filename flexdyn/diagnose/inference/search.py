@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betaln
 
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.library import Candidate
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure, odds_of
 
@@ -96,7 +96,7 @@ class Scan:
 def _undo(one: Candidate, other: Candidate) -> bool:
     """Whether two delays at one joint undo one another; those of its two encoders do not."""
     signals = {_late(one), _late(other)}
-    joints = {each.place.get("joint") or each.place.get("channel", "").partition(".")[2] for each in (one, other)}
+    joints = {each.proposal.joint for each in (one, other) if each.proposal is not None}
     return None not in signals and len(joints) == 1 and signals != {"q", "theta"}
 
 

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betaln, log_ndtr
 
+from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior, Products
-from flexdyn.diagnose.inference.library import EVERY_DRIVE, EVERY_MOTOR, SHARE, Candidate, Column, Library
+from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.inference.priors import EVERY_DRIVE, EVERY_MOTOR, SHARE
 from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
@@ -157,7 +159,7 @@ class Space:
         if structure not in self.known:
             own = self.gram.estimate(self.columns(structure))
             columns, mean = self.gram.with_base(own)
-            squares = np.array([each.squares(columns, mean) for each in self.equations])
+            squares = self.squares(columns, mean)
             off = mean - self.prior.mean[columns]
             value = self.noise.log_likelihood(squares) - 0.5 * float(off @ (self.prior.precision[columns] * off))
             self.known[structure] = value + self.log_volume(structure, own)
@@ -172,6 +174,10 @@ class Space:
         """
         own = own or self.gram.estimate(self.columns(structure))
         return own.log_volume + self.log_prior(structure) + self.log_large(structure, own)
+
+    def squares(self, columns: Indices, mean: Array) -> Array:
+        """Sum of squares that coefficients of some columns leave of each equation (equations,)."""
+        return np.array([each.squares(columns, mean) for each in self.equations])
 
     def log_large(self, structure: Structure, own: Estimate) -> float:
         """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes."""

@@ -8,9 +8,10 @@ import dataclasses
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.apart import UNSURE
-from flexdyn.diagnose.inference.passes import Posterior, hypothesis_of
+from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.search import neighbours
 from flexdyn.diagnose.inference.space import Structure
+from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.shooting.gap import NOISE
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows

@@ -1,0 +1,109 @@
+"""One thing that may be missing, and its columns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
+from flexdyn.diagnose.inference.priors import EVERY_DRIVE, EVERY_MOTOR, SMALLEST, WAVES
+from flexdyn.effects import Effect, registered
+from flexdyn.model.uncertain_parameters import FileNumber
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(eq=False)
+class Candidate:
+    """One effect at one place, or one number of the file whose tolerance is wrong.
+
+    Attributes:
+        kind: of the effect, or the parameter's name.
+        proposal: of the effect; None for a number.
+        number: None for an effect.
+        points: of the grid, then those that were found between them.
+        columns: of the matrix, for every point (width,) each.
+        choices: points of the grid, between which the prior is even.
+        stands: the effect that the linearisation is at, one point; None: candidates that are not in it.
+        ratio: of its joint's gear [1].
+    """
+
+    kind: str
+    proposal: Proposal | None
+    number: FileNumber | None
+    points: list[Point]
+    columns: list[Indices]
+    choices: int
+    stands: Effect | None = None
+    ratio: float = 1.0
+
+    @property
+    def place(self) -> dict[str, str]:
+        """Where it acts."""
+        if self.proposal is not None:
+            return dict(self.proposal.place)
+        return {} if self.number is None else {"of": self.number.of, "parameter": self.number.parameter}
+
+    @cached_property
+    def law(self) -> type[Effect]:
+        """What its class declares; that of any effect for a number of the file."""
+        return registered().get(self.kind, Effect)
+
+    @property
+    def group(self) -> str:
+        """Kind, by which places are counted; what every motor has is a kind of its own on the motor's side."""
+        plain = self.kind in EVERY_DRIVE and self.place.get("side") == "motor"
+        return f"{EVERY_MOTOR} {self.kind}" if plain else self.kind
+
+    @property
+    def width(self) -> int:
+        """Linear numbers."""
+        return len(self.columns[0])
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters that the grid is of, as far as they are waves'."""
+        return ("harmonic",) if self.kind in WAVES else ()
+
+    def natural(self, harmonic: float) -> list[float]:
+        """The whole number, and the whole number of motor turns, nearest to a harmonic."""
+        ratio = self.ratio
+        found = [float(round(harmonic))]
+        if ratio > 1.0 and round(harmonic / ratio) >= 1:
+            found.append(ratio * round(harmonic / ratio))
+        return sorted((h for h in found if h > 0.0), key=lambda h: abs(h - harmonic))
+
+    def effect(self, point: int, values: Array) -> Effect | None:
+        """The effect with these linear numbers; None where they make no sense, or for a number."""
+        if self.proposal is None:
+            return None
+        return self.proposal.make(self.points[point], values)
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """Columns of one candidate at one grid point.
+
+    Attributes:
+        white: derivatives of the residual, white but for the model error (rows, width).
+        std: of the coefficients' priors (width,).
+        mean: of the priors (width,).
+        positive: coefficients that may not be negative (width,).
+        size: root mean square torque of each column, as a share of its joint's (width,).
+        log_jacobian: what a law that forgets the recorded torque costs (see `Library.log_jacobian`).
+        gained: rows that a gain of the torque scales, if the coefficient is one.
+        smallest: share of its joint's torque from which an effect is one [1].
+    """
+
+    white: Array
+    std: Array
+    mean: Array
+    positive: NDArray[np.bool_]
+    size: Array
+    log_jacobian: float = 0.0
+    gained: int = 0
+    smallest: float = SMALLEST

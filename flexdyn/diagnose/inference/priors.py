@@ -1,0 +1,30 @@
+"""How large an effect, a number and a parameter may be, before any data: see docs/diagnosis.md, "Priors"."""
+
+from __future__ import annotations
+
+SHARE = 0.3
+"""Prior standard deviation of an effect's torque, as a share of the joint's root mean square torque."""
+FREED = 1.0
+"""Prior standard deviation of the factor of a number whose tolerance is wrong [1]."""
+ANGLES = {
+    "kinematic_error": "amplitude",
+    "encoder_eccentricity": "amplitude",
+    "sensor_offset": "offset",
+}
+"""Effects on positions, and the parameter that says how large they are [rad or m]."""
+BY_NATURE = (*ANGLES, "sensor_gain")
+"""Effects whose size has nothing to do with a drive's torque."""
+EVERY_DRIVE = ("viscous_friction", "coulomb_friction")
+"""Friction that every drive has."""
+EVERY_MOTOR = "of every motor:"
+"""What the group of a kind begins with that every motor has."""
+WAVES = ("torque_ripple", "kinematic_error", "encoder_eccentricity", "position_dependent_friction")
+"""Effects that come again with position."""
+LOOSE = 1e4
+"""Prior standard deviation of a parameter of which nothing is known, in units of a hundredth of its value."""
+CERTAIN = 1e-4
+"""Prior standard deviation of the size of an effect as it was fitted: its tangents say what changes [1]."""
+SMALLEST = 4e-3
+"""Share of its joint's torque from which an effect is one [1]. No model of a robot is right to less."""
+FIXED = 0.05
+"""Prior standard deviation of the size of an effect that enters at one grid point, about 1: the grid is that coarse."""

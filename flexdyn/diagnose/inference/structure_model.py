@@ -1,0 +1,76 @@
+"""A structure with its coefficients as a model: what stays linear until the last fit, and what that needs."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.effects import Effect, JointEffect, JointElasticity
+from flexdyn.model.uncertain_parameters import FileNumber
+
+
+def waits(space: Space, c: int) -> bool:
+    """Whether a candidate makes a rigid joint elastic: all its equations change, so it stays linear until the end."""
+    candidate, true = space.candidates[c], space.library.equations.true
+    if candidate.law.takes_load:
+        return not true.elastic[true.index(candidate.place["joint"])]
+    return candidate.kind == JointElasticity.name
+
+
+def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole: bool = False) -> Hypothesis:
+    """A structure with its coefficients as a hypothesis; what makes joints elastic only in the whole one."""
+    estimate = space.estimate(structure)
+    value = dict(zip(estimate.columns.tolist(), estimate.mean.tolist(), strict=True))
+    names = list(here.factors)
+    factors = {n: here.factors[n] + value[k] for k, n in enumerate(names)}
+    freed: set[FileNumber] = set()
+    effects: list[Effect] = []
+    for c, p in sorted(structure):
+        candidate = space.candidates[c]
+        if candidate.number is not None:
+            factors[candidate.number] += value[int(candidate.columns[p][0])]
+            freed.add(candidate.number)
+        elif candidate.stands is not None:
+            effects.append(candidate.stands)
+        elif whole or not waits(space, c):
+            x = np.array([value[int(k)] for k in candidate.columns[p]])
+            x = np.where(space.prior.positive[candidate.columns[p]], np.maximum(x, 0.0), x)
+            effect = candidate.effect(p, x)
+            if effect is not None and not effect.is_neutral:
+                effects.append(effect)
+    effects = _softened(space, structure, effects)
+    factors = {n: max(f, 0.02) for n, f in factors.items()}
+    return dataclasses.replace(here, factors=factors, freed=frozenset(freed), effects=tuple(effects))
+
+
+def _softened(space: Space, structure: Structure, effects: list[Effect]) -> list[Effect]:
+    """Effects with the elasticities that friction which takes the load needs: as stiff as the data allow.
+
+    Where no compliance of the joint was compared, such friction is left out.
+    """
+    true = space.library.equations.true
+    soft = {each.joint for each in effects if isinstance(each, JointElasticity)}
+    rigid = {name for name, elastic in zip(true.joint_names, true.elastic, strict=True) if not elastic} - soft
+    loaded = [each for each in effects if isinstance(each, JointEffect) and each.takes_load and each.joint in rigid]
+    for joint in sorted({each.joint for each in loaded}):
+        stiffest = _stiffest(space, structure, joint)
+        if stiffest is None:
+            effects = [each for each in effects if each not in loaded or getattr(each, "joint", None) != joint]
+        else:
+            effects = [*effects, stiffest]
+    return effects
+
+
+def _stiffest(space: Space, structure: Structure, joint: str) -> JointElasticity | None:
+    """The elasticity of a joint one standard deviation above the compliance that suits the data best."""
+    place = {"effect": JointElasticity.name, "joint": joint}
+    c = next((c for c, other in enumerate(space.candidates) if place.items() <= other.place.items()), None)
+    if c is None:
+        return None
+    estimate = space.gram.estimate(space.columns(structure | {(c, 0)}))
+    k = int(np.flatnonzero(estimate.columns == space.candidates[c].columns[0][0])[0])
+    compliance = max(float(estimate.mean[k]), 0.0) + float(np.sqrt(estimate.covariance[k, k]))
+    return JointElasticity(joint, stiffness=1.0 / compliance)

@@ -1,0 +1,108 @@
+"""Weights of the equations for a fit: noise of sensors, error of filters, and the model error that is left."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.filters import FIRST, Filters
+from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.noise import torque_noise
+from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
+from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
+from flexdyn.diagnose.inference.whitening import Tempered
+
+Array = NDArray[np.float64]
+
+
+def quieter(recorded: Noise, at: Equations, mask: NDArray[np.bool_]) -> Noise:
+    """The torque's noise: what the record changes from sample to sample, or what the equations do, whichever is less.
+
+    Each holds all of the noise and something else: what is asked of the motor, or what the model lacks.
+    """
+    left = torque_noise(at, at.residual, mask, recorded)
+    return dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
+
+
+def expected(work: Workspace) -> float:
+    """Mean square of the weighted rows of a model error as large as it was taken for [1]."""
+    error = work.whiten.error if isinstance(work.whiten, Tempered) else None
+    return 1.0 if error is None else float((error.count / error.times).sum() / error.count.sum())
+
+
+def for_fit(
+    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_], seen: Seen, there: Hypothesis
+) -> Workspace:  # fmt: skip
+    """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
+
+    What the first filter does to laws with corners is left out: where a law is still wrong it would excuse that.
+    """
+    plain = weighed(bare, noise, mask)
+    return tempered(plain, error_of(plain, bare.equations.of(there.model()).residual, seen))
+
+
+def error_of(plain: Workspace, residual: Array, seen: Seen) -> Discrepancy:
+    """The model error in a residual (rows,), the encoders' offsets that fit it best taken off."""
+    return Discrepancy.of(plain.white(residual), seen)
+
+
+def tempered(plain: Workspace, error: Discrepancy) -> Workspace:
+    """Weights by the sensors' noise and a model error together."""
+    return dataclasses.replace(
+        plain,
+        whiten=Tempered.of(plain.whiten, error),
+        numbers=error.whiten(plain.numbers),
+        nuisance=error.whiten(plain.nuisance),
+    )
+
+
+def rows_of(at: Equations, mask: NDArray[np.bool_]) -> Seen:
+    """Which rows of the equations say something."""
+    lengths = tuple(at.filters.count(len(along.t)) for along in at.motions)
+    return Seen(~mask.reshape(-1, len(at.kinds)), lengths)
+
+
+def filter_error(equations: Equations, here: Hypothesis) -> Array | None:
+    """Variance of the rows by what the first filter does to the found effects' laws (rows,); None: there are none.
+
+    Laws with corners see a motion that the filter has rounded. A filter of twice the variance rounds twice as much, so
+    what changes is what the narrow one did (Richardson).
+    """
+    if not here.effects:
+        return None
+    dt = equations.data[0].dt
+    first = Filters.of_rate(dt, first=math.sqrt(2.0) * max(FIRST, 1.25 * dt)).first
+    filters = dataclasses.replace(equations.filters, first=first)
+    wide = Equations(equations.model, equations.data, filters, equations.stiffness)
+    total = np.zeros(len(equations.residual))
+    for effect in here.effects:
+        without = dataclasses.replace(here, effects=tuple(each for each in here.effects if each is not effect))
+        parts = []
+        for at in (equations, wide):
+            whole = at.of(here.model()).residual - at.of(without.model()).residual
+            parts.append(_by_recording(at, whole))
+        total += np.concatenate([_difference(a, b) for a, b in zip(*parts, strict=True)]) ** 2
+    return total
+
+
+def _by_recording(at: Equations, rows: Array) -> list[tuple[Array, Array]]:
+    """Times and rows (times, equations) of every recording."""
+    table, found, first = rows.reshape(-1, len(at.kinds)), [], 0
+    for along in at.motions:
+        t = along.t[at.filters.instants(len(along.t))]
+        found.append((t, table[first : first + len(t)]))
+        first += len(t)
+    return found
+
+
+def _difference(narrow: tuple[Array, Array], wide: tuple[Array, Array]) -> Array:
+    t, rows = narrow
+    other = np.stack([np.interp(t, wide[0], column) for column in wide[1].T], axis=1)
+    inside = (t >= wide[0][0]) & (t <= wide[0][-1])
+    return np.asarray(np.where(inside[:, None], other - rows, 0.0)).ravel()
