@@ -98,7 +98,7 @@ class Match:
     says: NDArray[np.bool_]
 
 
-def match(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Match:
+def match(model: FlexibleJointModel, links: LinkSide, data: Measured, *, springs: bool = False) -> Match:
     """Compare the torques of a recording with those the model needs for its motion.
 
     The springs cancel from the sum of a joint's two equations, ``tau = J alpha + M a + h + friction``, so that it does
@@ -108,16 +108,17 @@ def match(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Match:
         model: resolved.
         links: its link side.
         data: the recording, on a uniform clock.
+        springs: take what a spring at the link does off both as well.
     """
     along = motion(links, _thinned(smoothed(model, links, _both(corrected(data, model)), _kernel(data.dt))))
-    torques = [_needed_and_friction(model, along, j) for j in range(model.n)]
+    torques = [_needed_and_friction(model, along, j, springs) for j in range(model.n)]
     gain, share, plain, says = np.array([_matched(*each) for each in torques]).T
     wound = np.array([np.ptp(needed) for _, needed, _ in torques]) / model.stiffness
     held = ~data.both & (np.ptp(along.q, axis=0) < WOUND * wound)
     return Match(gain, share, plain, (says > 0.5) & ~held)
 
 
-def _needed_and_friction(model: FlexibleJointModel, along: Motion, j: int) -> tuple[Array, Array, Array]:
+def _needed_and_friction(model: FlexibleJointModel, along: Motion, j: int, springs: bool) -> tuple[Array, Array, Array]:
     terms = joint_terms(model, model.all_effects, along, j)
     load = along.inverse_dynamics[:, j]
     if model.elastic[j]:
@@ -125,7 +126,8 @@ def _needed_and_friction(model: FlexibleJointModel, along: Motion, j: int) -> tu
     needed = along.tau[:, j] - terms.motor - terms.link + load
     speed = along.v[:, j]
     turning = speed / (np.abs(speed) + 0.02 * float(np.abs(speed).max()) + 1e-300)
-    return along.tau[:, j], needed, np.stack([np.ones_like(speed), speed, turning], axis=1)
+    missing = [np.ones_like(speed), speed, turning, *([along.q[:, j]] if springs else [])]
+    return along.tau[:, j], needed, np.stack(missing, axis=1)
 
 
 def _matched(asked: Array, needed: Array, friction: Array) -> tuple[float, float, float, float]:

@@ -231,10 +231,18 @@ def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) 
     for mistake in mistakes(model, seen) if poor.any() else ():
         undone = match(model, links, mistake.undone(data))
         merit = _merit(seen, undone, mistake, poor)
+        if merit is not None and mistake.of_units and not _beyond_springs(model, links, data, mistake):
+            continue
         if merit is not None and (best is None or merit > best[0] + 0.02):
             best = (merit, mistake, undone)
     if best is not None:
         raise _refused(data, model.joint_names, seen, *best[1:])
+
+
+def _beyond_springs(model: FlexibleJointModel, links: LinkSide, data: Measured, mistake: Mistake) -> bool:
+    """Whether another unit of the positions explains more than a spring that the model lacks would."""
+    sprung, undone = (match(model, links, each, springs=True) for each in (data, mistake.undone(data)))
+    return all(undone.says[j] and undone.share[j] > sprung.plain[j] + BETTER for j in mistake.joints)
 
 
 def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]) -> float | None:
