@@ -136,5 +136,7 @@ class Picture:
         return draw(self)
 
     def _repr_mimebundle_(self, *arguments: Any, **settings: Any) -> Any:
-        """What a notebook shows."""
-        return self.plotly()._repr_mimebundle_(*arguments, **settings)
+        """What a notebook shows; like the pages, without a button that uploads the data."""
+        from flexdyn.plots.plotly_picture import CONFIG
+
+        return self.plotly()._repr_mimebundle_(*arguments, **{"config": CONFIG, **settings})
