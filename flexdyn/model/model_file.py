@@ -12,10 +12,11 @@ from flexdyn.io.files import exists, is_file, write_text
 from flexdyn.io.yaml import check_keys, dump_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.setting_checks import check_tolerance_paths
-from flexdyn.robot import Robot, load_robot
+from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.names import shipped_dir
 
 FORMAT = 1
+ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
 TOP_KEYS = ("flexdyn", "robot", "joints", "initial", "tolerance", "effects")
 ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "urdf_dynamics", "rotor_coupling")
 
@@ -119,7 +120,12 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
 
 
 def _find(path: str | Path) -> Path:
+    if not isinstance(path, str | os.PathLike):
+        remedy = "a robot becomes one by FlexibleJointModel(robot)" if isinstance(path, Robot) else None
+        raise InputError("the path of a model.yaml is needed", key="model", value=path, remedy=remedy)
     file = Path(path)
+    if file.suffix.lower() in ROBOT_SUFFIXES or (not is_file(file) and _is_robot(str(path))):
+        raise InputError("a robot is no model yet", file=path, remedy=_becomes_model(str(path)))
     if is_file(file):
         return file
     shipped = shipped_dir() / str(path) / "model.yaml"
@@ -132,6 +138,17 @@ def _find(path: str | Path) -> Path:
     raise InputError(
         "no such model file or shipped model", key=str(path), remedy=did_you_mean(str(path), shipped_models())
     )
+
+
+def _is_robot(name: str) -> bool:
+    return name in robot_names() and name not in shipped_models()
+
+
+def _becomes_model(robot: str) -> str:
+    """How a robot is made a model, in Python and as a file."""
+    stem = Path(robot).stem
+    python = f"fd.FlexibleJointModel(fd.load_robot({robot!r}), joints={{...}})"
+    return f"make one of it: {python}, or flexdyn new {robot} -o {stem}.yaml and load that"
 
 
 def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:

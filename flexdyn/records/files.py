@@ -19,6 +19,7 @@ from flexdyn.records.channelmap.file import read_map
 from flexdyn.records.csv import file as csv_file
 from flexdyn.records.hdf5 import file as hdf5_file
 from flexdyn.records.matlab import file as mat_file
+from flexdyn.records.near_names import asked_back
 from flexdyn.records.notices import RecordingWarning
 from flexdyn.records.recording import Recording
 from flexdyn.records.repairs import Repair, repaired, repairs_of
@@ -119,6 +120,8 @@ def read_recording(
             problem = "not a regular file" if path.exists() else "no such file"
             raise InputError(problem, remedy="give the path of a recording")
         table = _table(fmt, path, channel_map, asked, progress)
+        if question := asked_back(table.columns):
+            table.said.append(f"no channel is a signal of a joint: {question}")
         if table.said:
             table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
         made = Recording.from_table(table, path.stem if name is None else name)

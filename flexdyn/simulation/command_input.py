@@ -18,6 +18,7 @@ from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
+from flexdyn.records.near_names import asked_back
 
 Array = NDArray[np.float64]
 PD_KEYS = ("reference", "kp", "kd", "rate", "feedback", "feedforward")
@@ -66,6 +67,7 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
         return _servo(model, command)
     if isinstance(command, Controller):
         return Drive(_core.controller(_caller(command), command.rate), None, {})
+    check_command(command)
     torques = per_joint("command", command, model.joint_names)
     end = 1.0 if duration is None else duration
     return _open_loop(Samples([0.0, max(end, 1e-9)], np.array([torques, torques])), model, None, {})
@@ -77,6 +79,26 @@ def _open_loop(
     """Torques over time; they start with the run, whatever their first time is."""
     whole = Samples(samples.t - samples.t[0], samples.columns(model.joint_names), samples.interpolation)
     return Drive(_core.open_loop(_signal(whole, model.joint_names)), duration, initial, whole)
+
+
+def check_command(command: Any) -> None:
+    """Refuse what looks like a command and needs something around it.
+
+    Raises:
+        InputError: a function, which is told about `Controller`; a robot or model, which stand elsewhere.
+    """
+    if isinstance(command, type):
+        remedy = f"give one that is made: {command.__name__}(...)"
+        raise InputError("a class is no command", key="command", value=command.__name__, remedy=remedy)
+    if callable(command):
+        remedy = "wrap it: fd.Controller(law, rate=1000) with law(t, state) -> torques; or sample it: fd.Samples"
+        raise InputError("a function is no command by itself", key="command", value=_called(command), remedy=remedy)
+    if isinstance(command, FlexibleJointModel):
+        raise InputError("a model is no command", key="command", remedy="give the model first, then the command")
+
+
+def _called(function: Any) -> str:
+    return str(getattr(function, "__name__", type(function).__name__))
 
 
 def resolve_command(command: Any) -> Any:
@@ -122,7 +144,7 @@ def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> S
             raise InputError("the robot has no such joint", key=joint, file=recording.name or None, remedy=remedy)
     found = [joint for joint in joint_names if recording.has(signal, joint)]
     if not found:
-        remedy = f"columns named {signal}.JOINT are needed"
+        remedy = asked_back(recording.channels, signal) or f"columns named {signal}.JOINT are needed"
         raise InputError(f"no {signal} in this recording", file=recording.name or None, remedy=remedy)
     return Samples(recording.t, {joint: recording[f"{signal}.{joint}"] for joint in found})
 
@@ -176,9 +198,7 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         signal = "q" if "q" in reference.signals else "theta"
         held = recorded(reference, signal, names)
         reference = Samples(held.t, held.columns(names), "cubic")
-    if not isinstance(reference, Samples):
-        remedy = "give Samples, a recording or its path"
-        raise InputError("no reference to track", key="pd.reference", value=reference, remedy=remedy)
+    _check_reference("pd.reference", reference)
     if isinstance(ahead, Recording):
         ahead = recorded(ahead, "tau", names)
     if ahead is not None and not isinstance(ahead, Samples):
@@ -201,11 +221,19 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
         initial = first_state(reference, model)
         signal = next((name for name in ("reference", "theta", "q") if _has(reference, name, model)), "reference")
         reference = recorded(reference, signal, model.joint_names)
-    if not isinstance(reference, Samples):
-        remedy = "give Samples, a recording or its path"
-        raise InputError("no reference to track", key="servo.reference", value=reference, remedy=remedy)
+    _check_reference("servo.reference", reference)
     controller = Controller(servo.law(reference, model.joint_names), servo.rate)
     return Drive(_core.controller(_caller(controller), servo.rate), reference.duration, initial)
+
+
+def _check_reference(key: str, reference: Any) -> None:
+    if isinstance(reference, Samples):
+        return
+    remedy = "give Samples, a recording or its path"
+    if callable(reference):
+        remedy = "a function is sampled first: fd.Samples(t, [position(x) for x in t], 'cubic')"
+        reference = _called(reference)
+    raise InputError("no reference to track", key=key, value=reference, remedy=remedy)
 
 
 def _has(recording: Recording, signal: str, model: FlexibleJointModel) -> bool:

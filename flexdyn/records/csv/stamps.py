@@ -31,16 +31,16 @@ class Stamps:
     start_ns: int | None = None
     _known: dict[tuple[str, str], int] = field(default_factory=dict, repr=False)
 
-    def seconds(self, cell: str | bytes) -> float:
+    def seconds(self, cell: str) -> float:
         """Seconds from the first stamp read to this one, exact to the nanosecond.
 
         Raises:
             ValueError: it is no stamp.
         """
-        text = cell if isinstance(cell, str) else cell.decode()
-        match = _STAMP.fullmatch(text.strip())
+        text = cell.strip()
+        match = _STAMP.fullmatch(text)
         if match is None:
-            return float(text) if text.strip().lower() == "nan" else _refuse(text)
+            return float(text) if text.lower() == "nan" else _refuse(text)
         day = match["iso"] or f"{match['year']}-{match['month']}-{match['day']}"
         stamp = self._second(f"{day}T{match['clock']}", match["zone"] or "") * 10**9
         stamp += int((match["part"] or "0").ljust(9, "0"))
