@@ -119,22 +119,22 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
     }
 
 
-def _find(path: str | Path) -> Path:
+def _find(path: Any) -> Path:
     if not isinstance(path, str | os.PathLike):
         remedy = "a robot becomes one by FlexibleJointModel(robot)" if isinstance(path, Robot) else None
         raise InputError("the path of a model.yaml is needed", key="model", value=path, remedy=remedy)
     file = Path(path)
     if file.suffix.lower() in ROBOT_SUFFIXES or (not is_file(file) and _is_robot(str(path))):
-        raise InputError("a robot is no model yet", file=path, remedy=_becomes_model(str(path)))
+        raise InputError("a robot is no model yet", file=str(path), remedy=_becomes_model(str(path)))
     if is_file(file):
         return file
     shipped = shipped_dir() / str(path) / "model.yaml"
     if len(file.parts) == 1 and exists(shipped):
         return shipped
     if exists(file):
-        raise InputError("it is not a file", file=path, remedy="give the path of a model.yaml")
+        raise InputError("it is not a file", file=str(path), remedy="give the path of a model.yaml")
     if file.suffix.lower() in (".yaml", ".yml") or len(file.parts) > 1:
-        raise InputError("there is no such file", file=path)
+        raise InputError("there is no such file", file=str(path))
     raise InputError(
         "no such model file or shipped model", key=str(path), remedy=did_you_mean(str(path), shipped_models())
     )

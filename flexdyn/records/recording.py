@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import ItemsView, Iterable, Iterator, KeysView, Mapping, Sequence, ValuesView
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -122,6 +122,41 @@ class Recording:
 
         return to_dataset(self)
 
+    @classmethod
+    def from_pandas(
+        cls, frame: Any, *, repair: Iterable[str | Mapping[str, Any]] = (), name: str | None = None
+    ) -> Recording:
+        """The recording that a data frame holds, one channel a column.
+
+        Args:
+            frame: a pandas.DataFrame with the times [s] in the column ``t`` or as its index; dates and time spans are
+                counted in seconds, dates from the first. Columns of two levels are ``(signal, joint)``; names may
+                state SI units (``q.elbow [rad]``).
+            repair: as in `read_recording`; nothing (NaN, None, NA) is a gap.
+            name: a label; by default that of the recording which the frame was made from.
+
+        Returns:
+            The recording; one from `to_pandas` comes back bit for bit, meta included.
+
+        Raises:
+            InputError: columns that hold no numbers, or it is no recording for another reason.
+        """
+        from flexdyn.records.frame import table_of_frame
+        from flexdyn.records.repairs import repaired, repairs_of
+
+        table, known = table_of_frame(frame)
+        return cls.from_table(repaired(table, repairs_of(repair)), known if name is None else name)
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame: the index is ``t`` [s], the columns are the channels; nothing is lost on the way.
+
+        Raises:
+            MissingExtra: pandas is not installed.
+        """
+        from flexdyn.records.frame import to_frame
+
+        return to_frame(self)
+
     @property
     def joints(self) -> tuple[str, ...]:
         """Joints that have a signal, in order of first appearance."""
@@ -146,6 +181,22 @@ class Recording:
         """Number of samples."""
         return len(self.t)
 
+    def __iter__(self) -> Iterator[str]:
+        """Names of the channels, in order; time is no channel, it is ``rec.t``."""
+        return iter(self.channels)
+
+    def keys(self) -> KeysView[str]:
+        """Names of the channels."""
+        return self.channels.keys()
+
+    def values(self) -> ValuesView[FloatArray]:
+        """Samples of the channels."""
+        return self.channels.values()
+
+    def items(self) -> ItemsView[str, FloatArray]:
+        """Names and samples of the channels."""
+        return self.channels.items()
+
     def __contains__(self, channel: object) -> bool:
         """Whether there is a channel of that name."""
         return channel in self.channels
@@ -159,7 +210,7 @@ class Recording:
         try:
             return self.channels[channel]
         except KeyError:
-            remedy = did_you_mean(channel, self.channels)
+            remedy = "the times are rec.t" if channel == "t" else did_you_mean(channel, self.channels)
             raise InputError("no such channel", key=str(channel), remedy=remedy, channel=channel) from None
 
     def has(self, signal: str, joint: str) -> bool:

@@ -18,6 +18,7 @@ from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
+from flexdyn.records.given import as_recording
 from flexdyn.records.near_names import asked_back
 
 Array = NDArray[np.float64]
@@ -103,6 +104,8 @@ def _called(function: Any) -> str:
 
 def resolve_command(command: Any) -> Any:
     """A path as what it holds; anything else as it is."""
+    if type(command).__name__ in ("DataFrame", "Dataset"):
+        return as_recording(command, "command")
     if not isinstance(command, str | Path):
         return command
     if Path(command).suffix.lower() in (".yaml", ".yml"):

@@ -77,7 +77,9 @@ class Dialect:
 
     def _loaded(self, lines: list[str], columns: Sequence[int] | None) -> FloatArray | None:
         delimiter = None if self.delimiter == " " else self.delimiter
-        converters = None if self.stamps is None else {self.stamps.column: self.stamps.seconds}
+        converters: dict[int | str, Any] | None = (
+            None if self.stamps is None else {self.stamps.column: self.stamps.seconds}
+        )
         settings: dict[str, Any] = {"delimiter": delimiter, "comments": None, "ndmin": 2, "encoding": None}
         try:
             return np.asarray(np.loadtxt(lines, usecols=columns, converters=converters, **settings), dtype=np.float64)

@@ -68,7 +68,7 @@ def _delimiter(line: str, decimal: str | None, names: str) -> str:
     decimal sign where semicolons or tabs separate such cells.
     """
     known = [delimiter for delimiter in DELIMITERS if delimiter != decimal]
-    spaced = () if any(delimiter in line for delimiter in known) else (" ",)
+    spaced: tuple[str, ...] = () if any(delimiter in line for delimiter in known) else (" ",)
     for delimiter in (*known, *spaced):
         if {"t", "t [s]"} & {cell.strip(' "') for cell in line.split(delimiter)}:
             return delimiter
