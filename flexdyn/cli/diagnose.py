@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from flexdyn.cli import completion
 from flexdyn.cli.failures import Interrupted
 from flexdyn.cli.options import JsonOption, MapOption, naming, output_folder
 from flexdyn.cli.output import console, note, show, show_json
@@ -65,7 +66,12 @@ def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
 
 
 def diagnose(
-    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model file, or the name of a shipped model.")],
+    model: Annotated[
+        str,
+        typer.Argument(
+            metavar="MODEL", help="A model file, or the name of a shipped model.", autocompletion=completion.models
+        ),
+    ],
     fit: Annotated[list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain.")],
     check: Annotated[
         list[Path] | None,

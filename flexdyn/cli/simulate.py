@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from flexdyn.cli import completion
 from flexdyn.cli.options import JsonOption, MapOption, by_joint, decimal, naming, output_file
 from flexdyn.cli.output import console, note, number, show, show_json, table
 from flexdyn.cli.recordings import load
@@ -31,7 +32,12 @@ NAMES |= {f"solver.{name}": f"--{name}" for name in ("step", "rtol", "atol", "sm
 
 
 def simulate(
-    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model file, or the name of a shipped model.")],
+    model: Annotated[
+        str,
+        typer.Argument(
+            metavar="MODEL", help="A model file, or the name of a shipped model.", autocompletion=completion.models
+        ),
+    ],
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="RUN", help=f"The run: {', '.join(SUFFIXES)} by its suffix."),
