@@ -45,7 +45,9 @@ def simulate(
     command: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="A recording whose tau drives the arm, or a YAML file with pd:. Default: no torque."
+            metavar="FILE",
+            help="A recording whose tau drives the arm, or a YAML file with pd: or torques:. Default: the model's own, "
+            "else no torque.",
         ),
     ] = None,
     map: MapOption = None,
@@ -88,6 +90,9 @@ def simulate(
         chosen = choose(solver, **settings)
         starts = _starts(arm, q0=q0, v0=v0, theta0=theta0, omega0=omega0)
         drive = _read_command(command, map)
+        if command is None and arm.command is not None:
+            drive = arm.command
+            note("the command is the model file's own")
         _can_write(path)
         run = _run(arm, drive, span, chosen, hertz, starts)
     for text in run.notes:

@@ -11,13 +11,13 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.files import exists, is_file, write_text
 from flexdyn.io.yaml import check_keys, dump_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.setting_checks import check_tolerance_paths
+from flexdyn.model.setting_checks import check_tolerance_paths, plain_command
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.names import shipped_dir
 
 FORMAT = 1
 ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
-TOP_KEYS = ("flexdyn", "robot", "joints", "initial", "tolerance", "effects")
+TOP_KEYS = ("flexdyn", "robot", "joints", "initial", "tolerance", "effects", "command")
 ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "urdf_dynamics", "rotor_coupling")
 
 
@@ -69,7 +69,7 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
     if not isinstance(effects, list):
         raise InputError("a list of effects is needed", key="effects", value=effects)
     settings = {key: entry[key] for key in ("gravity", "urdf_dynamics", "rotor_coupling") if entry.get(key) is not None}
-    settings |= {key: content[key] for key in ("initial", "tolerance") if content.get(key) is not None}
+    settings |= {key: content[key] for key in ("initial", "tolerance", "command") if content.get(key) is not None}
     model = FlexibleJointModel(_robot(entry, folder), content.get("joints"), effects, name=name, **settings)
     check_tolerance_paths(content.get("tolerance"), model.joint_names, model.robot.frame_names, model.effects)
     return model
@@ -109,7 +109,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
         robot["lock"] = dict(model.robot.lock)
     robot |= {"urdf_dynamics": model.urdf_dynamics, "rotor_coupling": model.rotor_coupling}
     tolerance = dict(model.tolerance) if isinstance(model.tolerance, Mapping) else model.tolerance
-    return {
+    content = {
         "flexdyn": FORMAT,
         "robot": robot,
         "joints": {name: joint.to_dict() for name, joint in model.joints.items()},
@@ -117,6 +117,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
         "tolerance": tolerance,
         "effects": [effect.to_dict() for effect in model.effects],
     }
+    return content if model.command is None else content | {"command": plain_command(model.command)}
 
 
 def _find(path: Any) -> Path:

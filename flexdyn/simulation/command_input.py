@@ -12,17 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.control.commands import PD, Controller, FrameWrench, Samples, State, per_joint
+from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation, Samples, State, per_joint
+from flexdyn.control.points import COMMAND_KEYS, Points, command_of
 from flexdyn.control.servo import Servo
 from flexdyn.errors import InputError
-from flexdyn.io.yaml import check_keys, read_yaml
+from flexdyn.io.yaml import read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
 from flexdyn.records.given import as_recording
 from flexdyn.records.near_names import asked_back
 
 Array = NDArray[np.float64]
-PD_KEYS = ("reference", "kp", "kd", "rate", "feedback", "feedforward")
+RECORDED: Interpolation = "monotone"
+"""How a recorded reference is followed unless told otherwise: through its samples, never beyond two neighbours."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,8 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
     Args:
         model: whose joints it drives.
         command: None (no torque), `Samples`, `PD`, `Servo`, `Controller`, a `Recording` (its tau columns, held), the
-            path of a recording or of a YAML file with ``pd:``, or n torques that do not change.
+            path of a recording or of a YAML file with ``pd:`` or ``torques:``, a mapping of such a file's keys with
+            points (see `flexdyn.control.points`), or n torques that do not change.
         duration: of the run if it is known: how long unchanging torques last [s].
 
     Raises:
@@ -106,6 +109,8 @@ def resolve_command(command: Any) -> Any:
     """A path as what it holds; anything else as it is."""
     if type(command).__name__ in ("DataFrame", "Dataset"):
         return as_recording(command, "command")
+    if isinstance(command, Mapping) and not command.keys().isdisjoint(COMMAND_KEYS):
+        return command_of(command)
     if not isinstance(command, str | Path):
         return command
     if Path(command).suffix.lower() in (".yaml", ".yml"):
@@ -113,24 +118,15 @@ def resolve_command(command: Any) -> Any:
     return read_recording(command, name=str(command))
 
 
-def read_command_file(path: Path) -> PD:
-    """A YAML file with ``pd:`` and the keys of `PD`; paths in it are relative to the file.
+def read_command_file(path: Path) -> PD | Samples:
+    """A YAML file with ``pd:`` or ``torques:``, see `flexdyn.control.points`; paths in it are relative to the file.
 
     Raises:
         InputError: no such file, or a key that is not there.
     """
     content = read_yaml(path)
     try:
-        check_keys(content, ("pd",), required=("pd",))
-        entry = content["pd"]
-        check_keys(entry, PD_KEYS, required=("reference", "kp", "kd"), key="pd")
-        settings = dict(entry)
-        for key in ("reference", "feedforward"):
-            if settings.get(key) is not None:
-                if not isinstance(settings[key], str):
-                    raise InputError("the path of a recording is needed", key=f"pd.{key}", value=settings[key])
-                settings[key] = path.parent / settings[key]
-        return PD(**settings)
+        return command_of(content, path.parent)
     except InputError as error:
         raise error.at(file=path) from None
 
@@ -198,10 +194,11 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
     initial: Mapping[str, Mapping[str, float]] = {}
     if isinstance(reference, Recording):
         initial = first_state(reference, model)
-        signal = "q" if "q" in reference.signals else "theta"
-        held = recorded(reference, signal, names)
-        reference = Samples(held.t, held.columns(names), "cubic")
+        reference = followed(reference, pd.interpolation, names)
     _check_reference("pd.reference", reference)
+    if isinstance(reference, Points):
+        initial = {"q": {joint: float(reference.values[0, k]) for k, joint in enumerate(reference.joints or ())}}
+        reference = reference.whole(names, {**model.initial.get("q", {})})
     if isinstance(ahead, Recording):
         ahead = recorded(ahead, "tau", names)
     if ahead is not None and not isinstance(ahead, Samples):
@@ -215,6 +212,18 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         pd.rate,
     )
     return Drive(command, reference.duration, initial)
+
+
+def followed(reference: Recording, interpolation: Interpolation | None, joint_names: Sequence[str]) -> Samples:
+    """A recorded reference as it is followed: its link positions, else its rotor positions.
+
+    Args:
+        reference: as recorded.
+        interpolation: between its samples; None: `RECORDED`.
+        joint_names: of the robot.
+    """
+    held = recorded(reference, "q" if "q" in reference.signals else "theta", joint_names)
+    return Samples(held.t, held.columns(joint_names), interpolation or RECORDED)
 
 
 def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
