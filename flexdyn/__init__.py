@@ -49,6 +49,7 @@ from flexdyn.records import (
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.simulation import solvers
 from flexdyn.simulation.energy import Energy, EnergyWarning
+from flexdyn.simulation.limits import Exceeded, LimitWarning, enforce_limits
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate, simulate_many
@@ -68,6 +69,7 @@ __all__ = [
     "Energy",
     "EnergyWarning",
     "Equilibrium",
+    "Exceeded",
     "FlexdynError",
     "FlexibleJointModel",
     "FrameWrench",
@@ -75,6 +77,7 @@ __all__ = [
     "InputError",
     "Joint",
     "LawTrial",
+    "LimitWarning",
     "LinearModel",
     "LinkSide",
     "MissingExtra",
@@ -99,6 +102,7 @@ __all__ = [
     "derivatives",
     "diagnose",
     "effects",
+    "enforce_limits",
     "equilibrium",
     "estimate_noise",
     "frequencies_over_path",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
@@ -22,6 +22,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.records.files import SUFFIXES
 from flexdyn.simulation.command_input import read_command_file
+from flexdyn.simulation.limits import enforce_limits
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.solvers import SOLVERS, Solver, make_solver
 
@@ -74,6 +75,12 @@ def simulate(
     omega0: Annotated[
         list[str] | None, typer.Option(metavar="VALUES", help="First rotor velocities, likewise.")
     ] = None,
+    limits: Annotated[
+        bool,
+        typer.Option(
+            "--limits", metavar="", help="Keep to the URDF's limits: end stops at the ends of range, motors saturate."
+        ),
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Simulate a model under a command and write the run.
@@ -85,7 +92,7 @@ def simulate(
     span = None if duration is None else decimal("--duration", duration)
     hertz = decimal("--rate", rate)
     settings = _settings(step=step, rtol=rtol, atol=atol, smoothing=smoothing)
-    arm = model_file(model)
+    arm = enforce_limits(model_file(model)) if limits else model_file(model)
     with naming(NAMES, file=model, files={"samples": command, "pd": command, "command": command}):
         chosen = choose(solver, **settings)
         starts = _starts(arm, q0=q0, v0=v0, theta0=theta0, omega0=omega0)
@@ -135,6 +142,7 @@ def summary(run: Run, path: Path) -> dict[str, Any]:
         "samples": len(run.t),
         "solver": run.solver.to_dict(),
         "notes": list(run.notes),
+        "exceeded": [asdict(each) for each in run.exceeded],
         "stats": dict(run.stats),
         "joints": {
             name: {
@@ -188,7 +196,8 @@ def _run(
 ) -> Run:
     from flexdyn.simulation.simulate import simulate as integrate
 
-    with _progress(model.name, duration or getattr(command, "duration", None)) as progress:
+    length = duration or getattr(command, "duration", None)
+    with _progress(model.name, length) as progress:
         return integrate(model, command, duration, solver, rate=rate, progress=progress, **starts)
 
 

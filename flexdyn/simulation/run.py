@@ -19,6 +19,7 @@ from flexdyn.robot import frame_positions
 from flexdyn.simulation.energy import Energy
 from flexdyn.simulation.energy_ledger import ledger
 from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
+from flexdyn.simulation.limits import Exceeded, exceeded
 from flexdyn.simulation.solvers import Solver
 
 if TYPE_CHECKING:
@@ -83,6 +84,11 @@ class Run:
     def joint_names(self) -> tuple[str, ...]:
         """In the order of the columns."""
         return self.model.joint_names
+
+    @property
+    def exceeded(self) -> tuple[Exceeded, ...]:
+        """Limits of the URDF that it goes beyond at its samples: which joint, when, by how much."""
+        return exceeded(self.model.robot, self.t, self.q, self.v, self.tau_applied)
 
     @property
     def deflection(self) -> Array:

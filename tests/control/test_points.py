@@ -66,7 +66,7 @@ def test_a_command_in_a_model_is_kept(tmp_path: Path, model: fd.FlexibleJointMod
     assert moving != model == moving.replace(command=None)
     assert again.command == {"pd": MOVE["pd"] | {"reference": {"t": (0, 0.5, 1.0), "shoulder": (0.2, 0.6, 0.2)}}}
     with pytest.raises(TypeError):
-        again.command["pd"]["kp"] = 3.0  # type: ignore[index]
+        again.command["pd"]["kp"] = 3.0
 
 
 def test_points_are_met_and_never_passed(model: fd.FlexibleJointModel) -> None:
@@ -137,7 +137,7 @@ def test_a_recorded_reference_is_not_overshot() -> None:
     names = ("shoulder", "elbow")
     assert drawn(followed(STEP, "cubic", names)).max() > 0.53
     for interpolation in (None, "linear", "hold"):
-        path = drawn(followed(STEP, interpolation, names))  # type: ignore[arg-type]
+        path = drawn(followed(STEP, interpolation, names))
         assert path.min() >= -1e-12
         assert path.max() <= 0.5 + 1e-12
     assert set(drawn(followed(STEP, "hold", names)).tolist()) == {0.0, 0.5}
@@ -150,11 +150,11 @@ def test_yaml_has_the_key(tmp_path: Path, model: fd.FlexibleJointModel) -> None:
         text = f"pd: {{reference: step.csv, kp: 40, kd: 4, interpolation: {word}}}\n"
         (tmp_path / "pd.yaml").write_text(text, encoding="utf-8")
         mine = fd.simulate(model, tmp_path / "pd.yaml")
-        its = fd.simulate(model, fd.PD(STEP, kp=40, kd=4, interpolation=word))  # type: ignore[arg-type]
+        its = fd.simulate(model, fd.PD(STEP, kp=40, kd=4, interpolation=word))
         np.testing.assert_array_equal(mine.q, its.q)
         if word == "monotone":
             np.testing.assert_array_equal(mine.q, fd.simulate(model, fd.PD(STEP, kp=40, kd=4)).q)
     with pytest.raises(fd.InputError, match=r"pd\.interpolation: no such interpolation, got 'spline'"):
-        fd.PD(STEP, 1, 1, interpolation="spline")  # type: ignore[arg-type]
+        fd.PD(STEP, 1, 1, interpolation="spline")
     with pytest.raises(fd.InputError, match=r"pd\.interpolation: Samples bring their own"):
         fd.PD(fd.Samples([0, 1], [[0, 0], [1, 1]]), 1, 1, interpolation="hold")
