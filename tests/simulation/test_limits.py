@@ -38,11 +38,8 @@ def test_a_run_beyond_its_limits_is_warned_about(tmp_path: Path) -> None:
     assert place.since == pytest.approx(math.sqrt(2 * UPPER * INERTIA / torque), abs=1e-3)
     assert place.by == pytest.approx(torque * duration**2 / 2 / INERTIA - UPPER, rel=1e-9)
     assert place.at == duration
-    assert (speed.kind, speed.unit, speed.since) == (
-        "speed",
-        "rad/s",
-        pytest.approx(SPEED * INERTIA / torque, abs=1e-3),
-    )
+    assert (speed.kind, speed.unit) == ("speed", "rad/s")
+    assert speed.since == pytest.approx(SPEED * INERTIA / torque, abs=1e-3)
     assert speed.by == pytest.approx(torque * duration / INERTIA - SPEED, rel=1e-9)
     assert (push.kind, push.unit, push.by, push.since) == ("torque", "N m", torque - EFFORT, 0.0)
     told = [str(each.message) for each in caught]
