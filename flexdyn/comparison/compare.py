@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flexdyn.comparison.difference import common_rows, difference, root_mean_square
 from flexdyn.comparison.motion_sources import Source, as_sources, unit_in
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.records.signals.gaps import in_gaps
 
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
@@ -51,7 +52,7 @@ class Comparison:
         second: name of the second.
         start: first common time [s].
         end: last common time [s].
-        samples: of the first in that time: errors are taken there.
+        samples: of the first in that time, gaps of the second left out: errors are taken there.
         rows: one a common channel, in the first's order.
         only_first: channels that the second lacks.
         only_second: channels that the first lacks.
@@ -141,7 +142,7 @@ def compare(first: Any, second: Any, *, start: float | None = None, end: float |
         second=two.name,
         start=float(t[0]),
         end=float(t[-1]),
-        samples=len(t),
+        samples=int((~in_gaps(two.recording.t, t)).sum()),
         rows=errors,
         only_first=tuple(name for name in one.recording.channels if name not in two.recording),
         only_second=tuple(name for name in two.recording.channels if name not in one.recording),

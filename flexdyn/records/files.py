@@ -26,6 +26,7 @@ from flexdyn.records.repairs import Repair, repaired, repairs_of
 from flexdyn.records.request import Request
 from flexdyn.records.ros import read as read_bag
 from flexdyn.records.ros import write as write_bag
+from flexdyn.records.signals.gaps import told
 from flexdyn.records.table import Table
 
 
@@ -104,7 +105,8 @@ def read_recording(
         The recording; what `write_recording` wrote comes back bit for bit without map and repair.
 
     Warns:
-        RecordingWarning: something was guessed or is worth knowing; ``rec.meta["notes"]`` keeps it.
+        RecordingWarning: something was guessed, which ``rec.meta["notes"]`` keeps; the data have gaps
+            (`Recording.gaps`); or no channel is a signal of a joint, but some look meant to be.
 
     Raises:
         InputError: anything wrong with the file, the map or a repair, in one line with row (the line, in CSV) and
@@ -120,8 +122,6 @@ def read_recording(
             problem = "not a regular file" if path.exists() else "no such file"
             raise InputError(problem, remedy="give the path of a recording")
         table = _table(fmt, path, channel_map, asked, progress)
-        if question := asked_back(table.columns):
-            table.said.append(f"no channel is a signal of a joint: {question}")
         if table.said:
             table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
         made = Recording.from_table(table, path.stem if name is None else name)
@@ -131,7 +131,9 @@ def read_recording(
         raise InputError(f"cannot be read ({error.strerror or error})", file=path) from None
     except MemoryError:
         raise InputError("does not fit into memory", file=path, remedy="split the recording") from None
-    for text in table.said:
+    question = asked_back(made.channels)
+    seen = [told(made.t), f"no channel is a signal of a joint: {question}" if question else ""]
+    for text in (*table.said, *filter(None, seen)):
         warnings.warn(f"{path}: {text}", RecordingWarning, stacklevel=2)
     return made
 

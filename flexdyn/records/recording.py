@@ -14,6 +14,7 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.meta import as_plain, locked
 from flexdyn.records.signals.cut import shifted, split, trimmed
 from flexdyn.records.signals.derivatives import noise_of, smoothed
+from flexdyn.records.signals.gaps import gaps_of
 from flexdyn.records.signals.noise import Noise
 from flexdyn.records.signals.resample import resampled
 from flexdyn.records.signals.smooth import Smoother
@@ -166,6 +167,15 @@ class Recording:
     def signals(self) -> tuple[str, ...]:
         """Signals that some joint has, in order of first appearance."""
         return tuple(dict.fromkeys(parts[0] for parts in map(split_name, self.channels) if parts))
+
+    @property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Times [s] between which nothing was recorded for more than 10 median periods.
+
+        Nothing is made up there: resampling refuses to bridge them, differences leave them out, curves break off, a
+        diagnosis takes the pieces between them as recordings of their own.
+        """
+        return gaps_of(self.t)
 
     @property
     def duration(self) -> float:

@@ -19,6 +19,7 @@ class Layout:
         decimal: decimal sign of a text file, ``.`` or ``,``; None finds it.
         encoding: of a text file, such as ``latin-1``; None takes UTF-8 or, where it is not that, Windows-1252.
         topic: of a bag; None takes the only one that can be read.
+        merge: of a bag: how columns of other topics are put on common times, ``linear`` or ``hold``.
         clock: of a bag: ``message`` takes the stamp in the message's header, ``bag`` the time of recording.
     """
 
@@ -29,6 +30,7 @@ class Layout:
     encoding: str | None = None
     topic: str | None = None
     clock: str = "message"
+    merge: str = "linear"
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +36,14 @@ class Drive:
         duration: of the command [s]; None where it has no end of its own.
         initial: first state that a recording measured: signal -> joint -> value.
         samples: what an open-loop command plays, one column a joint; None for controllers and for no torque.
+        notes: what the user should know of it, one sentence each.
     """
 
     command: _core.Command
     duration: float | None
     initial: Mapping[str, Mapping[str, float]]
     samples: Samples | None = None
+    notes: tuple[str, ...] = ()
 
 
 def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) -> Drive:
@@ -62,7 +64,8 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
         return Drive(_core.open_loop(None), None, {})
     if isinstance(command, Recording):
         samples = recorded(command, "tau", model.joint_names)
-        return _open_loop(samples, model, command.duration, first_state(command, model))
+        made = _open_loop(samples, model, command.duration, first_state(command, model))
+        return replace(made, notes=_gaps("command", command, "its last value is held"))
     if isinstance(command, Samples):
         return _open_loop(command, model, command.duration, {})
     if isinstance(command, PD):
@@ -192,8 +195,10 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
     names = model.joint_names
     reference, ahead = resolve_command(pd.reference), resolve_command(pd.feedforward)
     initial: Mapping[str, Mapping[str, float]] = {}
+    notes: tuple[str, ...] = ()
     if isinstance(reference, Recording):
         initial = first_state(reference, model)
+        notes = _gaps("reference", reference, "it is interpolated")
         reference = followed(reference, pd.interpolation, names)
     _check_reference("pd.reference", reference)
     if isinstance(reference, Points):
@@ -211,7 +216,15 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         pd.feedback == "theta",
         pd.rate,
     )
-    return Drive(command, reference.duration, initial)
+    return Drive(command, reference.duration, initial, notes=notes)
+
+
+def _gaps(what: str, recording: Recording, done: str) -> tuple[str, ...]:
+    """A sentence on each gap of what drives the arm."""
+    return tuple(
+        f"the {what} has a gap of {end - start:.4g} s from t = {start:.6g} s on, over which {done}"
+        for start, end in recording.gaps
+    )
 
 
 def followed(reference: Recording, interpolation: Interpolation | None, joint_names: Sequence[str]) -> Samples:

@@ -54,7 +54,7 @@ class Job:
         stats = {key: int(report[key]) for key in ("steps", "rejected", "evaluations", "events")}
         inputs = Inputs(self.x0, played(self.drive, report, self.model.n, self.duration), self.external, self.duration)
         signals = (self.out[name] for name in ("t", "q", "v", "tau_applied"))
-        notes = (*self.notes, *map(str, exceeded(self.model.robot, *signals)))
+        notes = (*self.notes, *self.drive.notes, *map(str, exceeded(self.model.robot, *signals)))
         return Run(**self.out, model=self.model, solver=self.solver, notes=notes, stats=stats, inputs=inputs)
 
 

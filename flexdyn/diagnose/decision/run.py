@@ -14,6 +14,7 @@ from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recordings
+from flexdyn.records.signals.gaps import apart_at_gaps
 
 if TYPE_CHECKING:
     from flexdyn.diagnose.decision.corrected import Corrected
@@ -32,7 +33,8 @@ def diagnose(
 
     Args:
         model: as it is believed to be, with its tolerance.
-        fit: recordings to learn from: one or several, each a `Recording`, a run, a path or a pandas.DataFrame.
+        fit: recordings to learn from: one or several, each a `Recording`, a run, a path or a pandas.DataFrame. Pieces
+            between gaps in time count as recordings of their own.
         check: test data, given likewise, which only the final figures and the verdict read; none: the last fifth of
             what moves in every recording of `fit`.
         progress: called with the stage and the share of it that is done.
@@ -44,7 +46,7 @@ def diagnose(
         InputError: recordings that do not fit the model or cannot answer.
         Interrupted: Ctrl-C, with what was known by then.
     """
-    fit, check = as_recordings(fit, "fit"), as_recordings(check, "check")
+    fit, check = (apart_at_gaps(as_recordings(given, key)) for given, key in ((fit, "fit"), (check, "check")))
     # Here, as `import flexdyn` loads no scipy; only what is loaded can be limited, so that is first.
     import scipy.linalg  # noqa: F401
     from threadpoolctl import threadpool_limits

@@ -56,6 +56,7 @@ def layout_of(entry: Any) -> Layout:
             raise InputError("a line number from 1 is needed", key=f"source.{name}", value=line)
     as_choice("source.decimal", given.get("decimal", "."), (".", ","))
     as_choice("source.clock", given.get("clock", "message"), ("message", "bag"))
+    as_choice("source.merge", given.get("merge", "linear"), ("linear", "hold"))
     if "encoding" in given:
         _check_encoding(given["encoding"])
     delimiter = given.get("delimiter", ",")
