@@ -127,3 +127,8 @@ __all__ = [
     "steady_points",
     "write_recording",
 ]
+
+
+def __dir__() -> list[str]:
+    """What tab completion offers: the names that users need."""
+    return [*__all__, "__version__"]

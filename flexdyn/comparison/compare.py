@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flexdyn.comparison.difference import common_rows, difference, root_mean_square
 from flexdyn.comparison.motion_sources import Source, as_sources, unit_in
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.signals.gaps import in_gaps
 
 if TYPE_CHECKING:
@@ -43,8 +44,8 @@ class ChannelError:
     relative: float | None
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Public):
     """Errors of the second motion against the first over the time both cover.
 
     Attributes:
@@ -68,6 +69,20 @@ class Comparison:
     only_first: tuple[str, ...]
     only_second: tuple[str, ...]
     sources: tuple[Source, Source] = field(repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        """Which two, over which time, in a line."""
+        span = f"{self.samples} samples from {self.start:g} to {self.end:g} s"
+        return f"<Comparison of {self.second} with {self.first}: {len(self.rows)} channels, {span}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the errors of every channel."""
+        heads = ("channel", "unit", "RMS", "largest", "at [s]", "bias", "relative")
+        rows = (
+            (each.channel, each.unit or "-", each.rms, each.largest, each.at, each.bias, _or_dash(each.relative))
+            for each in self.rows
+        )
+        return card(repr(self)[1:-1], {}, table(heads, rows))
 
     def __getitem__(self, channel: str) -> ChannelError:
         """Errors of one channel.
@@ -165,6 +180,10 @@ def _channel_error(one: Source, two: Source, channel: str, rows: slice) -> Chann
         bias=float(error.mean()),
         relative=both.rms / spread if varies else None,
     )
+
+
+def _or_dash(value: float | None) -> float | str:
+    return "-" if value is None else value
 
 
 def _listed(source: Source) -> str:

@@ -18,7 +18,7 @@ Interpolation = Literal["hold", "linear", "monotone", "cubic"]
 INTERPOLATIONS = ("hold", "linear", "monotone", "cubic")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Samples:
     """Values over time, held or interpolated; as a command, torques [N m or N] and zero after the end.
 
@@ -69,6 +69,12 @@ class Samples:
         """Unpickle through the constructor, so that arrays are locked again."""
         named = self.values if self.joints is None else dict(zip(self.joints, self.values.T, strict=True))
         return (type(self), (self.t, named, self.interpolation))
+
+    def __repr__(self) -> str:
+        """How many, of how many joints, over which time, in a line."""
+        names = f" of {', '.join(self.joints)}" if self.joints else ""
+        size = f"{len(self.t)} by {self.values.shape[1]}"
+        return f"<{type(self).__name__} {size}{names}, {self.t[0]:g} to {self.t[-1]:g} s, {self.interpolation}>"
 
     @property
     def duration(self) -> float:

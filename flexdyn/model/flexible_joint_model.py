@@ -20,6 +20,7 @@ from flexdyn.effects import (
     ViscousFriction,
 )
 from flexdyn.errors import InputError
+from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.effect_checks import fitted
 from flexdyn.model.joint import Joint, resolve_joints
 from flexdyn.model.resolved_parameters import folded
@@ -30,7 +31,7 @@ Array = NDArray[np.float64]
 EARTH = (0.0, 0.0, -9.81)
 
 
-class FlexibleJointModel:
+class FlexibleJointModel(Public):
     """An arm with elastic joints.
 
     The equations of motion, every motor-side quantity reflected to the link side of its gear::
@@ -123,6 +124,27 @@ class FlexibleJointModel:
         """What it holds, in a line."""
         elastic = int(self.elastic.sum())
         return f"<FlexibleJointModel {self.name}: {self.n} joints, {elastic} elastic, {len(self.all_effects)} effects>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: drives and effects."""
+        numbers = ("gear_ratio", "reflected_inertia", "stiffness", "damping")
+        drives = (
+            (name, "elastic" if each.elastic else "rigid", *(getattr(each, key) for key in numbers))
+            for name, each in self.joints.items()
+        )
+        effects = (
+            (
+                each.name,
+                getattr(each, "joint", "") or "",
+                getattr(each, "side", "") or "",
+                ", ".join(f"{field.name} {getattr(each, field.name):.4g}" for field in each.parameters()),
+            )
+            for each in self.all_effects
+        )
+        heads = ("joint", "drive", "gear", "J reflected [kg m^2]", "K [N m/rad]", "D [N m s/rad]")
+        facts = {"robot": self.robot.name, "gravity [m/s^2]": list(self.gravity), "tolerance": self.tolerance}
+        second = table(("effect", "joint", "side", "numbers"), effects)
+        return card(f"FlexibleJointModel {self.name}", facts, table(heads, drives), second)
 
     @property
     def n(self) -> int:

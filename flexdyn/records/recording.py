@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.meta import as_plain, locked
 from flexdyn.records.signals.cut import shifted, split, trimmed
 from flexdyn.records.signals.derivatives import noise_of, smoothed
@@ -24,7 +25,7 @@ from flexdyn.records.units import check_unit, split_name, unit_of
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Recording:
+class Recording(Public):
     """Samples of an arm over time, measured or simulated; SI units, motor side reflected to the link side.
 
     Channels are named ``<signal>.<joint>`` with the signals q, v, theta, omega, tau, tau_applied, tau_s, temperature;
@@ -304,6 +305,21 @@ class Recording:
         joints, signals = _listed(self.joints), _listed(self.signals)
         extent = f"{len(self)} samples, {self.duration:.6g} s at {self.rate:.6g} Hz"
         return f"Recording({label}joints: {joints}; signals: {signals}; {extent})"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: extent, gaps, and what each channel ranges over."""
+        facts = {
+            "samples": f"{len(self)}, {self.duration:.6g} s at {self.rate:.6g} Hz",
+            "gaps [s]": ", ".join(f"{start:.6g} to {end:.6g}" for start, end in self.gaps[:3]),
+        }
+        rows = (
+            (name, self.unit(name) or "-", float(values.min()), float(values.max()), float(values.std()))
+            for name, values in self.channels.items()
+        )
+        notes = self.meta.get("notes", ())
+        heads = ("channel", "unit", "least", "greatest", "standard deviation")
+        label = f" {self.name}" if self.name else ""
+        return card(f"Recording{label}", facts, table(heads, rows), notes=notes if isinstance(notes, tuple) else ())
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Read-only mappings do not pickle: send plain ones and check again on arrival."""

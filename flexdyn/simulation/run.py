@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.effects import SensorEffect, measure
+from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.robot import frame_positions
@@ -29,7 +30,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Run:
+class Run(Public):
     """A simulated motion: locked arrays over a grid of times, one column a joint in the order of q.
 
     Attributes:
@@ -79,6 +80,21 @@ class Run:
         """What it holds, in a line."""
         steps = f"{type(self.solver).__name__}, {self.stats.get('steps', 0)} steps"
         return f"<Run {self.model.name}: {self.t[-1]:g} s, {len(self.t)} samples, {steps}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: solver, where joints began and ended, and how far each signal went."""
+        signals = (self.v, self.deflection, self.tau, self.tau_s)
+        rows = (
+            (name, float(self.q[0, j]), float(self.q[-1, j]), *(float(np.abs(each[:, j]).max()) for each in signals))
+            for j, name in enumerate(self.joint_names)
+        )
+        steps = f"{self.stats.get('steps', 0)} steps, {self.stats.get('events', 0)} events"
+        facts = {
+            "time": f"{self.t[-1]:g} s, {len(self.t)} samples",
+            "solver": f"{type(self.solver).__name__}, {steps}",
+        }
+        heads = ("joint", "first q", "last q", "largest v", "deflection", "tau", "tau_s")
+        return card(f"Run of {self.model.name}", facts, table(heads, rows), notes=self.notes)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
