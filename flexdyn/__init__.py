@@ -38,6 +38,7 @@ from flexdyn.records import (
     Derivatives,
     Noise,
     Recording,
+    RecordingWarning,
     Smoother,
     derivatives,
     estimate_noise,
@@ -48,6 +49,7 @@ from flexdyn.records import (
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.simulation import solvers
 from flexdyn.simulation.energy import Energy, EnergyWarning
+from flexdyn.simulation.limits import Exceeded, LimitWarning, enforce_limits
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate, simulate_many
@@ -67,6 +69,7 @@ __all__ = [
     "Energy",
     "EnergyWarning",
     "Equilibrium",
+    "Exceeded",
     "FlexdynError",
     "FlexibleJointModel",
     "FrameWrench",
@@ -74,6 +77,7 @@ __all__ = [
     "InputError",
     "Joint",
     "LawTrial",
+    "LimitWarning",
     "LinearModel",
     "LinkSide",
     "MissingExtra",
@@ -83,6 +87,7 @@ __all__ = [
     "Picture",
     "Playback",
     "Recording",
+    "RecordingWarning",
     "Robot",
     "Run",
     "Samples",
@@ -97,6 +102,7 @@ __all__ = [
     "derivatives",
     "diagnose",
     "effects",
+    "enforce_limits",
     "equilibrium",
     "estimate_noise",
     "frequencies_over_path",
@@ -121,3 +127,8 @@ __all__ = [
     "steady_points",
     "write_recording",
 ]
+
+
+def __dir__() -> list[str]:
+    """What tab completion offers: the names that users need."""
+    return [*__all__, "__version__"]

@@ -5,7 +5,7 @@
     with open_page(tmp_path / "run.html") as page:      # a file, or an address http://127.0.0.1:...
         page.tab.click("text=Play")                     # the Playwright page itself
         picture = page.screenshot()                     # (height, width, 3) uint8
-    # leaving the block asserts: no error in the page, no request but for the page itself
+    # leaving the block asserts: no error in the page, no request but for the page itself, no way out of it
 
 Debian's chromium is used, never one that Playwright would download. Where it is absent the test is skipped, and fails
 if CI is set: there the script installs it.
@@ -44,6 +44,18 @@ FLAGS = (
 )
 INSIDE = ("data", "blob")
 """Kinds of addresses that are part of the page."""
+WAYS_OUT = """() => [...document.querySelectorAll("*")].flatMap((element) => {
+  const found = ["href", "xlink:href", "src", "action", "formaction", "data", "ping", "poster", "srcset"]
+    .map((name) => element.getAttribute(name)).filter((address) => address !== null);
+  return found.filter((address) => {
+    const target = new URL(address, location.href);
+    const inside = ["data:", "blob:"].includes(target.protocol);
+    return !inside && (target.protocol !== location.protocol || target.host !== location.host);
+  });
+}).concat([...document.querySelectorAll("button, a, [data-title]")]
+  .map((element) => `${element.dataset.title || ""} ${element.title || ""} ${element.textContent}`.trim())
+  .filter((text) => /\\b(share|upload|cloud|chart studio)\\b/i.test(text)))"""
+"""Script that lists what would lead to another host: addresses in the page, and buttons that offer to send data."""
 
 
 @dataclass
@@ -81,9 +93,10 @@ class OpenPage:
             self.tab.wait_for_timeout(20)
 
     def check(self) -> None:
-        """Nothing went wrong in the page, and it asked for nothing but itself."""
+        """Nothing went wrong in the page, it asked for nothing but itself, and nothing in it leads elsewhere."""
         assert self.errors == []
         assert self.requests == [self.address]
+        assert self.tab.evaluate(WAYS_OUT) == []
 
 
 @contextmanager

@@ -39,6 +39,7 @@ LAYERS = (
     ("__init__",),
     ("paper",),
     ("cli",),
+    ("__main__",),
 )
 """The root's packages and modules in their order: each may import those of the layers before its own, and no others.
 

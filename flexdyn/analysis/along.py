@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.records import Recording, derivatives
+from flexdyn.records import derivatives
+from flexdyn.records.given import as_recording
 
 Array = NDArray[np.float64]
 MOST = 4000
@@ -49,12 +51,13 @@ def along_samples(model: FlexibleJointModel, q: Array, v: Array, a: Array) -> Al
     return Along(q, v, a, v, a)
 
 
-def along_recording(model: FlexibleJointModel, recording: Recording) -> Along:
+def along_recording(model: FlexibleJointModel, recording: Any) -> Along:
     """A recording smoothed and differentiated; an encoder that is missing is taken from the joint's other one.
 
     Raises:
         InputError: a joint without any position, or samples that cannot be differentiated.
     """
+    recording = as_recording(recording, "motion", signals=True)
     channels = []
     for joint in model.joint_names:
         pair = [f"{signal}.{joint}" for signal in ("q", "theta") if recording.has(signal, joint)]

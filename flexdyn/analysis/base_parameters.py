@@ -16,7 +16,6 @@ from flexdyn.analysis.regressor import FRICTION, body_numbers, regressor
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import OF_LINK, file_numbers
-from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
 OWN = 1e-7
@@ -125,7 +124,7 @@ def _factor(k: float) -> str:
 
 def base_parameters(
     model: FlexibleJointModel,
-    motion: Recording | None = None,
+    motion: Any = None,
     *,
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
@@ -141,7 +140,8 @@ def base_parameters(
 
     Args:
         model: the arm; its numbers count for `value` and tolerances alone.
-        motion: a recording with q or theta of every joint, smoothed and differentiated here; its torque is not read.
+        motion: a recording (or a run, a path, a pandas.DataFrame) with q or theta of every joint, smoothed and
+            differentiated here; its torque is not read.
         q: or samples of a motion: positions (samples, n) [rad]; random samples give what any motion can tell.
         v: velocities, likewise [rad/s].
         a: accelerations, likewise [rad/s^2].
@@ -175,7 +175,7 @@ def base_parameters(
     return BaseParameters(combinations, silent, condition, len(along.q), numbers)
 
 
-def _motion(model: FlexibleJointModel, motion: Recording | None, *samples: ArrayLike | None) -> Along:
+def _motion(model: FlexibleJointModel, motion: Any, *samples: ArrayLike | None) -> Along:
     given = [each for each in samples if each is not None]
     if (motion is None) == (not given) or (given and len(given) < len(samples)):
         remedy = "give a recording, or q, v and a"

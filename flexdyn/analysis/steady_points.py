@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.errors import InputError
-from flexdyn.records import Recording
+from flexdyn.records.given import as_recordings
 
 Array = NDArray[np.float64]
 FADED = 0.05
@@ -48,11 +48,12 @@ class SteadyPoint:
                 raise InputError("a finite number is needed, above 0 for std", key=key, value=value, file=self.name)
 
 
-def steady_points(recordings: Sequence[Recording], joint: str) -> tuple[SteadyPoint, ...]:
+def steady_points(recordings: Any, joint: str) -> tuple[SteadyPoint, ...]:
     """The mean speed and torque of each run, with the standard deviation of the mean torque.
 
     Args:
-        recordings: each at one constant speed, with ``tau.JOINT`` and ``omega.JOINT`` or ``v.JOINT``.
+        recordings: one or several (or runs, paths, data frames), each at one constant speed, with ``tau.JOINT`` and
+            ``omega.JOINT`` or ``v.JOINT``.
         joint: whose friction it is.
 
     Returns:
@@ -69,7 +70,7 @@ def steady_points(recordings: Sequence[Recording], joint: str) -> tuple[SteadyPo
         [0.5, 1.0]
     """
     points = []
-    for each in recordings:
+    for each in as_recordings(recordings):
         signal = "omega" if each.has("omega", joint) else "v"
         if not each.has(signal, joint):
             remedy = f"record omega.{joint}, or differentiate the position"

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.control.commands import PD, Controller, Samples
+from flexdyn.control.commands import PD, Controller, Interpolation, Samples
 from flexdyn.control.servo import Servo
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.simulation.command_input import recorded, resolve_command
+from flexdyn.simulation.command_input import followed, recorded, resolve_command
 from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
@@ -66,7 +66,8 @@ def aim_of(command: Any, model: FlexibleJointModel, duration: float) -> Aim:
     """
     command = resolve_command(command)
     if isinstance(command, PD | Servo):
-        reference = _reference(command.reference, model.joint_names)
+        chosen = command.interpolation if isinstance(command, PD) else None
+        reference = _reference(command.reference, chosen, model.joint_names)
         return Aim(_still(reference.t, reference.values, duration, reference.interpolation == "hold"), reference)
     if isinstance(command, Controller):
         return Aim(None)
@@ -80,12 +81,11 @@ def aim_of_run(run: Run) -> Aim:
     return Aim(_played_out(run.inputs.samples, run.inputs.duration))
 
 
-def _reference(given: Any, names: Sequence[str]) -> Samples:
-    """A reference as it is tracked: a recording's link positions, else rotor positions, as a C2 spline."""
+def _reference(given: Any, interpolation: Interpolation | None, names: Sequence[str]) -> Samples:
+    """A reference as it is tracked."""
     reference = resolve_command(given)
     if isinstance(reference, Recording):
-        held = recorded(reference, "q" if "q" in reference.signals else "theta", names)
-        return Samples(held.t, held.columns(names), "cubic")
+        return followed(reference, interpolation, names)
     return Samples(reference.t, reference.columns(names), reference.interpolation)
 
 

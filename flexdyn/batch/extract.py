@@ -93,6 +93,8 @@ def _write_command(command: Any, folder: Path) -> Path | None:
         raise InputError("this command cannot be written as a file", key="command", value=command)
     entry: dict[str, Any] = {"kp": _plain(command.kp), "kd": _plain(command.kd)}
     entry |= {"rate": command.rate, "feedback": command.feedback}
+    if command.interpolation is not None:
+        entry["interpolation"] = command.interpolation
     for key in ("reference", "feedforward"):
         given = getattr(command, key)
         if given is not None:

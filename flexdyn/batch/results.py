@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,6 +19,7 @@ from flexdyn.batch.store import open_store
 from flexdyn.batch.study import Study
 from flexdyn.batch.summary import Summary, metric_summary, parameter_summary, reasons_of
 from flexdyn.errors import InputError, MissingExtra
+from flexdyn.io.notebook import Public, card, table
 
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
@@ -42,7 +44,7 @@ def open_results(path: str | Path) -> Results:
 
 
 @dataclass(frozen=True, eq=False)
-class Results:
+class Results(Public):
     """What a study has stored.
 
     Attributes:
@@ -52,6 +54,29 @@ class Results:
 
     path: Path
     study: Study
+
+    def __repr__(self) -> str:
+        """Where, how many runs, how many of them failed or wait, in a line."""
+        waiting = f", {self.pending} not done" if self.pending else ""
+        runs = f"{len(self.status)} runs, {len(self.failed)} failed{waiting}"
+        return f"<Results of {self.study.name} in {self.path}: {runs}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how many runs, what varies, every metric."""
+        done = self.status != NOT_DONE
+        rows = []
+        for kind, columns in (("varies", self.parameters), ("metric", self.metrics)):
+            for name, values in columns.items():
+                there = values[done & np.isfinite(values)]
+                spread = [float(f(there)) if there.size else math.nan for f in (np.min, np.median, np.max)]
+                rows.append((name, kind, self.unit(name) or "-", *spread))
+        facts = {
+            "store": self.path,
+            "runs": f"{len(self.status)}, {len(self.failed)} failed, {self.pending} not done",
+            "kept": ", ".join(self.channels),
+        }
+        heads = ("number", "", "unit", "least", "median", "greatest")
+        return card(f"Study of {self.study.name}", facts, table(heads, rows))
 
     def dataset(self) -> Any:
         """Everything, read when it is needed: an xarray.Dataset over dask arrays.

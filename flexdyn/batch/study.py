@@ -10,6 +10,7 @@ from typing import Any, Self
 
 from flexdyn.batch.distributions import Distribution, Grid, distribution
 from flexdyn.errors import shown
+from flexdyn.io.notebook import Public, card, table
 from flexdyn.io.yaml import dump_yaml, parse_yaml
 
 PLACES = ("name", "folder", "model.robot.urdf", "model.robot.package_dirs")
@@ -17,8 +18,8 @@ PLACES = ("name", "folder", "model.robot.urdf", "model.robot.package_dirs")
 study while its files hold the same."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Study:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Study(Public):
     """A batch study, checked and made whole by `flexdyn.batch.studyfile`.
 
     Attributes:
@@ -54,6 +55,21 @@ class Study:
     chunk: int
     folder: str
     files: Mapping[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        """What it makes, in a line."""
+        return f"<Study of {self.name}: {self.count} runs of {self.duration:g} s, {len(self.vary)} numbers vary>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how many runs, and how each number varies."""
+        facts = {
+            "runs": f"{self.count} of {self.duration:g} s, seed {self.seed}",
+            "solver": self.solver["name"],
+            "kept": f"{', '.join(self.keep)} at {self.rate:g} Hz",
+            "metrics": ", ".join(self.metrics),
+        }
+        rows = ((path, *(f"{kind} {numbers}" for kind, numbers in entry.items())) for path, entry in self.vary.items())
+        return card(f"Study of {self.name}", facts, table(("number", "varies as"), rows))
 
     @cached_property
     def kinds(self) -> Mapping[str, Distribution | Grid]:

@@ -15,12 +15,13 @@ from flexdyn.batch.rehearsal import rehearse
 from flexdyn.batch.study import Study
 from flexdyn.checks import as_number
 from flexdyn.control.commands import checked_rate
+from flexdyn.control.points import PD_KEYS
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.files import exists, is_file
 from flexdyn.io.yaml import check_keys, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model, model_from_dict, model_to_dict
-from flexdyn.simulation.command_input import PD_KEYS, make_drive
+from flexdyn.simulation.command_input import make_drive
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.solvers import make_solver
 

@@ -10,6 +10,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 
+from flexdyn.cli import completion
 from flexdyn.cli.failures import report, show_warning
 
 BROKEN_PIPE = 141
@@ -31,7 +32,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             code = _run(arguments)
             sys.stdout.flush()
-        except (BrokenPipeError, SystemExit):  # rich and click turn a broken pipe into SystemExit
+        except SystemExit as done:
+            if completion.asked():  # click answers a shell and leaves
+                return done.code if isinstance(done.code, int) else 0
+            _mute()  # rich and click turn a broken pipe into SystemExit
+            return BROKEN_PIPE
+        except BrokenPipeError:
             _mute()
             return BROKEN_PIPE
         except (Exception, KeyboardInterrupt) as error:

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from flexdyn.cli import completion
 from flexdyn.cli.failures import Interrupted
 from flexdyn.errors import InputError, did_you_mean
 
@@ -41,7 +42,9 @@ def build() -> Any:
     from flexdyn.cli.batch import batch
     from flexdyn.cli.compare import compare
     from flexdyn.cli.diagnose import DiagnoseCommand, diagnose
+    from flexdyn.cli.doctor import doctor
     from flexdyn.cli.effects import effects
+    from flexdyn.cli.example import example
     from flexdyn.cli.info import info
     from flexdyn.cli.new import new
     from flexdyn.cli.paper import paper
@@ -59,9 +62,11 @@ def build() -> Any:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_program)
-    for command in (info, new, effects, simulate, play, plot, compare, batch, paper):
+    for command in (info, new, effects, simulate, play, plot, compare, batch, paper, example, doctor):
         app.command()(command)
     app.command(cls=DiagnoseCommand)(diagnose)
+    if completion.asked():
+        completion.prepare()
     return typer.main.get_command(app)
 
 
@@ -78,6 +83,26 @@ def _program(
         bool,
         typer.Option(
             "--version", callback=_print_version, is_eager=True, metavar="", help="Print the version and stop."
+        ),
+    ] = False,
+    install_completion: Annotated[
+        bool,
+        typer.Option(
+            "--install-completion",
+            callback=completion.install,
+            is_eager=True,
+            metavar="",
+            help="Let the shell complete commands, options and names, from its next start on.",
+        ),
+    ] = False,
+    show_completion: Annotated[
+        bool,
+        typer.Option(
+            "--show-completion",
+            callback=completion.show,
+            is_eager=True,
+            metavar="",
+            help="Print what --install-completion would install.",
         ),
     ] = False,
 ) -> None:

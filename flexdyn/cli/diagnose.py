@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from flexdyn.cli import completion
 from flexdyn.cli.failures import Interrupted
-from flexdyn.cli.options import JsonOption, MapOption, naming, output_folder
+from flexdyn.cli.options import JsonOption, naming, output_folder
 from flexdyn.cli.output import console, note, show, show_json
-from flexdyn.cli.recordings import load
+from flexdyn.cli.recordings import load_each
 from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError, MissingExtra
 
@@ -65,7 +66,12 @@ def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
 
 
 def diagnose(
-    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model file, or the name of a shipped model.")],
+    model: Annotated[
+        str,
+        typer.Argument(
+            metavar="MODEL", help="A model file, or the name of a shipped model.", autocompletion=completion.models
+        ),
+    ],
     fit: Annotated[list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain.")],
     check: Annotated[
         list[Path] | None,
@@ -75,7 +81,14 @@ def diagnose(
             help="Test data, which no decision reads. Default: the last fifth of what moves in every recording of FIT.",
         ),
     ] = None,
-    map: MapOption = None,
+    maps: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--map",
+            metavar="MAP",
+            help="A channel map (YAML) of every recording; or one for each, in their order, FIT before CHECK.",
+        ),
+    ] = None,
     explain: Annotated[
         list[str] | None,
         typer.Option(
@@ -102,7 +115,8 @@ def diagnose(
     _check_pictures()
     arm = model_file(model)
     _check_targets(arm, targets)
-    recordings = [[load(path, map=map) for path in paths] for paths in (fit, checks)]
+    loaded = load_each([*fit, *checks], maps or ())
+    recordings = [loaded[: len(fit)], loaded[len(fit) :]]
     from flexdyn.diagnose import diagnose as run
 
     try:

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from flexdyn.cli import completion
 from flexdyn.cli.options import JsonOption, output_file
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.effects import Effect, catalogue
@@ -25,7 +26,10 @@ _NOWHERE = {
 
 def effects(
     name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help="Of one effect, for all there is to say on it.")
+        str | None,
+        typer.Argument(
+            metavar="NAME", help="Of one effect, for all there is to say on it.", autocompletion=completion.effects
+        ),
     ] = None,
     output: Annotated[
         Path | None,

@@ -12,6 +12,7 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
+from flexdyn.cli import completion
 from flexdyn.cli import modes as cli_modes
 from flexdyn.cli.options import JsonOption, by_joint, naming, output_file
 from flexdyn.cli.output import number, show, show_json, table
@@ -28,7 +29,11 @@ Array = NDArray[np.float64]
 def info(
     target: Annotated[
         str,
-        typer.Argument(metavar="ROBOT|MODEL", help="A URDF, a robot's name, a model file or a shipped model's name."),
+        typer.Argument(
+            metavar="ROBOT|MODEL",
+            help="A URDF, a robot's name, a model file or a shipped model's name.",
+            autocompletion=completion.models,
+        ),
     ],
     q: Annotated[
         list[str] | None,

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from flexdyn.cli import completion
 from flexdyn.cli.options import output_file
 from flexdyn.cli.output import number, show
 from flexdyn.cli.target import MODEL_SUFFIXES
@@ -28,7 +29,14 @@ _WORDS = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 
 
 def new(
-    robot: Annotated[str, typer.Argument(metavar="ROBOT", help="A URDF, or a robot's name.")],
+    robot: Annotated[
+        str,
+        typer.Argument(
+            metavar="ROBOT",
+            help="A URDF, or a robot's name.",
+            autocompletion=completion.models,
+        ),
+    ],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="The model file to write, .yaml.")
     ] = None,

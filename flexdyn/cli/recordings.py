@@ -2,13 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from flexdyn.cli.output import console
+from flexdyn.errors import InputError
 from flexdyn.records import Recording, read_recording
 
 LARGE = 50e6
 """Bytes from which reading a file shows how far it is."""
+
+
+def load_each(paths: Sequence[Path], maps: Sequence[Path]) -> list[Recording]:
+    """Read recordings by one map for all of them, or by one for each.
+
+    Args:
+        paths: of the recordings.
+        maps: none, one, or as many as recordings, in their order.
+
+    Raises:
+        InputError: another number of maps, or a file that is wrong.
+    """
+    if len(maps) not in (0, 1, len(paths)):
+        problem = f"{len(maps)} maps for {len(paths)} recordings"
+        raise InputError(problem, key="--map", remedy="give one for all, or one for each in their order")
+    each = list(maps) if len(maps) == len(paths) else [maps[0] if maps else None] * len(paths)
+    return [load(path, map=map) for path, map in zip(paths, each, strict=True)]
 
 
 def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Recording:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from flexdyn.cli import completion
 from flexdyn.cli.options import JsonOption, MapOption, by_joint, decimal, naming, output_file
 from flexdyn.cli.output import console, note, number, show, show_json, table
 from flexdyn.cli.recordings import load
@@ -21,6 +22,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.records.files import SUFFIXES
 from flexdyn.simulation.command_input import read_command_file
+from flexdyn.simulation.limits import enforce_limits
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.solvers import SOLVERS, Solver, make_solver
 
@@ -31,7 +33,12 @@ NAMES |= {f"solver.{name}": f"--{name}" for name in ("step", "rtol", "atol", "sm
 
 
 def simulate(
-    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model file, or the name of a shipped model.")],
+    model: Annotated[
+        str,
+        typer.Argument(
+            metavar="MODEL", help="A model file, or the name of a shipped model.", autocompletion=completion.models
+        ),
+    ],
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="RUN", help=f"The run: {', '.join(SUFFIXES)} by its suffix."),
@@ -39,7 +46,9 @@ def simulate(
     command: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="A recording whose tau drives the arm, or a YAML file with pd:. Default: no torque."
+            metavar="FILE",
+            help="A recording whose tau drives the arm, or a YAML file with pd: or torques:. Default: the model's own, "
+            "else no torque.",
         ),
     ] = None,
     map: MapOption = None,
@@ -66,6 +75,12 @@ def simulate(
     omega0: Annotated[
         list[str] | None, typer.Option(metavar="VALUES", help="First rotor velocities, likewise.")
     ] = None,
+    limits: Annotated[
+        bool,
+        typer.Option(
+            "--limits", metavar="", help="Keep to the URDF's limits: end stops at the ends of range, motors saturate."
+        ),
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Simulate a model under a command and write the run.
@@ -77,11 +92,14 @@ def simulate(
     span = None if duration is None else decimal("--duration", duration)
     hertz = decimal("--rate", rate)
     settings = _settings(step=step, rtol=rtol, atol=atol, smoothing=smoothing)
-    arm = model_file(model)
+    arm = enforce_limits(model_file(model)) if limits else model_file(model)
     with naming(NAMES, file=model, files={"samples": command, "pd": command, "command": command}):
         chosen = choose(solver, **settings)
         starts = _starts(arm, q0=q0, v0=v0, theta0=theta0, omega0=omega0)
         drive = _read_command(command, map)
+        if command is None and arm.command is not None:
+            drive = arm.command
+            note("the command is the model file's own")
         _can_write(path)
         run = _run(arm, drive, span, chosen, hertz, starts)
     for text in run.notes:
@@ -124,6 +142,7 @@ def summary(run: Run, path: Path) -> dict[str, Any]:
         "samples": len(run.t),
         "solver": run.solver.to_dict(),
         "notes": list(run.notes),
+        "exceeded": [asdict(each) for each in run.exceeded],
         "stats": dict(run.stats),
         "joints": {
             name: {
@@ -177,7 +196,8 @@ def _run(
 ) -> Run:
     from flexdyn.simulation.simulate import simulate as integrate
 
-    with _progress(model.name, duration or getattr(command, "duration", None)) as progress:
+    length = duration or getattr(command, "duration", None)
+    with _progress(model.name, length) as progress:
         return integrate(model, command, duration, solver, rate=rate, progress=progress, **starts)
 
 

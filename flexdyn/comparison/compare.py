@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from flexdyn.comparison.difference import common_rows, difference, root_mean_square
 from flexdyn.comparison.motion_sources import Source, as_sources, unit_in
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.notebook import Public, card, table
+from flexdyn.records.signals.gaps import in_gaps
 
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
@@ -48,8 +50,8 @@ class ChannelError:
     relative: float | None
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Public):
     """Errors of the second motion against the first over the time both cover.
 
     Attributes:
@@ -57,7 +59,7 @@ class Comparison:
         second: name of the second.
         start: first common time [s].
         end: last common time [s].
-        samples: of the first in that time: errors are taken there.
+        samples: of the first in that time, gaps of the second left out: errors are taken there.
         rows: one a common channel, in the first's order.
         only_first: channels that the second lacks.
         only_second: channels that the first lacks.
@@ -79,6 +81,20 @@ class Comparison:
     only_first: tuple[str, ...]
     only_second: tuple[str, ...]
     sources: tuple[Source, Source] = field(repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        """Which two, over which time, in a line."""
+        span = f"{self.samples} samples from {self.start:g} to {self.end:g} s"
+        return f"<Comparison of {self.second} with {self.first}: {len(self.rows)} channels, {span}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the errors of every channel."""
+        heads = ("channel", "unit", "RMS", "largest", "at [s]", "bias", "relative")
+        rows = (
+            (each.channel, each.unit or "-", each.rms, each.largest, each.at, each.bias, _or_dash(each.relative))
+            for each in self.rows
+        )
+        return card(repr(self)[1:-1], {}, table(heads, rows))
 
     def __getitem__(self, channel: str) -> ChannelError:
         """Errors of one channel.
@@ -159,7 +175,7 @@ def compare(first: Any, second: Any, *, start: float | None = None, end: float |
         second=two.name,
         start=float(t[0]),
         end=float(t[-1]),
-        samples=len(t),
+        samples=int((~in_gaps(two.recording.t, t)).sum()),
         rows=errors,
         only_first=tuple(name for name in one.recording.channels if name not in two.recording),
         only_second=tuple(name for name in two.recording.channels if name not in one.recording),
@@ -182,6 +198,10 @@ def _channel_error(one: Source, two: Source, channel: str, rows: slice) -> Chann
         bias=float(error.mean()),
         relative=both.rms / spread if varies else None,
     )
+
+
+def _or_dash(value: float | None) -> float | str:
+    return "-" if value is None else value
 
 
 def _listed(source: Source) -> str:

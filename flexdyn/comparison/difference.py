@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from flexdyn.comparison.motion_sources import HELD, Source
 from flexdyn.errors import InputError
+from flexdyn.records.signals.gaps import in_gaps
 from flexdyn.records.units import split_name
 
 Array = NDArray[np.float64]
@@ -24,7 +25,7 @@ class Difference:
     """One channel of two motions over common times.
 
     Attributes:
-        t: times of the first's samples that the second covers [s].
+        t: times of the first's samples that the second covers, its gaps left out [s].
         first: samples of the first.
         second: the second at those times.
     """
@@ -71,8 +72,13 @@ def difference(one: Source, two: Source, channel: str, rows: slice) -> Differenc
         channel: that both have.
         rows: of the first, from `common_rows`.
     """
-    t = one.recording.t[rows]
-    first, second = one.recording[channel][rows], taken_at(two, channel, t)
+    t, first = one.recording.t[rows], one.recording[channel][rows]
+    if (missed := in_gaps(two.recording.t, t)).any():
+        t, first = t[~missed], first[~missed]
+        if len(t) < 2:
+            remedy = "what both recorded is less than two samples"
+            raise InputError(f"{two.name} has a gap there", key=channel, remedy=remedy)
+    second = taken_at(two, channel, t)
     for values in (first, second):
         greatest = float(np.abs(values).max())
         if not greatest <= GREATEST:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.errors import InputError
-from flexdyn.records import Recording, read_recording
+from flexdyn.records import Recording
+from flexdyn.records.given import as_recording
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.run import Run
 
@@ -65,7 +64,7 @@ def as_source(given: Any, name: str = "") -> Source:
     """One form for all that can be drawn.
 
     Args:
-        given: a run, a recording, or the path of a recording.
+        given: a run, a recording, the path of a recording, or a table of pandas or xarray.
         name: to call it by; default: that of the recording or of the run's model.
 
     Raises:
@@ -75,11 +74,7 @@ def as_source(given: Any, name: str = "") -> Source:
         return given
     if isinstance(given, Run):
         return Source(printable(name or given.model.name) or "run", _true(given), given)
-    if isinstance(given, str | os.PathLike):
-        given = read_recording(Path(given))
-    if not isinstance(given, Recording):
-        remedy = "give what fd.simulate or fd.read_recording returned, or the path of a recording"
-        raise InputError("neither a run nor a recording", value=given, remedy=remedy)
+    given = as_recording(given)
     return Source(printable(name or given.name) or "recording", given)
 
 

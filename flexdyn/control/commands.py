@@ -14,18 +14,20 @@ from flexdyn.checks import as_number
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
-Interpolation = Literal["hold", "linear", "cubic"]
-INTERPOLATIONS = ("hold", "linear", "cubic")
+Interpolation = Literal["hold", "linear", "monotone", "cubic"]
+INTERPOLATIONS = ("hold", "linear", "monotone", "cubic")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Samples:
     """Values over time, held or interpolated; as a command, torques [N m or N] and zero after the end.
 
     Args:
         t: times (samples,) [s], strictly increasing; the run starts at the first.
         values: (samples, n), one column a joint in the order of q, or a mapping from joint to (samples,).
-        interpolation: ``hold`` (from this sample to the next), ``linear`` or ``cubic`` (a C2 spline).
+        interpolation: ``hold`` (from this sample to the next), ``linear``, ``monotone`` (cubic pieces with a continuous
+            velocity that never leave the range between two samples: Fritsch and Carlson, SIAM J. Numer. Anal. 17,
+            1980) or ``cubic`` (a C2 spline, which may overshoot).
 
     Raises:
         InputError: shapes that do not fit, values that are not finite, time that does not increase.
@@ -73,6 +75,12 @@ class Samples:
         named = self.values if self.joints is None else dict(zip(self.joints, self.values.T, strict=True))
         return (type(self), (self.t, named, self.interpolation))
 
+    def __repr__(self) -> str:
+        """How many, of how many joints, over which time, in a line."""
+        names = f" of {', '.join(self.joints)}" if self.joints else ""
+        size = f"{len(self.t)} by {self.values.shape[1]}"
+        return f"<{type(self).__name__} {size}{names}, {self.t[0]:g} to {self.t[-1]:g} s, {self.interpolation}>"
+
     @property
     def duration(self) -> float:
         """From the first to the last sample [s]."""
@@ -109,9 +117,10 @@ class Samples:
             slope = np.diff(columns, axis=0) / np.diff(t)[:, None]
             coef = np.stack([columns[:-1], slope], axis=1)
         else:
-            from scipy.interpolate import CubicSpline
+            from scipy.interpolate import CubicSpline, PchipInterpolator
 
-            coef = CubicSpline(t, columns).c[::-1].transpose(1, 0, 2)
+            kind = CubicSpline if self.interpolation == "cubic" else PchipInterpolator
+            coef = kind(t, columns).c[::-1].transpose(1, 0, 2)
         return t, np.ascontiguousarray(coef), np.ascontiguousarray(columns[-1])
 
 
@@ -130,6 +139,8 @@ class PD:
         rate: of the controller [Hz].
         feedback: ``theta`` (motor side) or ``q`` (link side).
         feedforward: torques to add (`Samples`, a recording with ``tau`` columns, or its path).
+        interpolation: of a reference that is a recording: ``monotone`` (default: through its samples, never beyond two
+            neighbours), ``hold`` (its steps as they are), ``linear`` or ``cubic``; `Samples` bring their own.
 
     Example:
         >>> reference = fd.Samples([0, 1], {"shoulder": [0.0, 0.5], "elbow": [0.0, 1.0]}, "cubic")
@@ -144,6 +155,7 @@ class PD:
     rate: float = 1000.0
     feedback: Literal["theta", "q"] = "theta"
     feedforward: Any = None
+    interpolation: Interpolation | None = None
 
     def __init__(
         self,
@@ -153,7 +165,14 @@ class PD:
         rate: float = 1000.0,
         feedback: Literal["theta", "q"] = "theta",
         feedforward: Any = None,
+        interpolation: Interpolation | None = None,
     ) -> None:
+        if interpolation is not None and interpolation not in INTERPOLATIONS:
+            remedy = f"it is {', '.join(INTERPOLATIONS)}"
+            raise InputError("no such interpolation", key="pd.interpolation", value=interpolation, remedy=remedy)
+        if interpolation is not None and isinstance(reference, Samples):
+            remedy = "give it to the Samples"
+            raise InputError("Samples bring their own interpolation", key="pd.interpolation", remedy=remedy)
         if feedback not in ("theta", "q"):
             raise InputError("no such feedback", key="pd.feedback", value=feedback, remedy="it is theta or q")
         entries = {
@@ -163,6 +182,7 @@ class PD:
             "rate": checked_rate("pd.rate", rate),
             "feedback": feedback,
             "feedforward": feedforward,
+            "interpolation": interpolation,
         }
         for key, value in entries.items():
             object.__setattr__(self, key, value)

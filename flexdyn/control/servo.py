@@ -125,10 +125,11 @@ def _at_ticks(samples: Samples, names: tuple[str, ...], rate: float) -> Array:
     """Values at the controller's ticks (ticks, n), from the first sample to the last."""
     columns, t = samples.columns(names), samples.t - samples.t[0]
     ticks = np.arange(math.floor(t[-1] * rate + 1e-6) + 1) / rate
-    if samples.interpolation == "cubic":
-        from scipy.interpolate import CubicSpline
+    if samples.interpolation in ("cubic", "monotone"):
+        from scipy.interpolate import CubicSpline, PchipInterpolator
 
-        return np.asarray(CubicSpline(t, columns)(np.minimum(ticks, t[-1])))
+        kind = CubicSpline if samples.interpolation == "cubic" else PchipInterpolator
+        return np.asarray(kind(t, columns)(np.minimum(ticks, t[-1])))
     if samples.interpolation == "linear":
         return np.column_stack([np.interp(ticks, t, column) for column in columns.T])
     slack = 1e-3 / rate  # clocks that are a little late belong to their own tick

@@ -90,3 +90,8 @@ __all__ = [
     "registered",
     "unit_for",
 ]
+
+
+def __dir__() -> list[str]:
+    """What tab completion offers: the names that users need."""
+    return list(__all__)

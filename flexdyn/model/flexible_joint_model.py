@@ -19,17 +19,18 @@ from flexdyn.effects import (
     ViscousFriction,
 )
 from flexdyn.errors import InputError
+from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.effect_checks import fitted
 from flexdyn.model.joint import Joint, resolve_joints
 from flexdyn.model.resolved_parameters import folded
-from flexdyn.model.setting_checks import gravity_checked, initial_checked, one_of, tolerance_checked
+from flexdyn.model.setting_checks import command_checked, gravity_checked, initial_checked, one_of, tolerance_checked
 from flexdyn.robot import Robot
 
 Array = NDArray[np.float64]
 EARTH = (0.0, 0.0, -9.81)
 
 
-class FlexibleJointModel:
+class FlexibleJointModel(Public):
     """An arm with elastic joints.
 
     The equations of motion, every motor-side quantity reflected to the link side of its gear::
@@ -52,6 +53,8 @@ class FlexibleJointModel:
         urdf_dynamics: ``use`` turns the URDF's <dynamics damping friction> into link-side effects; ``ignore``.
         rotor_coupling: ``reduced``: rotors act on their own joint only; ``full``: they ride on their parent links, turn
             with them, and their spin acts on the links (S(q) alpha and its gyroscopic torques).
+        command: a first motion in the words of a command file, with points (see `flexdyn.control.points`): what
+            ``flexdyn simulate`` plays where no other is given; in Python ``fd.simulate(model, model.command)``.
         name: of the model; default: the robot's.
 
     Raises:
@@ -75,6 +78,7 @@ class FlexibleJointModel:
         gravity: Sequence[float] = EARTH,
         urdf_dynamics: str = "use",
         rotor_coupling: str = "reduced",
+        command: Mapping[str, Any] | None = None,
         name: str = "",
     ) -> None:
         if not isinstance(robot, Robot):
@@ -89,6 +93,7 @@ class FlexibleJointModel:
         self.gravity = gravity_checked(gravity)
         self.initial = initial_checked({} if initial is None else initial, robot.joint_names)
         self.tolerance = tolerance_checked(tolerance)
+        self.command = command_checked(command, robot.joint_names)
         self.effects: tuple[Effect, ...] = fitted(robot, self.joints, effects)
         self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
         self.__dict__["_locked"] = True
@@ -124,6 +129,27 @@ class FlexibleJointModel:
         """What it holds, in a line."""
         elastic = int(self.elastic.sum())
         return f"<FlexibleJointModel {self.name}: {self.n} joints, {elastic} elastic, {len(self.all_effects)} effects>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: drives and effects."""
+        numbers = ("gear_ratio", "reflected_inertia", "stiffness", "damping")
+        drives = (
+            (name, "elastic" if each.elastic else "rigid", *(getattr(each, key) for key in numbers))
+            for name, each in self.joints.items()
+        )
+        effects = (
+            (
+                each.name,
+                getattr(each, "joint", "") or "",
+                getattr(each, "side", "") or "",
+                ", ".join(f"{field.name} {getattr(each, field.name):.4g}" for field in each.parameters()),
+            )
+            for each in self.all_effects
+        )
+        heads = ("joint", "drive", "gear", "J reflected [kg m^2]", "K [N m/rad]", "D [N m s/rad]")
+        facts = {"robot": self.robot.name, "gravity [m/s^2]": list(self.gravity), "tolerance": self.tolerance}
+        second = table(("effect", "joint", "side", "numbers"), effects)
+        return card(f"FlexibleJointModel {self.name}", facts, table(heads, drives), second)
 
     @property
     def n(self) -> int:
@@ -217,7 +243,7 @@ class FlexibleJointModel:
         return np.array([getattr(joint, attribute) for joint in self.joints.values()])
 
     def _settings(self) -> dict[str, Any]:
-        keys = ("initial", "tolerance", "gravity", "urdf_dynamics", "rotor_coupling", "name")
+        keys = ("initial", "tolerance", "gravity", "urdf_dynamics", "rotor_coupling", "command", "name")
         return {key: _thawed(getattr(self, key)) for key in keys}
 
     def _content(self) -> tuple[Any, ...]:

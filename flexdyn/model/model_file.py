@@ -11,12 +11,13 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.files import exists, is_file, write_text
 from flexdyn.io.yaml import check_keys, dump_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.setting_checks import check_tolerance_paths
-from flexdyn.robot import Robot, load_robot
+from flexdyn.model.setting_checks import check_tolerance_paths, plain_command
+from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.names import shipped_dir
 
 FORMAT = 1
-TOP_KEYS = ("flexdyn", "robot", "joints", "initial", "tolerance", "effects")
+ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
+TOP_KEYS = ("flexdyn", "robot", "joints", "initial", "tolerance", "effects", "command")
 ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "urdf_dynamics", "rotor_coupling")
 
 
@@ -78,7 +79,7 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
     if not isinstance(effects, list):
         raise InputError("a list of effects is needed", key="effects", value=effects)
     settings = {key: entry[key] for key in ("gravity", "urdf_dynamics", "rotor_coupling") if entry.get(key) is not None}
-    settings |= {key: content[key] for key in ("initial", "tolerance") if content.get(key) is not None}
+    settings |= {key: content[key] for key in ("initial", "tolerance", "command") if content.get(key) is not None}
     model = FlexibleJointModel(_robot(entry, folder), content.get("joints"), effects, name=name, **settings)
     check_tolerance_paths(content.get("tolerance"), model.joint_names, model.robot.frame_names, model.effects)
     return model
@@ -123,7 +124,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
         robot["lock"] = dict(model.robot.lock)
     robot |= {"urdf_dynamics": model.urdf_dynamics, "rotor_coupling": model.rotor_coupling}
     tolerance = dict(model.tolerance) if isinstance(model.tolerance, Mapping) else model.tolerance
-    return {
+    content = {
         "flexdyn": FORMAT,
         "robot": robot,
         "joints": {name: joint.to_dict() for name, joint in model.joints.items()},
@@ -131,22 +132,39 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
         "tolerance": tolerance,
         "effects": [effect.to_dict() for effect in model.effects],
     }
+    return content if model.command is None else content | {"command": plain_command(model.command)}
 
 
-def _find(path: str | Path) -> Path:
+def _find(path: Any) -> Path:
+    if not isinstance(path, str | os.PathLike):
+        remedy = "a robot becomes one by FlexibleJointModel(robot)" if isinstance(path, Robot) else None
+        raise InputError("the path of a model.yaml is needed", key="model", value=path, remedy=remedy)
     file = Path(path)
+    if file.suffix.lower() in ROBOT_SUFFIXES or (not is_file(file) and _is_robot(str(path))):
+        raise InputError("a robot is no model yet", file=str(path), remedy=_becomes_model(str(path)))
     if is_file(file):
         return file
     shipped = shipped_dir() / str(path) / "model.yaml"
     if len(file.parts) == 1 and exists(shipped):
         return shipped
     if exists(file):
-        raise InputError("it is not a file", file=path, remedy="give the path of a model.yaml")
+        raise InputError("it is not a file", file=str(path), remedy="give the path of a model.yaml")
     if file.suffix.lower() in (".yaml", ".yml") or len(file.parts) > 1:
-        raise InputError("there is no such file", file=path)
+        raise InputError("there is no such file", file=str(path))
     raise InputError(
         "no such model file or shipped model", key=str(path), remedy=did_you_mean(str(path), shipped_models())
     )
+
+
+def _is_robot(name: str) -> bool:
+    return name in robot_names() and name not in shipped_models()
+
+
+def _becomes_model(robot: str) -> str:
+    """How a robot is made a model, in Python and as a file."""
+    stem = Path(robot).stem
+    python = f"fd.FlexibleJointModel(fd.load_robot({robot!r}), joints={{...}})"
+    return f"make one of it: {python}, or flexdyn new {robot} -o {stem}.yaml and load that"
 
 
 def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:

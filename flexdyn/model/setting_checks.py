@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import as_number
+from flexdyn.control.commands import PD, Samples, per_joint
+from flexdyn.control.points import command_of
 from flexdyn.effects import Effect
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.joint import Joint
@@ -91,3 +93,43 @@ def check_tolerance_paths(
         if str(path) not in known:
             remedy = did_you_mean(str(path), known)
             raise InputError("no such number in the model", key=f"tolerance.{path}", remedy=remedy)
+
+
+def command_checked(command: Any, joint_names: Sequence[str]) -> Mapping[str, Any] | None:
+    """A command of points as a locked copy, found fit for the robot.
+
+    Raises:
+        InputError: a key, joint or point that does not fit.
+    """
+    if command is None:
+        return None
+    try:
+        if not isinstance(command, Mapping):
+            raise InputError("a mapping with pd or torques is needed", value=command)
+        made = command_of(command)
+        for samples in (made,) if isinstance(made, Samples) else (made.reference, made.feedforward):
+            if samples is not None:
+                samples.columns(joint_names)
+        if isinstance(made, PD):
+            for gain in ("kp", "kd"):
+                per_joint(f"pd.{gain}", getattr(made, gain), joint_names)
+    except InputError as error:
+        raise error.at(key="command") from None
+    locked: Mapping[str, Any] = _frozen(command)
+    return locked
+
+
+def plain_command(command: Any) -> Any:
+    """A locked command in plain dictionaries and lists, as YAML writes them."""
+    if isinstance(command, Mapping):
+        return {key: plain_command(entry) for key, entry in command.items()}
+    return [plain_command(entry) for entry in command] if isinstance(command, tuple) else command
+
+
+def _frozen(value: Any) -> Any:
+    """A deep copy that cannot change: read-only mappings, tuples, numbers."""
+    if isinstance(value, Mapping):
+        return MappingProxyType({str(key): _frozen(entry) for key, entry in value.items()})
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    return tuple(_frozen(entry) for entry in value) if isinstance(value, list | tuple) else value

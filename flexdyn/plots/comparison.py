@@ -14,7 +14,7 @@ from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.palette import INK, hue, shade
 from flexdyn.plots.panel import Bar, Curve, Key, Panel, check_times, limits, short
 from flexdyn.plots.picture import Picture
-from flexdyn.plots.thinning import outline
+from flexdyn.plots.thinning import broken, outline
 from flexdyn.plots.views import TIME
 from flexdyn.records.units import split_name
 
@@ -120,7 +120,7 @@ def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
 def _curve(t: np.ndarray, values: np.ndarray, name: str, group: str, colour: str) -> Curve:
     kept = outline(t, values)
     held = (split_name(name) or ("",))[0] in HELD
-    return Curve(t[kept], values[kept], name, short(group), colour, held=held)
+    return Curve(*broken(t, values, kept), name, short(group), colour, held=held)
 
 
 def _hue(found: Comparison, channel: str) -> str:

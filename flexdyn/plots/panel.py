@@ -149,11 +149,11 @@ def limits(*values: Array, margin: float = 0.06) -> tuple[float, float]:
     """A range of an axis that holds all values with some air; never one so narrow that rounding errors fill it.
 
     Args:
-        values: at least one number altogether.
+        values: at least one number in each; NaN, where a curve breaks off, is passed over.
         margin: air on both sides, as a share of the range.
     """
-    low = min(float(array.min()) for array in values)
-    high = max(float(array.max()) for array in values)
+    low = min(float(np.nanmin(array)) for array in values)
+    high = max(float(np.nanmax(array)) for array in values)
     size = max(abs(low), abs(high))
     if size > GREATEST:
         raise InputError("the values are beyond what can be drawn", value=size, remedy=f"the limit is {GREATEST:g}")

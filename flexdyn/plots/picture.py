@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError
+from flexdyn.io.notebook import Public
 from flexdyn.plots.panel import Key, Panel
 
 FILES = (".png", ".pdf", ".svg", ".html")
@@ -21,8 +22,8 @@ LETTER, BOLD = 0.073, 0.132
 """Width of a letter of notes and legends, of the title [inch]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Picture:
+@dataclass(frozen=True, eq=False, repr=False)
+class Picture(Public):
     """A page of panels; in a notebook it shows itself.
 
     Attributes:
@@ -139,6 +140,12 @@ class Picture:
 
         return draw(self)
 
+    def __repr__(self) -> str:
+        """Title and panels, in a line."""
+        return f"<Picture {self.title}: {len(self.panels)} panels; .show(), .save(path)>"
+
     def _repr_mimebundle_(self, *arguments: Any, **settings: Any) -> Any:
-        """What a notebook shows."""
-        return self.plotly()._repr_mimebundle_(*arguments, **settings)
+        """What a notebook shows; like the pages, without a button that uploads the data."""
+        from flexdyn.plots.plotly_picture import CONFIG
+
+        return self.plotly()._repr_mimebundle_(*arguments, **{"config": CONFIG, **settings})

@@ -15,7 +15,7 @@ from flexdyn.comparison.motion_sources import HELD, Source, as_sources, unit_in,
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.plots.palette import hue, shade
 from flexdyn.plots.panel import Curve, Key, check_times, short
-from flexdyn.plots.thinning import outline, outline_in_plane
+from flexdyn.plots.thinning import broken, outline, outline_in_plane
 from flexdyn.records import Recording
 from flexdyn.records.meta import as_plain
 from flexdyn.records.table import Table
@@ -134,9 +134,9 @@ class Scene:
         several = len(self.sources) > 1
         colour = shade(self.hue(joint), self.sources, place)
         grey = source.measured and not all(one.measured for one in self.sources)
+        drawn = (x[kept], up[kept]) if trace.across else broken(t, up, kept)
         return Curve(
-            x[kept],
-            up[kept],
+            *drawn,
             f"{trace.up}.{joint}"
             + (f" over {trace.across}" if trace.across else "")
             + (f", {source.name}" if several else ""),

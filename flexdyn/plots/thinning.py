@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.records.signals.gaps import gap_rows
+
 Array = NDArray[np.float64]
 MOST = 6000
 """Curves of up to this many samples are drawn as they are."""
@@ -41,6 +43,23 @@ def outline(t: Array, *signals: Array) -> NDArray[np.intp]:
         kept.append(bounds[:-1] + [int(piece.argmin()) for piece in pieces])
         kept.append(bounds[:-1] + [int(piece.argmax()) for piece in pieces])
     return np.unique(np.concatenate(kept)).astype(np.intp)
+
+
+def broken(t: Array, values: Array, kept: NDArray[np.intp]) -> tuple[Array, Array]:
+    """The samples kept of a curve over time, which breaks off at gaps: a NaN stands in each.
+
+    Args:
+        t: times of all samples.
+        values: of all samples.
+        kept: which are drawn, increasing.
+    """
+    rows = gap_rows(t)
+    if not len(rows):
+        return t[kept], values[kept]
+    kept = np.unique(np.concatenate([kept, rows, rows + 1]))
+    at = np.searchsorted(kept, rows, "right")
+    middle = 0.5 * (t[rows] + t[rows + 1])
+    return np.insert(t[kept], at, middle), np.insert(values[kept], at, np.nan)
 
 
 def outline_in_plane(x: Array, y: Array) -> tuple[NDArray[np.intp], bool]:

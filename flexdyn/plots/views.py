@@ -13,7 +13,7 @@ from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, shade
 from flexdyn.plots.panel import Curve, Key, Panel, limits, short
 from flexdyn.plots.scene import DEFLECTION, Scene, Trace
-from flexdyn.plots.thinning import outline
+from flexdyn.plots.thinning import broken, outline
 
 TIME = "t [s]"
 RESIDUAL = "residual"
@@ -168,8 +168,7 @@ def _residual_curve(scene: Scene, place: int, trace: Trace, joint: str, found: D
     kept = outline(found.t, found.error)
     source = scene.sources[place]
     return Curve(
-        found.t[kept],
-        found.error[kept],
+        *broken(found.t, found.error, kept),
         f"{trace.up}.{joint}, {source.name} less {scene.sources[0].name}",
         short(source.name),
         shade(scene.hue(joint), scene.sources, place),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from flexdyn.records.channelmap.description import ChannelMap
 from flexdyn.records.channelmap.file import read_map
 from flexdyn.records.files import SUFFIXES, read_recording, write_recording
+from flexdyn.records.notices import RecordingWarning
 from flexdyn.records.recording import Recording
 from flexdyn.records.signals.derivatives import Derivatives, derivatives
 from flexdyn.records.signals.noise import Noise, estimate_noise
@@ -18,6 +19,7 @@ __all__ = [
     "Derivatives",
     "Noise",
     "Recording",
+    "RecordingWarning",
     "Smoother",
     "derivatives",
     "estimate_noise",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -18,11 +19,14 @@ from flexdyn.records.channelmap.file import read_map
 from flexdyn.records.csv import file as csv_file
 from flexdyn.records.hdf5 import file as hdf5_file
 from flexdyn.records.matlab import file as mat_file
+from flexdyn.records.near_names import asked_back
+from flexdyn.records.notices import RecordingWarning
 from flexdyn.records.recording import Recording
 from flexdyn.records.repairs import Repair, repaired, repairs_of
 from flexdyn.records.request import Request
 from flexdyn.records.ros import read as read_bag
 from flexdyn.records.ros import write as write_bag
+from flexdyn.records.signals.gaps import told
 from flexdyn.records.table import Table
 
 
@@ -69,7 +73,9 @@ def read_recording(
     Without a map a file holds ``t`` [s] and channels named ``<signal>.<joint>``:
 
     * CSV (.csv, .txt, .tsv): a header ``t,q.elbow,...`` and numbers; semicolons, tabs and spaces, quotes, a byte-order
-      mark, CRLF and comment lines (#) before the header are taken too.
+      mark, CRLF and comment lines (#) before the header are taken too, and units behind the names (``q.elbow [rad]``).
+      An empty cell is a gap, to be repaired. Dates with times of day are counted from the first. Where the letters or
+      the decimal sign must be guessed, a `RecordingWarning` says so.
     * NPZ: one array per channel and ``t``; no pickle is loaded.
     * HDF5 (.h5, .hdf5): one dataset per channel and ``t``, flat (``/q.elbow``) or grouped by signal (``/q/elbow``).
     * Parquet: one column per channel and ``t``, as pandas writes them.
@@ -98,6 +104,10 @@ def read_recording(
     Returns:
         The recording; what `write_recording` wrote comes back bit for bit without map and repair.
 
+    Warns:
+        RecordingWarning: something was guessed, which ``rec.meta["notes"]`` keeps; the data have gaps
+            (`Recording.gaps`); or no channel is a signal of a joint, but some look meant to be.
+
     Raises:
         InputError: anything wrong with the file, the map or a repair, in one line with row (the line, in CSV) and
             channel.
@@ -118,13 +128,20 @@ def read_recording(
             problem = "not a regular file" if path.exists() else "no such file"
             raise InputError(problem, remedy="give the path of a recording")
         table = _table(fmt, path, channel_map, asked, progress)
-        return Recording.from_table(table, path.stem if name is None else name)
+        if table.said:
+            table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
+        made = Recording.from_table(table, path.stem if name is None else name)
     except InputError as error:
         raise error.at(file=path) from error.__cause__
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror or error})", file=path) from None
     except MemoryError:
         raise InputError("does not fit into memory", file=path, remedy="split the recording") from None
+    question = asked_back(made.channels)
+    seen = [told(made.t), f"no channel is a signal of a joint: {question}" if question else ""]
+    for text in (*table.said, *filter(None, seen)):
+        warnings.warn(f"{path}: {text}", RecordingWarning, stacklevel=2)
+    return made
 
 
 def is_recording(path: str | os.PathLike[str]) -> bool:
@@ -180,7 +197,11 @@ def _table(
 ) -> Table:
     if channel_map is None:
         return repaired(fmt.read(path, Request(progress=progress)), repairs)
-    return apply_map(fmt.read(path, channel_map.request(progress)), channel_map, repairs)
+    raw = fmt.read(path, channel_map.request(progress))
+    said = raw.said
+    made = apply_map(raw, channel_map, repairs)
+    made.said = [*said, *made.said]
+    return made
 
 
 def _is_bag_folder(path: Path) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import ItemsView, Iterable, Iterator, KeysView, Mapping, Sequence, ValuesView
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -11,9 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.meta import as_plain, locked
 from flexdyn.records.signals.cut import shifted, split, trimmed
 from flexdyn.records.signals.derivatives import noise_of, smoothed
+from flexdyn.records.signals.gaps import gaps_of
 from flexdyn.records.signals.noise import Noise
 from flexdyn.records.signals.resample import resampled
 from flexdyn.records.signals.smooth import Smoother
@@ -23,7 +25,7 @@ from flexdyn.records.units import check_unit, split_name, unit_of
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class Recording:
+class Recording(Public):
     """Samples of an arm over time, measured or simulated; SI units, motor side reflected to the link side.
 
     Channels are named ``<signal>.<joint>`` with the signals q, v, theta, omega, tau, tau_applied, tau_s, temperature;
@@ -127,6 +129,41 @@ class Recording:
 
         return to_dataset(self)
 
+    @classmethod
+    def from_pandas(
+        cls, frame: Any, *, repair: Iterable[str | Mapping[str, Any]] = (), name: str | None = None
+    ) -> Recording:
+        """The recording that a data frame holds, one channel a column.
+
+        Args:
+            frame: a pandas.DataFrame with the times [s] in the column ``t`` or as its index; dates and time spans are
+                counted in seconds, dates from the first. Columns of two levels are ``(signal, joint)``; names may
+                state SI units (``q.elbow [rad]``).
+            repair: as in `read_recording`; nothing (NaN, None, NA) is a gap.
+            name: a label; by default that of the recording which the frame was made from.
+
+        Returns:
+            The recording; one from `to_pandas` comes back bit for bit, meta included.
+
+        Raises:
+            InputError: columns that hold no numbers, or it is no recording for another reason.
+        """
+        from flexdyn.records.frame import table_of_frame
+        from flexdyn.records.repairs import repaired, repairs_of
+
+        table, known = table_of_frame(frame)
+        return cls.from_table(repaired(table, repairs_of(repair)), known if name is None else name)
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame: the index is ``t`` [s], the columns are the channels; nothing is lost on the way.
+
+        Raises:
+            MissingExtra: pandas is not installed.
+        """
+        from flexdyn.records.frame import to_frame
+
+        return to_frame(self)
+
     @property
     def joints(self) -> tuple[str, ...]:
         """Joints that have a signal, in order of first appearance."""
@@ -136,6 +173,15 @@ class Recording:
     def signals(self) -> tuple[str, ...]:
         """Signals that some joint has, in order of first appearance."""
         return tuple(dict.fromkeys(parts[0] for parts in map(split_name, self.channels) if parts))
+
+    @property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Times [s] between which nothing was recorded for more than 10 median periods.
+
+        Nothing is made up there: resampling refuses to bridge them, differences leave them out, curves break off, a
+        diagnosis takes the pieces between them as recordings of their own.
+        """
+        return gaps_of(self.t)
 
     @property
     def duration(self) -> float:
@@ -151,6 +197,22 @@ class Recording:
         """Number of samples."""
         return len(self.t)
 
+    def __iter__(self) -> Iterator[str]:
+        """Names of the channels, in order; time is no channel, it is ``rec.t``."""
+        return iter(self.channels)
+
+    def keys(self) -> KeysView[str]:
+        """Names of the channels."""
+        return self.channels.keys()
+
+    def values(self) -> ValuesView[FloatArray]:
+        """Samples of the channels."""
+        return self.channels.values()
+
+    def items(self) -> ItemsView[str, FloatArray]:
+        """Names and samples of the channels."""
+        return self.channels.items()
+
     def __contains__(self, channel: object) -> bool:
         """Whether there is a channel of that name."""
         return channel in self.channels
@@ -164,7 +226,7 @@ class Recording:
         try:
             return self.channels[channel]
         except KeyError:
-            remedy = did_you_mean(channel, self.channels)
+            remedy = "the times are rec.t" if channel == "t" else did_you_mean(channel, self.channels)
             raise InputError("no such channel", key=str(channel), remedy=remedy, channel=channel) from None
 
     def has(self, signal: str, joint: str) -> bool:
@@ -248,6 +310,21 @@ class Recording:
         joints, signals = _listed(self.joints), _listed(self.signals)
         extent = f"{len(self)} samples, {self.duration:.6g} s at {self.rate:.6g} Hz"
         return f"Recording({label}joints: {joints}; signals: {signals}; {extent})"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: extent, gaps, and what each channel ranges over."""
+        facts = {
+            "samples": f"{len(self)}, {self.duration:.6g} s at {self.rate:.6g} Hz",
+            "gaps [s]": ", ".join(f"{start:.6g} to {end:.6g}" for start, end in self.gaps[:3]),
+        }
+        rows = (
+            (name, self.unit(name) or "-", float(values.min()), float(values.max()), float(values.std()))
+            for name, values in self.channels.items()
+        )
+        notes = self.meta.get("notes", ())
+        heads = ("channel", "unit", "least", "greatest", "standard deviation")
+        label = f" {self.name}" if self.name else ""
+        return card(f"Recording{label}", facts, table(heads, rows), notes=notes if isinstance(notes, tuple) else ())
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Read-only mappings do not pickle: send plain ones and check again on arrival."""

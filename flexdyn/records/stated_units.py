@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from flexdyn.errors import InputError
 from flexdyn.records.table import Table
-from flexdyn.records.units import check_unit, unit_of, usual
-
-UNITLESS = ("", "1", "-")
+from flexdyn.records.units import UNITLESS, check_unit, unit_of, usual
 
 
 def settle_units(table: Table) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import FlexdynError, InputError
+from flexdyn.records.suggestion import remedy_without_time
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -64,12 +65,14 @@ class Table:
         meta: as a recording's.
         rows: how to count rows in errors.
         units: that the file states, by column; None where it states one in a way that is not read.
+        said: what was guessed or noticed while reading, one sentence each; the user is told.
     """
 
     columns: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
     meta: dict[str, Any] = field(default_factory=dict)
     rows: Rows = field(default_factory=Rows)
     units: dict[str, str | None] = field(default_factory=dict)
+    said: list[str] = field(default_factory=list)
 
     def add(self, name: str, values: npt.NDArray[Any]) -> None:
         """Append a column; a name that is already there is refused."""
@@ -109,13 +112,7 @@ def check_time_named(names: Collection[str]) -> None:
     """
     if "t" in names:
         return
-    alike = [
-        name
-        for name in names
-        if name.lower().startswith(("time", "stamp", "sec")) or name.lower()[:2].strip(" [(") == "t"
-    ]
-    remedy = f"did you mean '{alike[0]}'? name it t" if alike else "name the column of time [s] t"
-    raise InputError("no column t", key="t", remedy=remedy, channel="t")
+    raise InputError("no column t", key="t", remedy=remedy_without_time(list(names)), channel="t")
 
 
 def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> FloatArray:
@@ -238,7 +235,7 @@ def check_finite(values: FloatArray, channel: str, rows: Rows) -> None:
             index=index,
             channel=channel,
             value=float(values[index]),
-            remedy="remove or fill the gap (repair drop_nan or fill_nan)",
+            remedy="remove or fill the gap (repair drop_nan or fill_nan); an empty cell counts as nan",
         )
 
 

@@ -21,6 +21,9 @@ SIGNALS: Mapping[str, str] = {
 PRISMATIC: Mapping[str, str] = {"rad": "m", "rad/s": "m/s", "N m": "N"}
 """What a unit of a revolute joint is at a prismatic one."""
 
+UNITLESS = ("", "1", "-")
+"""How files state that a number has no unit."""
+
 _SPELLINGS = {
     "s": ("sec", "second", "seconds"),
     "rad": ("radian", "radians"),

@@ -58,6 +58,9 @@ def load_robot(
         remedy = "give the path of a URDF, the name of a robot or a pin.Model"
         raise InputError("not a robot", key="robot", value=source, remedy=remedy)
     path, known = find_robot(source)
+    if path.suffix.lower() in (".yaml", ".yml") and path.is_file():
+        remedy = "a model file is read by fd.load_model, and its robot is then model.robot"
+        raise InputError("a YAML file is no robot", file=path, remedy=remedy)
     urdf = read_urdf(path)
     try:
         robot = _assemble(

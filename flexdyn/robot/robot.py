@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.joints import Joint
 from flexdyn.robot.links import Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
@@ -29,7 +30,7 @@ _FRAME_ORDER = (
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Robot:
+class Robot(Public):
     """An arm of n independent joints, each one number: an unwrapped angle [rad] or a displacement [m].
 
     Made by load_robot. Immutable; its arrays are locked, and it pickles.
@@ -91,6 +92,22 @@ class Robot:
     def __repr__(self) -> str:
         """Name and joints."""
         return f"<Robot {self.name}: {self.n} joints {', '.join(self.joint_names)}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: joints and their limits."""
+        rows = (
+            (
+                name,
+                "continuous" if self.continuous[j] else self.kinds[j],
+                f"{self.lower[j]:.4g} to {self.upper[j]:.4g} {self.angle_unit(j)}",
+                f"{self.velocity_limit[j]:.4g} {self.angle_unit(j)}/s",
+                f"{self.effort_limit[j]:.4g} {'N m' if self.angle_unit(j) == 'rad' else 'N'}",
+            )
+            for j, name in enumerate(self.joint_names)
+        )
+        mass = sum(inertia.mass for inertia in self.pin_model.inertias[1:])
+        facts = {"source": self.source or "a pin.Model", "moving mass": f"{mass:.4g} kg"}
+        return card(f"Robot {self.name}", facts, table(("joint", "type", "range", "speed", "effort"), rows))
 
     @property
     def n(self) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.control.commands import PD, Controller, FrameWrench, Samples, State, per_joint
+from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation, Samples, State, per_joint
+from flexdyn.control.points import COMMAND_KEYS, Points, command_of
 from flexdyn.control.servo import Servo
 from flexdyn.errors import InputError
-from flexdyn.io.yaml import check_keys, read_yaml
+from flexdyn.io.yaml import read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
+from flexdyn.records.given import as_recording
+from flexdyn.records.near_names import asked_back
 
 Array = NDArray[np.float64]
-PD_KEYS = ("reference", "kp", "kd", "rate", "feedback", "feedforward")
+RECORDED: Interpolation = "monotone"
+"""How a recorded reference is followed unless told otherwise: through its samples, never beyond two neighbours."""
 
 
 @dataclass(frozen=True)
@@ -32,12 +36,14 @@ class Drive:
         duration: of the command [s]; None where it has no end of its own.
         initial: first state that a recording measured: signal -> joint -> value.
         samples: what an open-loop command plays, one column a joint; None for controllers and for no torque.
+        notes: what the user should know of it, one sentence each.
     """
 
     command: _core.Command
     duration: float | None
     initial: Mapping[str, Mapping[str, float]]
     samples: Samples | None = None
+    notes: tuple[str, ...] = ()
 
 
 def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) -> Drive:
@@ -46,7 +52,8 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
     Args:
         model: whose joints it drives.
         command: None (no torque), `Samples`, `PD`, `Servo`, `Controller`, a `Recording` (its tau columns, held), the
-            path of a recording or of a YAML file with ``pd:``, or n torques that do not change.
+            path of a recording or of a YAML file with ``pd:`` or ``torques:``, a mapping of such a file's keys with
+            points (see `flexdyn.control.points`), or n torques that do not change.
         duration: of the run if it is known: how long unchanging torques last [s].
 
     Raises:
@@ -57,7 +64,8 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
         return Drive(_core.open_loop(None), None, {})
     if isinstance(command, Recording):
         samples = recorded(command, "tau", model.joint_names)
-        return _open_loop(samples, model, command.duration, first_state(command, model))
+        made = _open_loop(samples, model, command.duration, first_state(command, model))
+        return replace(made, notes=_gaps("command", command, "its last value is held"))
     if isinstance(command, Samples):
         return _open_loop(command, model, command.duration, {})
     if isinstance(command, PD):
@@ -66,6 +74,7 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
         return _servo(model, command)
     if isinstance(command, Controller):
         return Drive(_core.controller(_caller(command), command.rate), None, {})
+    check_command(command)
     torques = per_joint("command", command, model.joint_names)
     end = 1.0 if duration is None else duration
     return _open_loop(Samples([0.0, max(end, 1e-9)], np.array([torques, torques])), model, None, {})
@@ -79,8 +88,32 @@ def _open_loop(
     return Drive(_core.open_loop(_signal(whole, model.joint_names)), duration, initial, whole)
 
 
+def check_command(command: Any) -> None:
+    """Refuse what looks like a command and needs something around it.
+
+    Raises:
+        InputError: a function, which is told about `Controller`; a robot or model, which stand elsewhere.
+    """
+    if isinstance(command, type):
+        remedy = f"give one that is made: {command.__name__}(...)"
+        raise InputError("a class is no command", key="command", value=command.__name__, remedy=remedy)
+    if callable(command):
+        remedy = "wrap it: fd.Controller(law, rate=1000) with law(t, state) -> torques; or sample it: fd.Samples"
+        raise InputError("a function is no command by itself", key="command", value=_called(command), remedy=remedy)
+    if isinstance(command, FlexibleJointModel):
+        raise InputError("a model is no command", key="command", remedy="give the model first, then the command")
+
+
+def _called(function: Any) -> str:
+    return str(getattr(function, "__name__", type(function).__name__))
+
+
 def resolve_command(command: Any) -> Any:
     """A path as what it holds; anything else as it is."""
+    if type(command).__name__ in ("DataFrame", "Dataset"):
+        return as_recording(command, "command")
+    if isinstance(command, Mapping) and not command.keys().isdisjoint(COMMAND_KEYS):
+        return command_of(command)
     if not isinstance(command, str | Path):
         return command
     if Path(command).suffix.lower() in (".yaml", ".yml"):
@@ -88,24 +121,15 @@ def resolve_command(command: Any) -> Any:
     return read_recording(command, name=str(command))
 
 
-def read_command_file(path: Path) -> PD:
-    """A YAML file with ``pd:`` and the keys of `PD`; paths in it are relative to the file.
+def read_command_file(path: Path) -> PD | Samples:
+    """A YAML file with ``pd:`` or ``torques:``, see `flexdyn.control.points`; paths in it are relative to the file.
 
     Raises:
         InputError: no such file, or a key that is not there.
     """
     content = read_yaml(path)
     try:
-        check_keys(content, ("pd",), required=("pd",))
-        entry = content["pd"]
-        check_keys(entry, PD_KEYS, required=("reference", "kp", "kd"), key="pd")
-        settings = dict(entry)
-        for key in ("reference", "feedforward"):
-            if settings.get(key) is not None:
-                if not isinstance(settings[key], str):
-                    raise InputError("the path of a recording is needed", key=f"pd.{key}", value=settings[key])
-                settings[key] = path.parent / settings[key]
-        return PD(**settings)
+        return command_of(content, path.parent)
     except InputError as error:
         raise error.at(file=path) from None
 
@@ -122,7 +146,7 @@ def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> S
             raise InputError("the robot has no such joint", key=joint, file=recording.name or None, remedy=remedy)
     found = [joint for joint in joint_names if recording.has(signal, joint)]
     if not found:
-        remedy = f"columns named {signal}.JOINT are needed"
+        remedy = asked_back(recording.channels, signal) or f"columns named {signal}.JOINT are needed"
         raise InputError(f"no {signal} in this recording", file=recording.name or None, remedy=remedy)
     return Samples(recording.t, {joint: recording[f"{signal}.{joint}"] for joint in found})
 
@@ -171,14 +195,15 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
     names = model.joint_names
     reference, ahead = resolve_command(pd.reference), resolve_command(pd.feedforward)
     initial: Mapping[str, Mapping[str, float]] = {}
+    notes: tuple[str, ...] = ()
     if isinstance(reference, Recording):
         initial = first_state(reference, model)
-        signal = "q" if "q" in reference.signals else "theta"
-        held = recorded(reference, signal, names)
-        reference = Samples(held.t, held.columns(names), "cubic")
-    if not isinstance(reference, Samples):
-        remedy = "give Samples, a recording or its path"
-        raise InputError("no reference to track", key="pd.reference", value=reference, remedy=remedy)
+        notes = _gaps("reference", reference, "it is interpolated")
+        reference = followed(reference, pd.interpolation, names)
+    _check_reference("pd.reference", reference)
+    if isinstance(reference, Points):
+        initial = {"q": {joint: float(reference.values[0, k]) for k, joint in enumerate(reference.joints or ())}}
+        reference = reference.whole(names, {**model.initial.get("q", {})})
     if isinstance(ahead, Recording):
         ahead = recorded(ahead, "tau", names)
     if ahead is not None and not isinstance(ahead, Samples):
@@ -191,7 +216,27 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         pd.feedback == "theta",
         pd.rate,
     )
-    return Drive(command, reference.duration, initial)
+    return Drive(command, reference.duration, initial, notes=notes)
+
+
+def _gaps(what: str, recording: Recording, done: str) -> tuple[str, ...]:
+    """A sentence on each gap of what drives the arm."""
+    return tuple(
+        f"the {what} has a gap of {end - start:.4g} s from t = {start:.6g} s on, over which {done}"
+        for start, end in recording.gaps
+    )
+
+
+def followed(reference: Recording, interpolation: Interpolation | None, joint_names: Sequence[str]) -> Samples:
+    """A recorded reference as it is followed: its link positions, else its rotor positions.
+
+    Args:
+        reference: as recorded.
+        interpolation: between its samples; None: `RECORDED`.
+        joint_names: of the robot.
+    """
+    held = recorded(reference, "q" if "q" in reference.signals else "theta", joint_names)
+    return Samples(held.t, held.columns(joint_names), interpolation or RECORDED)
 
 
 def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
@@ -201,11 +246,19 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
         initial = first_state(reference, model)
         signal = next((name for name in ("reference", "theta", "q") if _has(reference, name, model)), "reference")
         reference = recorded(reference, signal, model.joint_names)
-    if not isinstance(reference, Samples):
-        remedy = "give Samples, a recording or its path"
-        raise InputError("no reference to track", key="servo.reference", value=reference, remedy=remedy)
+    _check_reference("servo.reference", reference)
     controller = Controller(servo.law(reference, model.joint_names), servo.rate)
     return Drive(_core.controller(_caller(controller), servo.rate), reference.duration, initial)
+
+
+def _check_reference(key: str, reference: Any) -> None:
+    if isinstance(reference, Samples):
+        return
+    remedy = "give Samples, a recording or its path"
+    if callable(reference):
+        remedy = "a function is sampled first: fd.Samples(t, [position(x) for x in t], 'cubic')"
+        reference = _called(reference)
+    raise InputError("no reference to track", key=key, value=reference, remedy=remedy)
 
 
 def _has(recording: Recording, signal: str, model: FlexibleJointModel) -> bool:

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.io.notebook import Public
+
 Array = NDArray[np.float64]
 
 
@@ -22,8 +24,8 @@ class EnergyWarning(UserWarning):
     """
 
 
-@dataclass(frozen=True)
-class Energy:
+@dataclass(frozen=True, repr=False)
+class Energy(Public):
     """Where the energy of a motion is and went, sample by sample [J], each (samples,) unless said.
 
     ``mechanical - initial = supplied + external - sum of dissipated + residual``.
@@ -55,6 +57,12 @@ class Energy:
     dissipated: Mapping[str, Array]
     initial: float
     tolerance: float
+
+    def __repr__(self) -> str:
+        """What went where over the whole run [J], in a line."""
+        spent = sum(float(each[-1]) for each in self.dissipated.values())
+        given = float(self.supplied[-1].sum())
+        return f"<Energy: supplied {given:.4g} J, dissipated {spent:.4g} J, {len(self.kinetic)} samples>"
 
     def __post_init__(self) -> None:
         """Lock every array."""

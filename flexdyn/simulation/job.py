@@ -18,6 +18,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive, lower_wrenches, make_drive
 from flexdyn.simulation.initial_state import first_state
 from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
+from flexdyn.simulation.limits import exceeded
 from flexdyn.simulation.plant import build_plant
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.solver_choice import choose_solver, core_settings
@@ -52,7 +53,9 @@ class Job:
             raise _failure(report, self.solver, self.model)
         stats = {key: int(report[key]) for key in ("steps", "rejected", "evaluations", "events")}
         inputs = Inputs(self.x0, played(self.drive, report, self.model.n, self.duration), self.external, self.duration)
-        return Run(**self.out, model=self.model, solver=self.solver, notes=self.notes, stats=stats, inputs=inputs)
+        signals = (self.out[name] for name in ("t", "q", "v", "tau_applied"))
+        notes = (*self.notes, *self.drive.notes, *map(str, exceeded(self.model.robot, *signals)))
+        return Run(**self.out, model=self.model, solver=self.solver, notes=notes, stats=stats, inputs=inputs)
 
 
 class Shared:

@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.effects import SensorEffect, measure
+from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.energy import Energy
 from flexdyn.simulation.energy_ledger import ledger
 from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
+from flexdyn.simulation.limits import Exceeded, exceeded
 from flexdyn.simulation.solvers import Solver
 
 if TYPE_CHECKING:
@@ -28,7 +30,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Run:
+class Run(Public):
     """A simulated motion: locked arrays over a grid of times, one column a joint in the order of q.
 
     Attributes:
@@ -84,10 +86,30 @@ class Run:
         steps = f"{type(self.solver).__name__}, {self.stats.get('steps', 0)} steps"
         return f"<Run {self.model.name}: {self.t[-1]:g} s, {len(self.t)} samples, {steps}>"
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: solver, where joints began and ended, and how far each signal went."""
+        signals = (self.v, self.deflection, self.tau, self.tau_s)
+        rows = (
+            (name, float(self.q[0, j]), float(self.q[-1, j]), *(float(np.abs(each[:, j]).max()) for each in signals))
+            for j, name in enumerate(self.joint_names)
+        )
+        steps = f"{self.stats.get('steps', 0)} steps, {self.stats.get('events', 0)} events"
+        facts = {
+            "time": f"{self.t[-1]:g} s, {len(self.t)} samples",
+            "solver": f"{type(self.solver).__name__}, {steps}",
+        }
+        heads = ("joint", "first q", "last q", "largest v", "deflection", "tau", "tau_s")
+        return card(f"Run of {self.model.name}", facts, table(heads, rows), notes=self.notes)
+
     @property
     def joint_names(self) -> tuple[str, ...]:
         """In the order of the columns."""
         return self.model.joint_names
+
+    @property
+    def exceeded(self) -> tuple[Exceeded, ...]:
+        """Limits of the URDF that it goes beyond at its samples: which joint, when, by how much."""
+        return exceeded(self.model.robot, self.t, self.q, self.v, self.tau_applied)
 
     @property
     def deflection(self) -> Array:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import sys
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
@@ -15,6 +17,7 @@ from flexdyn.errors import FlexdynError, InputError, SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.initial_state import Start
 from flexdyn.simulation.job import Job, Shared, prepare
+from flexdyn.simulation.limits import LimitWarning
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.solvers import Solver
 
@@ -54,6 +57,10 @@ def simulate(
     Returns:
         The run.
 
+    Warns:
+        LimitWarning: it goes beyond a limit of the URDF, see `Run.exceeded`; nothing holds it back there unless the
+            model is that of `enforce_limits`.
+
     Raises:
         InputError: a command, first state or setting that does not fit the model.
         SimulationError: the integration could not go on; it carries the time, the state and the reason.
@@ -66,7 +73,13 @@ def simulate(
     """
     starts = {"q": q0, "v": v0, "theta": theta0, "omega": omega0}
     job = prepare(model, command, duration, solver, starts, rate, times, external)
-    return job.finish(_core.simulate(job.core, progress))
+    run = job.finish(_core.simulate(job.core, progress))
+    # Runs that flexdyn makes on its own, such as the paper's, say it in their notes alone.
+    asked = not str(sys._getframe(1).f_globals.get("__name__", "")).startswith("flexdyn.")
+    for each in run.exceeded if asked else ():
+        remedy = "fd.enforce_limits(model) puts end stops and saturation there"
+        warnings.warn(f"{model.name}: {each}; {remedy}", LimitWarning, stacklevel=2)
+    return run
 
 
 def simulate_many(

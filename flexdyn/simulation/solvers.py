@@ -9,6 +9,8 @@ from typing import Any, ClassVar
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
+__all__ = ["SOLVERS", "DormandPrince", "Rosenbrock", "RungeKutta4", "Solver", "TimeStepping", "make_solver"]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Solver:
@@ -129,3 +131,8 @@ def make_solver(name: str, **settings: float | None) -> Solver:
     if kind is RungeKutta4 and "step" not in given:
         raise InputError("RungeKutta4 needs a step", key="solver.step", remedy="give it in s, for example 0.0001")
     return kind(**given)
+
+
+def __dir__() -> list[str]:
+    """What tab completion offers: the names that users need."""
+    return list(__all__)

@@ -14,6 +14,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
 from flexdyn.model.recorded_model import NAME_IT, model_in
 from flexdyn.records import Recording, read_recording
+from flexdyn.records.given import as_recording
 from flexdyn.simulation.run import Run
 from flexdyn.viewer.motion import Motion, at_rest, of_recording, of_run
 from flexdyn.viewer.rigid import RIGID, without_elasticity
@@ -92,9 +93,9 @@ def same_arm(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
 def _read(source: Source, key: str) -> tuple[Run | Recording | FlexibleJointModel, Path | None]:
     if isinstance(source, (str, Path)):
         return read_recording(source), Path(source)
-    if not isinstance(source, (Run, Recording, FlexibleJointModel)):
-        raise InputError("nothing that moves", key=key, value=source, remedy="give a run, a recording or a model")
-    return source, None
+    if isinstance(source, (Run, FlexibleJointModel)):
+        return source, None
+    return as_recording(source, key), None
 
 
 def _arm(given: Run | Recording | FlexibleJointModel, model: Model | None) -> FlexibleJointModel | None:

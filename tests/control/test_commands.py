@@ -61,7 +61,7 @@ def test_samples_are_copied_and_locked() -> None:
 
 def test_an_unknown_interpolation_is_refused() -> None:
     """With what there is."""
-    with pytest.raises(fd.InputError, match="no such interpolation, got 'spline'; it is hold, linear, cubic"):
+    with pytest.raises(fd.InputError, match="no such interpolation, got 'spline'; it is hold, linear, monotone, cubic"):
         fd.Samples([0, 1], [1, 2], "spline")  # type: ignore[arg-type]
 
 
@@ -150,7 +150,7 @@ def test_a_command_file(tmp_path: Path, model: fd.FlexibleJointModel) -> None:
     ("text", "words"),
     [
         ("pid: {}", "pid: no such key; did you mean 'pd'?"),
-        ("{}", "pd: the key is missing"),
+        ("{}", "command: one of pd and torques is needed, got []"),
         ("pd: {reference: a.csv, kp: 1}", "pd.kd: the key is missing"),
         ("pd: {reference: a.csv, kp: 1, kd: 1, feedbak: q}", "pd.feedbak: no such key; did you mean 'feedback'?"),
         ("pd: {reference: 3, kp: 1, kd: 1}", "pd.reference: the path of a recording is needed, got 3"),

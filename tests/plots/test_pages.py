@@ -77,7 +77,16 @@ def test_show_opens_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert "cdn" not in text.split("<script")[0]
 
 
-def test_a_notebook_shows_plotlys_own_page() -> None:
-    """The picture hands itself over as Plotly's figure does."""
+def test_a_notebook_shows_plotlys_page_without_its_upload(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The figure is Plotly's own, in each way that notebooks are shown it; none names a host that data would go to."""
+    import plotly.io
+
     picture = fd.plot(fd.Recording([0.0, 1.0], {"q.a": [0.0, 1.0]}))
-    assert picture._repr_mimebundle_() == picture.plotly()._repr_mimebundle_()
+    monkeypatch.setattr(plotly.io.renderers, "default", "plotly_mimetype+notebook_connected")
+    bundle = picture._repr_mimebundle_()
+    own = picture.plotly()._repr_mimebundle_()
+    shown, usual = (made["application/vnd.plotly.v1+json"] for made in (bundle, own))
+    assert shown["layout"] == usual["layout"]
+    assert shown["config"]["showSendToCloud"] is False
+    assert '"showSendToCloud": false' in bundle["text/html"]
+    assert "https://plot.ly" not in str(shown["config"])

@@ -145,7 +145,12 @@ def test_a_wanted_column_is_read_beside_any_text(tmp_path: Path) -> None:
         ("a,pos,pos\n0,1,2\n", ("pos",), {}, "several columns have the name; give the number of one: 2 and 3"),
         ("x\n\ntime,pos\n0,1\n1,?\n", (2,), {"names_line": 3}, r"column 2: line 5: not a number, got '\?'"),
         ("time;pos\n0;1,5\n1;1,x\n", ("pos",), {"decimal": ","}, "pos: line 3: not a number, got '1,x'; .*comma"),
-        ("time;pos\n0;1,5\n", ("pos",), {}, "pos: line 2: not a number, got '1,5'; .*point, or say decimal: ','"),
+        (
+            "time;pos\n0;1,5\n1;2.5\n",
+            ("pos",),
+            {},
+            "pos: line 2: not a number, got '1,5'; .*say decimal: ','",
+        ),
         ("time,pos\n0,1\n", ("pos",), {"first_line": 9}, "the file ends before line 9"),
         ("time,pos\n0,1\n", ("pos",), {"first_line": 2, "names_line": 2}, "samples is not below the names"),
     ],

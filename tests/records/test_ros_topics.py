@@ -94,14 +94,6 @@ def test_topics_are_chosen_by_a_map(tmp_path: Path) -> None:
     )
 
 
-def test_topics_of_different_times_do_not_mix(tmp_path: Path) -> None:
-    """One recording has one time."""
-    maker = Maker()
-    path = maker.write(tmp_path, "db3", [*states(maker, topic="/a"), *states(maker, topic="/b", start=5_000_001)])
-    chosen = channel_map(channels={"q.l": "/a.position.elbow", "q.r": "/b.position.elbow"})
-    refused(path, "t: /a and /b have different times; read one topic at a time", map=chosen)
-
-
 def test_two_publishers_on_one_topic(tmp_path: Path) -> None:
     """Arm and gripper take turns on /joint_states: refused as one recording, read one group at a time."""
     maker = Maker()

@@ -239,6 +239,7 @@ def test_no_script_but_its_own_runs(tmp_path: Path) -> None:
         assert len([error for error in page.errors if "Content Security Policy" in error]) == 2
         assert "https://example.com/x.png: csp" in page.errors
         page.requests.remove("https://example.com/x.png")
+        page.tab.evaluate("document.querySelector('img').remove()")
         page.errors.clear()
 
 

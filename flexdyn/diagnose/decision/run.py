@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.equations.sanity import check_recordings
@@ -13,6 +13,8 @@ from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
+from flexdyn.records.given import as_recordings
+from flexdyn.records.signals.gaps import apart_at_gaps
 
 if TYPE_CHECKING:
     from flexdyn.diagnose.decision.corrected import Corrected
@@ -22,8 +24,8 @@ Progress = Callable[[str, float], None]
 
 def diagnose(
     model: FlexibleJointModel,
-    fit: Sequence[Recording],
-    check: Sequence[Recording] = (),
+    fit: Any,
+    check: Any = (),
     *,
     progress: Progress | None = None,
 ) -> Diagnosis:
@@ -31,9 +33,10 @@ def diagnose(
 
     Args:
         model: as it is believed to be, with its tolerance.
-        fit: recordings to learn from.
-        check: test data, which only the final figures and the verdict read; none: the last fifth of what moves in every
-            recording of `fit`.
+        fit: recordings to learn from: one or several, each a `Recording`, a run, a path or a pandas.DataFrame. Pieces
+            between gaps in time count as recordings of their own.
+        check: test data, given likewise, which only the final figures and the verdict read; none: the last fifth of
+            what moves in every recording of `fit`.
         progress: called with the stage and the share of it that is done.
 
     Returns:
@@ -58,6 +61,7 @@ def diagnose(
         >>> [(finding.suspect.effect, finding.suspect.joint) for finding in answer.findings]
         [('coulomb_friction', 'elbow')]
     """
+    fit, check = (apart_at_gaps(as_recordings(given, key)) for given, key in ((fit, "fit"), (check, "check")))
     # Here, as `import flexdyn` loads no scipy; only what is loaded can be limited, so that is first.
     import scipy.linalg  # noqa: F401
     from threadpoolctl import threadpool_limits

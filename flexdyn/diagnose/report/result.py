@@ -11,6 +11,7 @@ from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, Place, Role, Source
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
 from flexdyn.diagnose.report.trace import Trace
+from flexdyn.io.notebook import Public
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 __all__ = [
@@ -39,8 +40,8 @@ Verdict = Literal["no_discrepancy", "explained", "partly_explained", "unexplaine
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Public):
     """The answer to "where do model and measurement disagree, and what is missing?".
 
     Attributes:
@@ -99,6 +100,18 @@ class Diagnosis:
     considered: tuple[Considered, ...] = ()
     write_model: bool = True
     stopped: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        """The verdict and the names, in a line."""
+        from flexdyn.diagnose.report.notebook import diagnosis_line
+
+        return diagnosis_line(self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        from flexdyn.diagnose.report.notebook import diagnosis_html
+
+        return diagnosis_html(self)
 
     def save(self, folder: str | Path) -> None:
         """Write report.html, report.json and model.yaml; all of them, or nothing.

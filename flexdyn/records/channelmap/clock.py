@@ -12,8 +12,8 @@ import numpy.typing as npt
 from flexdyn.errors import InputError
 from flexdyn.records.channelmap.description import TIME, TimeSource, column_name
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
-from flexdyn.records.stated_units import UNITLESS
 from flexdyn.records.table import FloatArray, Table, as_floats, check_finite, check_time
+from flexdyn.records.units import UNITLESS
 
 _EXACT = 2**53
 _SLACK = 1e-6

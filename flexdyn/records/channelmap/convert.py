@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.channelmap.known_units import SI, SLIDING, UNITS, Unit, plain_unit
-from flexdyn.records.stated_units import UNITLESS
 from flexdyn.records.table import FloatArray
-from flexdyn.records.units import SIGNALS
+from flexdyn.records.units import SIGNALS, UNITLESS
 
 if TYPE_CHECKING:
     from flexdyn.records.channelmap.description import Channel

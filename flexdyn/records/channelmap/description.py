@@ -149,7 +149,8 @@ class ChannelMap:
         wanted = {channel.source for channel in self.channels}
         if self.time.rate is None:
             wanted.add(self.time.source)
-        return Request(None if self.keep_others else frozenset(wanted), self.layout, progress, mapped=True)
+        named = frozenset(wanted)
+        return Request(None if self.keep_others else named, self.layout, progress, mapped=True, named=named)
 
 
 def column_name(source: str | int) -> str:

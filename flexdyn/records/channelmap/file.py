@@ -3,7 +3,8 @@
 An example of what a map can say; `Channel`, `TimeSource`, `Coupling` and `Layout` tell what each entry means::
 
     flexdyn_map: 1
-    source: {names_line: 13, first_line: 15, delimiter: ";", decimal: ",", topic: /joint_states, clock: message}
+    source: {names_line: 13, first_line: 15, delimiter: ";", decimal: ",", encoding: latin-1}  # of text
+    # source: {topic: /joint_states, clock: message}                                                   # of a bag
     time: {from: stamp, unit: ms, start: zero, shift: 0.012}   # or {rate: 1000} where no column holds the time
     joints:                                        # numbers that the channels of a joint share
       elbow: {gear_ratio: 100, torque_constant: 0.05}

@@ -67,7 +67,7 @@ UNITS: Mapping[str, Unit] = _known_units()
 """Units that are converted; ``counts`` are divided by the counts per turn as well."""
 
 _SPELLINGS = {
-    "deg": ("°", "degree", "degrees"),
+    "deg": ("°", "degree", "degrees", "Grad", "grad"),
     "turn": ("turns", "rev", "revs", "revolution", "revolutions"),
     "counts": ("count", "cts", "ticks", "inc", "increments"),
     "um": ("µm", "micron", "microns"),
@@ -76,7 +76,8 @@ _SPELLINGS = {
     "K": ("kelvin", "Kelvin"),
     "A": ("amp", "amps", "ampere", "amperes"),
     "min": ("minute", "minutes"),
-    "rpm": ("RPM", "r/min", "1/min", "min-1"),
+    "rpm": ("RPM", "r/min", "1/min", "min-1", "U/min"),
+    "turn/s": ("U/s", "rps"),
     "mN m": ("mNm",),
     "kN m": ("kNm",),
     "N cm": ("Ncm",),

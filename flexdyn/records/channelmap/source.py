@@ -56,6 +56,9 @@ def layout_of(entry: Any) -> Layout:
             raise InputError("a line number from 1 is needed", key=f"source.{name}", value=line)
     as_choice("source.decimal", given.get("decimal", "."), (".", ","))
     as_choice("source.clock", given.get("clock", "message"), ("message", "bag"))
+    as_choice("source.merge", given.get("merge", "linear"), ("linear", "hold"))
+    if "encoding" in given:
+        _check_encoding(given["encoding"])
     delimiter = given.get("delimiter", ",")
     if not isinstance(delimiter, str) or len(delimiter) != 1:
         remedy = 'such as ";" or "\\t"'
@@ -63,3 +66,16 @@ def layout_of(entry: Any) -> Layout:
     if "topic" in given:
         as_text("source.topic", given["topic"])
     return Layout(**given)
+
+
+def _check_encoding(name: Any) -> None:
+    """Refuse what names no letters.
+
+    Raises:
+        InputError: it is none of Python's text encodings.
+    """
+    try:
+        "a".encode(as_text("source.encoding", name))
+    except LookupError:
+        remedy = "such as utf-8, latin-1, cp1252 (Windows, Western Europe) or utf-16"
+        raise InputError("no such encoding", key="source.encoding", value=name, remedy=remedy) from None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
@@ -12,8 +11,9 @@ from typing import TYPE_CHECKING, TextIO
 import numpy as np
 
 from flexdyn.errors import InputError
+from flexdyn.records.csv.guess import encoding_of
 from flexdyn.records.csv.header import header_of
-from flexdyn.records.csv.rows import Block, blocks_of_numbers
+from flexdyn.records.csv.rows import Block, Header, blocks_of_numbers
 from flexdyn.records.request import Request
 from flexdyn.records.table import FloatArray, Rows, Table
 
@@ -43,24 +43,27 @@ def read(path: Path, request: Request) -> Table:
     Raises:
         InputError: with line and channel.
     """
-    encoding, errors = _encoding(path)
+    encoding, errors, guess = encoding_of(path, request.layout.encoding)
     with open(path, encoding=encoding, errors=errors) as stream:
         blocks = _blocks(stream, os.path.getsize(path), request)
         header, rest = header_of(blocks, request)
         columns = _Columns(len(header.wanted))
         for numbers in blocks_of_numbers(header, chain([rest], blocks)):
             columns.append(numbers)
-    table = Table(rows=Rows("line", header.first_row))
+    table = Table(rows=Rows("line", header.first_row), units=dict(header.units))
+    table.said = [text for text in (guess, _guessed(header)) if text]
+    if header.dialect.stamps is not None and header.dialect.stamps.start_ns is not None:
+        table.meta["start_ns"] = header.dialect.stamps.start_ns
     for name, values in zip(header.wanted, columns.finished(), strict=True):
         table.add(name, values)
     return table
 
 
-def _encoding(path: Path) -> tuple[str, str]:
-    """UTF-8, or UTF-16 (Excel's Unicode text), and what becomes of bytes that are neither: nothing that is a number."""
-    with open(path, "rb") as stream:
-        mark = stream.read(2)
-    return ("utf-16", "replace") if mark in (BOM_UTF16_LE, BOM_UTF16_BE) else ("utf-8-sig", "surrogateescape")
+def _guessed(header: Header) -> str:
+    """That a decimal sign was guessed, where it makes a difference."""
+    if header.told or header.dialect.decimal == ".":
+        return ""
+    return "numbers were read with a decimal comma; if that is wrong, say source: {decimal: .} in a channel map"
 
 
 class _Columns:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.records.csv.rows import Block, Dialect, Header
+from flexdyn.records.column_names import split_unit
+from flexdyn.records.csv.dialect import Dialect
+from flexdyn.records.csv.guess import dialect_of
+from flexdyn.records.csv.rows import Block, Header
+from flexdyn.records.csv.stamps import Stamps, is_stamp
 from flexdyn.records.request import Layout, Request
 from flexdyn.records.table import check_name, check_time_named
-
-_DELIMITERS = (",", ";", "\t")
+from flexdyn.records.units import split_name
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,9 @@ def _found(blocks: Iterator[Block], layout: Layout) -> _Start:
             if line.lstrip().startswith("#"):
                 comment = (at, _uncommented(line))
             elif line.strip():
-                dialect = Dialect(layout.delimiter or _delimiter(line, layout), layout.decimal)
+                dialect = dialect_of(line, [line], layout)
+                if dialect.blank(line):
+                    continue
                 if dialect.parse([line], dialect.width(line)) is None:
                     return _Start(at, line, (at + 1, lines[offset + 1 :]))
                 return _Start(*comment, (at, lines[offset:]))
@@ -75,35 +80,73 @@ def _told(blocks: Iterator[Block], layout: Layout) -> _Start:
 
 
 def _every(start: _Start, request: Request) -> Header:
-    """Every column, a channel where no map follows; a first one without a name holds row labels (pandas)."""
-    layout = request.layout
+    """Every column, a channel where no map follows."""
     if not start.at:
         raise InputError("no header", remedy="begin with a header t,q.<joint>,...")
-    dialect = Dialect(layout.delimiter or _delimiter(start.text, layout), layout.decimal)
+    dialect = dialect_of(start.text, start.samples[1], request.layout)
     names = tuple(dialect.split(start.text))
+    first = _first_sample(dialect, start)
     wanted: dict[str, int] = {}
+    units: dict[str, str] = {}
     for column, name in enumerate(names):
-        if name == "" and column == 0 and len(names) > 1:
-            continue
-        if name != "t" and not request.mapped:
-            check_name(name)
-        if name in wanted:
-            raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
-        wanted[name] = column
+        if name == "" and len(names) > 1 and (column == 0 or (column == len(names) - 1 and first[column:] == [""])):
+            continue  # labels of rows (pandas), or nothing after a separator at the end of the line
+        key, unit = _channel(name, request)
+        if key != "t" and not request.mapped:
+            check_name(key)
+        if key in wanted:
+            raise InputError("the channel is there twice", key=key, remedy="rename or remove one", channel=key)
+        wanted[key] = column
+        if unit:
+            units[key] = unit
+    if names[0] == "" and "t" not in wanted and first and is_stamp(first[0]):
+        wanted = {"t": 0, **wanted}  # pandas with an index of times
     if not request.mapped:
-        check_time_named(wanted)
-    return Header(dialect, len(names), names, wanted, start.samples[0])
+        check_time_named(wanted if "t" in wanted else names)
+    return _header(dialect, len(names), names, wanted, start, units, request.layout)
+
+
+def _channel(name: str, request: Request) -> tuple[str, str]:
+    """Key of a column in the table, and the unit that its name states."""
+    bare, unit = split_unit(name)
+    if request.mapped:
+        return (bare if bare in request.named and name not in request.named else name), unit
+    return (bare if unit and (bare == "t" or split_name(bare)) else name), unit
 
 
 def _as_asked(start: _Start, layout: Layout, asked: frozenset[str | int]) -> Header:
     """The columns asked for; the first row tells how many there are, whatever stands above it."""
-    number, lines = start.samples
+    _, lines = start.samples
     row = lines[0] if lines else start.text
-    dialect = Dialect(layout.delimiter or _delimiter(row, layout, start.text), layout.decimal)
+    dialect = dialect_of(row, lines, layout, start.text)
     width = len(dialect.split(row))
     names = tuple(dialect.split(start.text)) if start.at else ()
     wanted = {_key(one): _column(one, names, width) for one in sorted(asked, key=str)}
-    return Header(dialect, width, names, wanted, number)
+    units = {key: split_unit(names[column])[1] for key, column in wanted.items() if column < len(names)}
+    return _header(dialect, width, names, wanted, start, {key: unit for key, unit in units.items() if unit}, layout)
+
+
+def _header(
+    dialect: Dialect,
+    width: int,
+    names: tuple[str, ...],
+    wanted: dict[str, int],
+    start: _Start,
+    units: dict[str, str],
+    layout: Layout,
+) -> Header:
+    """The header, with a reader of stamps for the first wanted column that holds dates."""
+    first = _first_sample(dialect, start)
+    dated = [column for column in wanted.values() if column < len(first) and is_stamp(first[column])]
+    if dated:
+        dialect = replace(dialect, stamps=Stamps(dated[0]))
+    return Header(dialect, width, names, wanted, start.samples[0], units, layout.decimal is not None)
+
+
+def _first_sample(dialect: Dialect, start: _Start) -> list[str]:
+    """Cells of the first row that is not empty."""
+    line = next((line for line in start.samples[1] if line.strip()), "")
+    return dialect.split(line) if line else []
 
 
 def _key(asked: str | int) -> str:
@@ -117,6 +160,7 @@ def _column(asked: str | int, names: tuple[str, ...], width: int) -> int:
             raise InputError("no such column", key=_key(asked), remedy=f"there are {width}", channel=_key(asked))
         return asked - 1
     places = [column for column, name in enumerate(names[:width]) if name == asked]
+    places = places or [column for column, name in enumerate(names[:width]) if split_unit(name)[0] == asked]
     if not places:
         raise InputError("no such column", key=asked, remedy=did_you_mean(asked, filter(None, names)), channel=asked)
     if len(places) > 1:
@@ -124,19 +168,6 @@ def _column(asked: str | int, names: tuple[str, ...], width: int) -> int:
         remedy = f"give the number of one: {numbers}"
         raise InputError("several columns have the name", key=asked, remedy=remedy, channel=asked)
     return places[0]
-
-
-def _delimiter(line: str, layout: Layout, names: str = "") -> str:
-    """The separator that sets a column t apart; without one, that which `names` has as often, or the commonest.
-
-    White space separates where there is none of the others.
-    """
-    known = [delimiter for delimiter in _DELIMITERS if delimiter != layout.decimal]
-    for delimiter in (*known, " "):
-        if "t" in (cell.strip(' "') for cell in line.split(delimiter)):
-            return delimiter
-    best = max(known, key=lambda one: (names.count(one) == line.count(one) > 0, line.count(one)))
-    return best if best in line else " " if " " in line.strip() else ","
 
 
 def _uncommented(line: str) -> str:

@@ -2,64 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
-import numpy as np
-
 from flexdyn.errors import InputError
+from flexdyn.records.csv.dialect import Dialect
+from flexdyn.records.csv.stamps import is_stamp
 from flexdyn.records.table import FloatArray
 
 Block = tuple[int, list[str]]
 """Number of the first line (from 1), and whole lines."""
-
-
-@dataclass(frozen=True)
-class Dialect:
-    """What separates the cells, a space standing for any white space, and the decimal sign."""
-
-    delimiter: str
-    decimal: str = "."
-
-    def split(self, line: str) -> list[str]:
-        """The cells of a line without the quotes and spaces round them."""
-        if '"' in line:
-            try:
-                reader = csv.reader([line], delimiter=self.delimiter, skipinitialspace=True)
-                return [cell.strip() for cell in next(reader)]
-            except csv.Error:
-                pass  # a lone carriage return or an endless cell: the quotes stay
-        return line.split() if self.delimiter == " " else [cell.strip() for cell in line.split(self.delimiter)]
-
-    def plain(self, lines: list[str]) -> list[str]:
-        """The lines without quotes, with decimal points; a delimiter within quotes gives way."""
-        if '"' in "".join(lines):
-            lines = [self._without_quotes(line) if '"' in line else line for line in lines]
-        return lines if self.decimal == "." else [line.replace(self.decimal, ".") for line in lines]
-
-    def _without_quotes(self, line: str) -> str:
-        cells = [cell.replace(self.decimal, ".").replace(self.delimiter, "_") for cell in self.split(line)]
-        return self.delimiter.join(cells)
-
-    def width(self, line: str) -> int:
-        """Number of cells of a line without quotes."""
-        return len(line.split()) if self.delimiter == " " else line.count(self.delimiter) + 1
-
-    def parse(self, lines: list[str], width: int, columns: Sequence[int] | None = None) -> FloatArray | None:
-        """Numbers (lines, columns), all columns by default; None if any line lacks them or has not `width` cells."""
-        lines = self.plain(lines)
-        if not all(map(str.strip, lines)):  # loadtxt would skip an empty one, and warn where nothing is left
-            return None
-        if columns is not None and any(self.width(line) != width for line in lines):
-            return None
-        delimiter = None if self.delimiter == " " else self.delimiter
-        try:
-            block = np.loadtxt(lines, delimiter=delimiter, comments=None, ndmin=2, usecols=columns)
-        except ValueError:
-            return None
-        return block if block.shape == (len(lines), width if columns is None else len(columns)) else None
 
 
 @dataclass(frozen=True)
@@ -72,6 +25,8 @@ class Header:
         names: of the columns, as far as they have some.
         wanted: column by the key that it gets in the table.
         first_row: line that the first sample stands on, from 1.
+        units: that names state, by the key in the table.
+        told: whether the layout says what the decimal sign is.
     """
 
     dialect: Dialect
@@ -79,6 +34,8 @@ class Header:
     names: tuple[str, ...]
     wanted: dict[str, int]
     first_row: int
+    units: dict[str, str] = field(default_factory=dict)
+    told: bool = False
 
     @property
     def columns(self) -> list[int] | None:
@@ -121,15 +78,28 @@ def _explain(header: Header, number: int, lines: list[str]) -> NoReturn:
         problem = f"line {row}: {len(cells)} cells where the {told} {width}"
         missing = header.names[len(cells)] if len(cells) < len(header.names) else None
         raise InputError(problem, key=missing, remedy="one cell per channel", row=row, channel=missing)
+    raise _bad_cell(header, row, cells)
+
+
+def _bad_cell(header: Header, row: int, cells: list[str]) -> InputError:
+    """What is wrong with the first cell wanted that is no number."""
+    dialect = header.dialect
     asked = [cells[column] for column in header.wanted.values()]
-    at = _first_bad(dialect, asked, 1, None)
+    if dialect.stamps is not None:
+        at = list(header.wanted.values()).index(dialect.stamps.column)
+        name = list(header.wanted)[at]
+        if not is_stamp(asked[at]):
+            remedy = "the first row has a date and a time of day there, so every row needs one"
+            problem = f"line {row}: no date and time of day"
+            return InputError(problem, key=name, value=asked[at], remedy=remedy, row=row, channel=name)
+        asked[at] = "0"
+    at = _first_bad(replace(dialect, stamps=None), asked, 1, None)
     text, name = asked[at], list(header.wanted)[at]
-    problem = f"line {row}: {'not a number' if text else 'empty cell'}"
     sign = {".": "point", ",": "comma"}[dialect.decimal]
     remedy = f"give a number with a decimal {sign}"
     if dialect.decimal == "." and "," in text:
         remedy += ", or say decimal: ',' in a channel map"
-    raise InputError(problem, key=name, value=text or None, remedy=remedy, row=row, channel=name)
+    return InputError(f"line {row}: not a number", key=name, value=text, remedy=remedy, row=row, channel=name)
 
 
 def _first_bad(dialect: Dialect, items: list[str], width: int, columns: Sequence[int] | None) -> int:

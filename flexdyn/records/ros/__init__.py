@@ -5,7 +5,8 @@ goes along with the message's list of joints: ``position.elbow`` (JointState), `
 (JointTrajectoryControllerState), ``position.elbow`` (DynamicJointState: interface, joint), ``wrench.force.x``,
 ``data.0`` (Float64MultiArray), ``data`` (Float64). Any message made of numbers is read so. With its topic in front,
 ``/joint_states.position.elbow``, a column is taken from that topic; without, from the one that ``source.topic`` names,
-or the only one there is. Columns of several topics make one recording if their times are the same.
+or the only one there is. Columns of several topics make one recording: those of other times are put on the
+times of one, see `flexdyn.records.ros.merging`, and a `RecordingWarning` says how.
 
 Without a map the only topic of joint states is read: position is ``q``, velocity ``v``, effort ``tau``; of the state of
 a controller, feedback (older: actual) gives ``q`` and ``v``, and output ``tau``. What was assumed stands in

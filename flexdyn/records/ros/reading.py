@@ -14,8 +14,9 @@ from flexdyn.records.request import Request
 from flexdyn.records.ros.bag import Bag, Topic, opened
 from flexdyn.records.ros.clock import YEAR, seconds
 from flexdyn.records.ros.columns import CONVENTIONAL, is_own
+from flexdyn.records.ros.merging import merged
 from flexdyn.records.ros.picks import Conventional, Pick, Wanted
-from flexdyn.records.ros.series import Series
+from flexdyn.records.ros.series import Integers, Series
 from flexdyn.records.ros.words import listed, near
 from flexdyn.records.table import Rows, Table
 
@@ -36,10 +37,14 @@ def read(path: Path, request: Request) -> Table:
         every = [_series(bag, topic, pick, request) for topic, pick in _choice(bag, request, own)]
         _collect(bag, every, request)
     table = Table(rows=Rows("message"))
-    zero = own["zero_ns"] if own else _zero(every[0])
-    columns = {name: values for series in every for name, values in series.columns.items()}
-    stamps, exact = _merged(every), columns.pop("t", None)
-    table.add("t", seconds(stamps, zero) if exact is None else exact)
+    one = merged(every, request)
+    if own and one.said:
+        raise InputError("the bag's own topics have different times", key="t", remedy="copy the whole bag", channel="t")
+    table.said += one.said
+    zero = own["zero_ns"] if own else _zero(one.stamps)
+    columns = dict(one.columns)
+    exact = columns.pop("t", None)
+    table.add("t", seconds(one.stamps, zero) if exact is None else exact)
     for name in own["channels"] if own else columns:
         if name not in columns:
             raise InputError("the channel is announced and not there", key=name, remedy="copy the whole bag")
@@ -156,20 +161,10 @@ def _collect(bag: Bag, every: Sequence[Series], request: Request) -> None:
             raise InputError(problem, key=series.topic, remedy="the bag is cut or damaged; reindex or recover it")
 
 
-def _zero(series: Series) -> int:
+def _zero(stamps: Integers) -> int:
     """The stamp that is time 0: the first if it is a time of day."""
-    first = int(series.stamps[0]) if len(series.stamps) else 0
+    first = int(stamps[0]) if len(stamps) else 0
     return first if first >= YEAR else 0
-
-
-def _merged(every: Sequence[Series]) -> Any:
-    """The stamps that all topics share."""
-    first = every[0]
-    for other in every[1:]:
-        if not np.array_equal(first.stamps, other.stamps):
-            problem = f"{first.topic} and {other.topic} have different times"
-            raise InputError(problem, key="t", remedy="read one topic at a time: choose columns of one", channel="t")
-    return first.stamps
 
 
 def _notes(table: Table, series: Series) -> list[str]:

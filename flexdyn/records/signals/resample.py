@@ -11,6 +11,7 @@ import numpy.typing as npt
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
+from flexdyn.records.signals.gaps import gap_limit
 from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.table import FloatArray
 from flexdyn.records.units import split_name
@@ -25,7 +26,6 @@ HELD = ("tau", "tau_applied")
 _SMOOTH = ("q", "v", "theta", "omega", "tau_s")
 _RATES = {"q": "v", "theta": "omega"}
 _SAME = 1e-3
-_GAP = 10.0
 _PASSED = 0.4
 
 
@@ -168,7 +168,7 @@ def _times(rec: Recording, times: npt.ArrayLike) -> FloatArray:
 
 def _check_gaps(rec: Recording, longest_gap: float | None) -> None:
     steps = np.diff(rec.t)
-    limit = _GAP * float(np.median(steps)) if longest_gap is None else as_number(longest_gap)
+    limit = gap_limit(rec.t) if longest_gap is None else as_number(longest_gap)
     if not limit > 0:
         raise InputError("not a length of time", key="longest_gap", value=longest_gap, remedy="give seconds")
     if (steps > limit).any():

@@ -1,0 +1,7 @@
+"""``python -m flexdyn``: the command line where the program ``flexdyn`` is not on the path."""
+
+import sys
+
+from flexdyn.cli import main
+
+sys.exit(main())

@@ -1,0 +1,44 @@
+"""flexdyn example: a model, a log with a hidden effect, and the commands to run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flexdyn.cli import completion
+from flexdyn.cli.options import output_folder
+from flexdyn.cli.output import show, table
+from flexdyn.errors import InputError, did_you_mean
+
+
+def example(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="NAME", help="Which; without a name they are listed.", autocompletion=completion.examples
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; default: NAME.")
+    ] = None,
+) -> None:
+    """Write a model, logs of a robot that the model describes wrongly, and the commands that find out how.
+
+    The robot is simulated; its sensors are noisy. What its model lacks is the effect of that name.
+    """
+    from flexdyn.cli.examples import EXAMPLES, commands, write_example
+
+    if name is None:
+        rows = [(known, case.words) for known, case in EXAMPLES.items()]
+        show(table("Examples", ("name", "what the model lacks"), rows), "flexdyn example NAME writes one.")
+        return
+    if name not in EXAMPLES:
+        raise InputError("no such example", key="NAME", value=name, remedy=did_you_mean(name, EXAMPLES))
+    folder = Path(name) if output is None else output
+    output_folder(folder)
+    if folder.exists() and any(folder.iterdir()):
+        raise InputError("the folder is not empty", file=folder, key="--output", remedy="give another with -o DIR")
+    written = write_example(name, folder)
+    show(f"written: {', '.join(str(path) for path in written)}", "", "Now run:", *commands(folder))

@@ -1,0 +1,120 @@
+"""Robots whose models lack something: simulated, with the noise of sensors, written as a user would have them."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from flexdyn.control.commands import PD, Samples
+from flexdyn.effects import Backlash, CoulombFriction, Effect, StribeckFriction, ViscousFriction
+from flexdyn.io.files import write_text
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.model_file import load_model, save_model
+from flexdyn.records import Recording, write_recording
+from flexdyn.simulation.simulate import simulate
+
+RATE, SECONDS = 1000.0, 16.0
+ENCODER, TORQUE = 2e-6, 0.02
+"""Noise: standard deviations of positions [rad] and torques [N m]."""
+DIGITS = 9
+"""Decimals in the logs, well below the noise."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a robot has and its model lacks.
+
+    Attributes:
+        words: in plain words.
+        hidden: the effect.
+    """
+
+    words: str
+    hidden: Effect
+
+
+EXAMPLES: Mapping[str, Case] = {
+    "coulomb_friction": Case("dry friction in a motor", CoulombFriction("shoulder", side="motor", level=0.8)),
+    "stribeck_friction": Case(
+        "friction that falls as a motor speeds up", StribeckFriction("elbow", side="motor", excess=0.6, velocity=0.05)
+    ),
+    "viscous_friction": Case(
+        "friction that grows with a motor's speed", ViscousFriction("elbow", side="motor", coefficient=1.2)
+    ),
+    "backlash": Case("play in a gear", Backlash("elbow", half_gap=2e-3)),
+}
+
+
+def model_of_the_examples() -> FlexibleJointModel:
+    """The paper's arm with stiff gears, as its maker believes it to be."""
+    drives = {"*": {"stiffness": 900.0, "damping": 1.5, "rotor_inertia": 4e-5}}
+    return load_model("scara_two_link").replace(joints=drives, effects=[], tolerance=0.03)
+
+
+def write_example(name: str, folder: Path) -> tuple[Path, ...]:
+    """Write model.yaml, monday.csv, tuesday.csv and README.txt.
+
+    Args:
+        name: of `EXAMPLES`.
+        folder: made if it is not there.
+
+    Returns:
+        The files.
+    """
+    model = model_of_the_examples()
+    robot = model.replace(effects=[EXAMPLES[name].hidden])
+    folder.mkdir(parents=True, exist_ok=True)
+    files = tuple(folder / file for file in ("model.yaml", "monday.csv", "tuesday.csv", "README.txt"))
+    save_model(model, files[0])
+    for day, file in enumerate(files[1:3]):
+        write_recording(measured(robot, day), file)
+    write_text(files[3], _readme(name, folder))
+    return files
+
+
+def measured(robot: FlexibleJointModel, day: int) -> Recording:
+    """A motion as the robot's encoders and motor currents told it; another one each day."""
+    t = np.arange(round(RATE * SECONDS)) / RATE
+    shoulder = 0.5 * np.sin((0.9 + 0.1 * day) * t) + 0.2 * np.sin((5.0 - 0.4 * day) * t)
+    elbow = 1.5 + 0.4 * np.sin((0.7 + 0.1 * day) * t) + 0.2 * np.sin((4.0 + 0.3 * day) * t)
+    reference = np.column_stack([shoulder, elbow])
+    run = simulate(robot, PD(Samples(t, reference, "cubic"), kp=400.0, kd=20.0), q0=reference[0], rate=RATE)
+    rng, rec = np.random.default_rng(day), run.to_recording()
+    channels = {}
+    for joint in robot.joint_names:
+        for signal, noise in (("q", ENCODER), ("theta", ENCODER), ("tau", TORQUE)):
+            seen = rec[f"{signal}.{joint}"]
+            channels[f"{signal}.{joint}"] = np.round(seen + rng.normal(0.0, noise, seen.size), DIGITS)
+    return Recording(np.round(rec.t, DIGITS), channels, name=f"day {day}")
+
+
+def commands(folder: Path) -> tuple[str, ...]:
+    """What to run, in order."""
+    at = shlex.quote(folder.as_posix())
+    return (
+        f"flexdyn info {at}/model.yaml --modes",
+        f"flexdyn simulate {at}/model.yaml --command {at}/tuesday.csv -o {at}/simulated.csv",
+        f"flexdyn plot {at}/tuesday.csv {at}/simulated.csv -o {at}/gap.html",
+        f"flexdyn diagnose {at}/model.yaml {at}/monday.csv --check {at}/tuesday.csv -o {at}/report",
+        f"flexdyn simulate {at}/report/model.yaml --command {at}/tuesday.csv -o {at}/corrected.csv",
+        f"flexdyn compare {at}/tuesday.csv {at}/corrected.csv",
+    )
+
+
+def _readme(name: str, folder: Path) -> str:
+    lines = (
+        "model.yaml   the arm as it is believed to be",
+        "monday.csv   a log of the arm as it is: positions of links and rotors, torques; noise as of good sensors",
+        "tuesday.csv  another motion of it, which takes no part in the diagnosis and tests its answer",
+        "",
+        f"Hidden in the logs and missing in the model: {name}, {EXAMPLES[name].words}. The commands that find it:",
+        "",
+        *(f"    {command}" for command in commands(folder)),
+        "",
+        "The logs are simulated by flexdyn itself; how the diagnosis fares on robots is another question.",
+    )
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,117 @@
+"""Commands written in YAML, or as a mapping: ``pd:`` or ``torques:``, with points that stand in the text itself.
+
+::
+
+    pd:
+      reference: {t: [0, 1, 2], shoulder: [0, 0.5, 0], interpolation: monotone}     # rad; or the path of a recording
+      kp: 400            # N m/rad
+      kd: 20             # N m s/rad; also rate, feedback, feedforward and interpolation, as `PD` takes them
+
+    torques: {t: [0, 0.5, 1], elbow: [0, 2, 0], interpolation: linear}              # N m
+
+Points give positions or torques of joints at times [s]. Between points of a reference the arm moves ``monotone`` unless
+told otherwise: through the points, at rest in those where it turns back, nowhere beyond them. It starts at the first
+one; a joint without points stays where it starts. Torques are held from point to point unless told otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexdyn.control.commands import INTERPOLATIONS, PD, Interpolation, Samples
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.yaml import check_keys
+
+COMMAND_KEYS = ("pd", "torques")
+PD_KEYS = ("reference", "kp", "kd", "rate", "feedback", "feedforward", "interpolation")
+
+
+class Points(Samples):
+    """Samples by joint, the first of which is where the arm starts."""
+
+    def whole(self, joint_names: Sequence[str], rest: Mapping[str, float]) -> Samples:
+        """Samples of every joint: one without points stays at `rest`, 0 if it is not named there.
+
+        Raises:
+            InputError: points of a joint that is not there.
+        """
+        columns = self.columns(joint_names).copy()
+        for j, joint in enumerate(joint_names):
+            if joint not in (self.joints or ()):
+                columns[:, j] = rest.get(joint, 0.0)
+        return Samples(self.t, columns, self.interpolation)
+
+
+def command_of(content: Mapping[str, Any], folder: Path | None = None) -> PD | Samples:
+    """The command that a mapping describes.
+
+    Args:
+        content: with ``pd`` or ``torques``.
+        folder: that paths are relative to; None: there are points only.
+
+    Raises:
+        InputError: a key that is not there, or points that make no sense.
+    """
+    check_keys(content, COMMAND_KEYS)
+    if len(content) != 1:
+        raise InputError("one of pd and torques is needed", key="command", value=list(content))
+    if "torques" in content:
+        return points_of(content["torques"], "torques", "hold")
+    entry = content["pd"]
+    check_keys(entry, PD_KEYS, required=("reference", "kp", "kd"), key="pd")
+    settings = dict(entry)
+    for key, between in (("reference", settings.get("interpolation") or "monotone"), ("feedforward", "hold")):
+        if settings.get(key) is not None:
+            settings[key] = _samples(settings[key], f"pd.{key}", between, folder)
+    if isinstance(settings["reference"], Samples):
+        settings.pop("interpolation", None)
+    return PD(**settings)
+
+
+def points_of(entry: Any, key: str, between: Any) -> Points:
+    """Points as they stand in the text: ``t`` and a list a joint, and ``interpolation`` if it is another.
+
+    Args:
+        entry: of the text.
+        key: where it stands.
+        between: interpolation unless the entry says another.
+
+    Raises:
+        InputError: no times, no joint, lists of different lengths, something that is no number.
+    """
+    if not isinstance(entry, Mapping) or "t" not in entry:
+        remedy = "write {t: [0, 1, 2], JOINT: [0, 0.5, 0]}"
+        raise InputError("points are needed", key=key, value=entry, remedy=remedy)
+    columns = {str(joint): values for joint, values in entry.items() if joint not in ("t", "interpolation")}
+    if not columns:
+        raise InputError("points of no joint", key=key, remedy="write {t: [0, 1, 2], JOINT: [0, 0.5, 0]}")
+    interpolation: Interpolation = entry.get("interpolation", between)
+    if interpolation not in INTERPOLATIONS:
+        remedy = did_you_mean(str(interpolation), INTERPOLATIONS)
+        raise InputError("no such interpolation", key=f"{key}.interpolation", value=interpolation, remedy=remedy)
+    length = np.size(entry["t"])
+    for joint, values in columns.items():
+        if np.size(values) != length:
+            problem = f"{np.size(values)} points where t has {length}"
+            raise InputError(problem, key=f"{key}.{joint}", remedy="give one for each time")
+    try:
+        return Points(entry["t"], columns, interpolation)
+    except InputError as error:
+        raise InputError(error.problem, key=key, value=error.value, remedy=error.remedy) from None
+
+
+def _samples(entry: Any, key: str, between: Any, folder: Path | None) -> Any:
+    """A path, resolved, or points."""
+    if isinstance(entry, Mapping):
+        return points_of(entry, key, between)
+    if not isinstance(entry, str):
+        remedy = "or points: {t: [0, 1, 2], JOINT: [0, 0.5, 0]}"
+        raise InputError("the path of a recording is needed", key=key, value=entry, remedy=remedy)
+    if folder is None:
+        remedy = "write points here, {t: [0, 1, 2], JOINT: [0, 0.5, 0]}, or a command file of its own"
+        raise InputError("a path is not taken here", key=key, value=entry, remedy=remedy)
+    return folder / entry

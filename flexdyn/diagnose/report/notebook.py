@@ -1,0 +1,51 @@
+"""What a notebook shows of a diagnosis: the verdict, the findings, the gap, the errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from flexdyn.diagnose.report.digits import estimate_text, percent, probability_text, rounded
+from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.sentences import gap_sentence
+from flexdyn.diagnose.report.verdicts import verdict_sentence
+from flexdyn.diagnose.report.words import effect_name, where_phrase
+from flexdyn.io.notebook import card, table
+
+
+def diagnosis_html(diagnosis: Diagnosis) -> str:
+    """The HTML."""
+    findings = table(("finding", "where", "numbers", "probability", "of the test gap"), _findings(diagnosis))
+    errors = table(
+        ("joint", "torque error: given, corrected", "position error: given, corrected"),
+        (
+            (
+                joint,
+                f"{rounded(each.torque_before)}, {rounded(each.torque_after)} {each.torque_unit}",
+                f"{rounded(each.position_before)}, {rounded(each.position_after)} {each.position_unit}",
+            )
+            for joint, each in diagnosis.errors.items()
+        ),
+    )
+    notes = (*diagnosis.notes, "diagnosis.save(folder) writes report.html, report.json and model.yaml")
+    facts = {"verdict": diagnosis.verdict, "gap": gap_sentence(diagnosis)}
+    return card(verdict_sentence(diagnosis), facts, findings, errors, notes=notes)
+
+
+def diagnosis_line(diagnosis: Diagnosis) -> str:
+    """The verdict and the names found, in a line."""
+    found = [f"{each.suspect.effect} at {each.suspect.joint or 'the arm'}" for each in diagnosis.findings]
+    more = f", and {len(found) - 3} more" if len(found) > 3 else ""
+    names = f": {', '.join(found[:3])}{more}" if found else ""
+    return f"<Diagnosis of {diagnosis.model.name}, {diagnosis.verdict}{names}>"
+
+
+def _findings(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
+    for finding in diagnosis.findings:
+        gain = "-" if math.isnan(finding.test_gain) else percent(finding.test_gain)
+        for place, suspect in enumerate(finding.names):
+            numbers = ", ".join(f"{key} {estimate_text(entry)}" for key, entry in suspect.parameters.items())
+            name = f"{'or ' if place else ''}{effect_name(suspect.effect)}"
+            where = where_phrase(diagnosis.model, suspect)
+            evidence = ("", "") if place else (probability_text(finding.probability), gain)
+            yield name, where, numbers, *evidence

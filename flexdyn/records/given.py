@@ -1,0 +1,69 @@
+"""Whatever a user may give where a recording is needed, as a recording."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from flexdyn.errors import InputError
+from flexdyn.records.files import read_recording
+from flexdyn.records.near_names import asked_back
+from flexdyn.records.recording import Recording
+
+
+def as_recording(given: Any, key: str | None = None, *, signals: bool = False) -> Recording:
+    """A recording, a run, the path of a recording, a pandas.DataFrame or an xarray.Dataset as a recording.
+
+    Args:
+        given: one of them.
+        key: that errors call it by.
+        signals: refuse channels of which none is a signal of a joint though some look meant to be.
+
+    Raises:
+        InputError: something else, a file that cannot be read, or channels that are refused.
+    """
+    made = given if isinstance(given, Recording) else _made(given, key)
+    if signals and (question := asked_back(made.channels)):
+        raise InputError("no channel is a signal of a joint", key=made.name or key, remedy=question)
+    return made
+
+
+def as_recordings(given: Any, key: str = "recordings") -> tuple[Recording, ...]:
+    """One of what `as_recording` takes, or several of them, with signals of joints.
+
+    Raises:
+        InputError: likewise.
+    """
+    if isinstance(given, Recording | str | os.PathLike) or _library(given) or hasattr(given, "to_recording"):
+        return (as_recording(given, key, signals=True),)
+    if not isinstance(given, Iterable) or isinstance(given, Mapping):
+        raise _refused(given, key)
+    return tuple(as_recording(each, f"{key}[{i}]", signals=True) for i, each in enumerate(given))
+
+
+def _made(given: Any, key: str | None) -> Recording:
+    if isinstance(given, str | os.PathLike):
+        return read_recording(given)
+    library = _library(given)
+    if library == "pandas":
+        return Recording.from_pandas(given)
+    if library == "xarray":
+        return Recording.from_xarray(given)
+    made = given.to_recording() if hasattr(given, "to_recording") else None
+    if not isinstance(made, Recording):
+        raise _refused(given, key)
+    return made
+
+
+def _library(given: Any) -> str:
+    """Library of a table; empty for anything else. Neither library need be there for that."""
+    kind = type(given)
+    known = {("pandas", "DataFrame"), ("xarray", "Dataset")}
+    library = kind.__module__.partition(".")[0]
+    return library if (library, kind.__name__) in known else ""
+
+
+def _refused(given: Any, key: str | None) -> InputError:
+    remedy = "give what fd.simulate or fd.read_recording returned, a path, or a pandas.DataFrame"
+    return InputError("neither a run nor a recording", key=key, value=given, remedy=remedy)

@@ -1,0 +1,153 @@
+"""Limits that the URDF states (range, speed, effort): where a run goes beyond them, and models that keep them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.checks import as_number
+from flexdyn.effects import Effect, EndStop, TorqueSpeedLimit
+from flexdyn.errors import InputError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.robot import Robot
+from flexdyn.simulation.plant import LinkSide
+
+Array = NDArray[np.float64]
+SLACK = 1e-6
+"""Part of a limit, and of a unit, that is not worth a word."""
+NO_LINE = 1e9
+"""Times the speed limit (or 1 rad/s) at which the torque of a motor that only saturates would be gone."""
+TRAVEL = 0.01
+"""How far a link that arrives at its speed limit presses an end stop in [rad or m]."""
+DAMPED = 0.5
+"""Damping ratio of link and end stop."""
+
+
+class LimitWarning(UserWarning):
+    """A run goes beyond a limit that the URDF states."""
+
+
+@dataclass(frozen=True)
+class Exceeded:
+    """A limit that a run went beyond, as its samples show it.
+
+    Attributes:
+        joint: its name.
+        kind: ``position``, ``speed`` or ``torque``.
+        limit: that was passed [rad, rad/s, N m; prismatic: m, m/s, N].
+        by: how far at most, above 0.
+        since: first time beyond it [s].
+        at: time of the most [s].
+        unit: of limit and by.
+    """
+
+    joint: str
+    kind: str
+    limit: float
+    by: float
+    since: float
+    at: float
+    unit: str
+
+    def __str__(self) -> str:
+        """Which joint, when and by how much, in a sentence."""
+        when = f"from t = {self.since:.4g} s on" + (f", most at {self.at:.4g} s" if self.at > self.since else "")
+        return f"{self.joint} exceeds its {self.kind} limit of {self.limit:.4g} {self.unit} by {self.by:.3g}, {when}"
+
+
+def exceeded(robot: Robot, t: Array, q: Array, v: Array, tau: Array) -> tuple[Exceeded, ...]:
+    """Limits that a motion goes beyond, at its samples.
+
+    Args:
+        robot: whose limits they are.
+        t: times (samples,) [s].
+        q: link positions (samples, n).
+        v: link velocities (samples, n).
+        tau: torques of the motors, reflected, after what limits them (samples, n).
+    """
+    found = []
+    for j, joint in enumerate(robot.joint_names):
+        angle, torque = robot.angle_unit(j), "N m" if robot.angle_unit(j) == "rad" else "N"
+        for kind, limit, past, unit in _excesses(robot, j, q[:, j], v[:, j], tau[:, j], angle, torque):
+            beyond = past > SLACK * max(1.0, abs(limit))
+            if beyond.any():
+                most = int(np.argmax(past))
+                since = float(t[np.argmax(beyond)])
+                found.append(Exceeded(joint, kind, limit, float(past[most]), since, float(t[most]), unit))
+    return tuple(found)
+
+
+def _excesses(
+    robot: Robot, j: int, q: Array, v: Array, tau: Array, angle: str, torque: str
+) -> Iterator[tuple[str, float, Array, str]]:
+    """Kind, limit, how far beyond it at every sample, unit; of limits that the URDF does state."""
+    for limit, sign in ((float(robot.lower[j]), -1.0), (float(robot.upper[j]), 1.0)):
+        if math.isfinite(limit):
+            yield "position", limit, sign * (q - limit), angle
+    for kind, limits, values, unit in (
+        ("speed", robot.velocity_limit, v, f"{angle}/s"),
+        ("torque", robot.effort_limit, tau, torque),
+    ):
+        if 0.0 < limits[j] < math.inf:  # files without numbers write 0
+            yield kind, float(limits[j]), np.abs(values) - limits[j], unit
+
+
+def enforce_limits(
+    model: FlexibleJointModel, *, stiffness: float | None = None, damping: float | None = None
+) -> FlexibleJointModel:
+    """The model with the limits of its URDF as effects: end stops at the ends of range, motors that saturate.
+
+    The torque is cut at the effort limit (`TorqueSpeedLimit` without a slope). Speed is not limited by anything of
+    itself; a run that is too fast is still warned about. What the model has already, an end stop or a limit of that
+    motor, stays as it is.
+
+    Args:
+        model: the arm.
+        stiffness: of the end stops [N m/rad]; default: such that a link that arrives at its speed limit (1 rad/s where
+            none is stated) presses 0.01 rad in.
+        damping: of the end stops [N m s/rad]; default: half of critical.
+
+    Raises:
+        InputError: a stiffness or damping that is not above 0, or a URDF that states no limit.
+    """
+    for key, value in (("stiffness", stiffness), ("damping", damping)):
+        if value is not None and not 0.0 < as_number(value) < math.inf:
+            raise InputError("a number above 0 is needed", key=key, value=value)
+    added: list[Effect] = []
+    inertia = np.diag(LinkSide(model).mass_matrix(_first(model)))
+    for j, joint in enumerate(model.joint_names):
+        if _ranged(model.robot, j) and not _has(model, EndStop, joint):
+            K = (_fastest(model.robot, j) / TRAVEL) ** 2 * float(inertia[j]) if stiffness is None else stiffness
+            D = 2.0 * DAMPED * math.sqrt(K * float(inertia[j])) if damping is None else damping
+            lower, upper = float(model.robot.lower[j]), float(model.robot.upper[j])
+            added.append(EndStop(joint, side="link", lower=lower, upper=upper, stiffness=K, damping=D))
+        effort = float(model.robot.effort_limit[j])
+        if 0.0 < effort < math.inf and not _has(model, TorqueSpeedLimit, joint):
+            speed = NO_LINE * max(1.0, _fastest(model.robot, j))
+            added.append(TorqueSpeedLimit(joint, side="motor", stall_torque=effort, no_load_speed=speed))
+    if not added and not model.effects:
+        remedy = "write <limit lower upper velocity effort> into it, or add end_stop and torque_speed_limit"
+        raise InputError("the robot states no limit", key="limits", value=model.name, remedy=remedy)
+    return model.replace(effects=[*model.effects, *added])
+
+
+def _first(model: FlexibleJointModel) -> Array:
+    start = model.initial.get("q", {})
+    return np.array([start.get(joint, 0.0) for joint in model.joint_names])
+
+
+def _ranged(robot: Robot, j: int) -> bool:
+    return math.isfinite(robot.lower[j]) or math.isfinite(robot.upper[j])
+
+
+def _fastest(robot: Robot, j: int) -> float:
+    limit = float(robot.velocity_limit[j])
+    return limit if 0.0 < limit < math.inf else 1.0
+
+
+def _has(model: FlexibleJointModel, kind: type[Effect], joint: str) -> bool:
+    return any(isinstance(effect, kind) and getattr(effect, "joint", None) == joint for effect in model.effects)
