@@ -89,6 +89,14 @@ def diagnose(
             help="A channel map (YAML) of every recording; or one for each, in their order, FIT before CHECK.",
         ),
     ] = None,
+    expect: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--expect",
+            metavar="EFFECT",
+            help="An effect that the drive is likely to have, by its data sheet.",
+        ),
+    ] = None,
     explain: Annotated[
         list[str] | None,
         typer.Option(
@@ -120,8 +128,11 @@ def diagnose(
     from flexdyn.diagnose import diagnose as run
 
     try:
-        with naming({"fit": "FIT", "check": CHECK}, file=_named(fit), files={}), _progress() as progress:
-            diagnosis = run(arm, *recordings, progress=progress)
+        with (
+            naming({"fit": "FIT", "check": CHECK, "expect": "--expect"}, file=_named(fit), files={}),
+            _progress() as progress,
+        ):
+            diagnosis = run(arm, *recordings, expect=expect or (), progress=progress)
     except Partial as stop:
         if stop.diagnosis is not None:
             replace(stop.diagnosis, verdict="interrupted").save(folder)

@@ -138,7 +138,6 @@ class AsymmetricViscousFriction(JointEffect):
     linear = ("coefficient_positive", "coefficient_negative")
     contains = ("viscous_friction",)
     plainer = ("viscous_friction",)
-    prevalence = "often"
     of_velocity = True
 
     coefficient_positive: float = parameter("N m s/rad")

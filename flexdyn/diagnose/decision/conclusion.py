@@ -7,10 +7,10 @@ import functools
 from collections.abc import Callable, Sequence
 
 from flexdyn.diagnose.decision.calibrated import calibrated
-from flexdyn.diagnose.decision.corrected import Corrected, corrected
+from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noise
 from flexdyn.diagnose.decision.drawn import drawn
 from flexdyn.diagnose.decision.experiments import with_experiments
-from flexdyn.diagnose.decision.figures import on_fit, on_test
+from flexdyn.diagnose.decision.figures import OnFit, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, names_told
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, stopped
@@ -18,11 +18,12 @@ from flexdyn.diagnose.decision.split import Part
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import Noise
-from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.shooting.gap import NOISE
+from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
 
 Parts = tuple[tuple[Part, ...], tuple[Part, ...]]
@@ -47,22 +48,18 @@ def concluded(
         say: progress.
     """
     say("simulating windows", 0.0)
-    named = names_told(found)
     made = calibrated(plain, start)
-    first = on_fit(plain, made, found, parts[0])
-    if found.explained and first.shots is not None and first.shots.after.gap > NOISE * max(first.shots.gap.floor, 1.0):
+    found, named, first = _on_fit(plain, made, found, parts[0])
+    windows = _contradicting(first)
+    if windows is not None and leaves_noise(compared.fitted, plain):
         say("comparing simulated windows", 0.25)
-        windows = first.shots.after.windows
         compared = reweighed(compared, windows)
-        found = corrected(compared, plain, functools.partial(share_in_windows, compared, windows))
-        named = names_told(found)
-        first = on_fit(plain, made, found, parts[0])
-    # A gap that nothing explains bends numbers without reason; so does one that only numbers out of tolerance explain.
-    if not named and not (found.explained and found.hypothesis.tolerated().factors == found.hypothesis.factors):
-        found, first = first.calibration_alone(found)
+        again = corrected(compared, plain, functools.partial(share_in_windows, compared, windows))
+        found, named, first = _on_fit(plain, made, again, parts[0])
     say("opening the test data", 0.5)
     last = on_test(plain, first, found, named, parts[1])
-    said = verdict(named=bool(named), noise=is_noise(last.shots, last.left), converged=found.converged)
+    converged = found.converged and first.stalled is None
+    said = verdict(named=bool(named), noise=is_noise(last.shots, last.left), converged=converged)
     answer = known(found, named, compared.noise, parts[0], last.gains)
     say("designing experiments", 0.75)
     return dataclasses.replace(
@@ -78,8 +75,28 @@ def concluded(
         notes=notes(compared, found),
         residuals=drawn(plain.equations, first.after, plain.whiten),
         write_model=not first.worse,
-        stopped=() if found.converged else stopped(found.fitted),
+        stopped=() if converged else stopped(first.stalled or found.fitted),
     )
+
+
+def _on_fit(
+    plain: Workspace, made: Fit, found: Corrected, fitted: Sequence[Part]
+) -> tuple[Corrected, list[Name], OnFit]:
+    """The corrected model, its names and its figures; without names the numbers of the file alone are corrected."""
+    named, first = names_told(found), on_fit(plain, made, found, fitted)
+    if not found.converged and (first.worse or first.farther):
+        named, first = [], dataclasses.replace(first, stalled=found.fitted)
+    # A gap that nothing explains bends numbers without reason; so does one that only numbers out of tolerance explain.
+    if not named and not (found.explained and found.hypothesis.tolerated().factors == found.hypothesis.factors):
+        found, first = first.calibration_alone(found)
+    return found, named, first
+
+
+def _contradicting(first: OnFit) -> Windows | None:
+    """Windows of the fit that leave more than noise; None: they do not, or there are none."""
+    if first.shots is None or first.shots.after.gap <= NOISE * max(first.shots.gap.floor, 1.0):
+        return None
+    return first.shots.after.windows
 
 
 def known(

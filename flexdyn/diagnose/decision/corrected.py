@@ -100,9 +100,10 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     share = shares(space, found.best)
-    own = {c: genuine(space.candidates[c], each) for c, each in share.items()}
+    own = {c: genuine(space.candidates[c], each, found.expected) for c, each in share.items()}
     sure = [c for c in there if masses.of_any([c]) >= ESTABLISHED]
-    seen = {c: genuine(space.candidates[c], share_in_windows(c)) for c in sure} if share_in_windows else {}
+    by_windows = {c: share_in_windows(c) for c in sure} if share_in_windows else {}
+    seen = {c: genuine(space.candidates[c], each, found.expected) for c, each in by_windows.items()}
     own = {c: max(each, seen.get(c, 0.0)) for c, each in own.items()}
     named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
@@ -117,7 +118,7 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
         kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
     made = made if converged(made) or made.block else fit(made.hypothesis, made.space)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
-    explained = not left(HeldOut(plain.equations, made.equations, plain.noise, plain.whiten), {})
+    explained = leaves_noise(made, plain)
     made = made if explained else within(made)
     return Corrected(made, kept, masses, tuple(space.candidates), space, explained, own)
 
@@ -182,6 +183,11 @@ def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
     true = here.given.resolved()
     soft |= {name for name, elastic in zip(true.joint_names, true.elastic, strict=True) if elastic}
     return tuple(each for each in effects if not each.takes_load or getattr(each, "joint", "") in soft)
+
+
+def leaves_noise(made: Fit, plain: Workspace) -> bool:
+    """Whether no joint's equations leave more than noise and 1 % of its torque."""
+    return not left(HeldOut(plain.equations, made.equations, plain.noise, plain.whiten), {})
 
 
 def converged(made: Fit) -> bool:

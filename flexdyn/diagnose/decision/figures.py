@@ -36,6 +36,8 @@ class OnFit:
         shots: windows; None: the data are too short for one.
         where: the residual of the calibrated model appears.
         left: where that of the corrected model appears.
+        stalled: a fit whose names are withheld, as it stopped short and is farther off than the start; None: there is
+            none.
     """
 
     calibrated: Hypothesis
@@ -44,6 +46,7 @@ class OnFit:
     shots: Shots | None
     where: tuple[Place, ...]
     left: tuple[Place, ...]
+    stalled: Fit | None = None
 
     @property
     def gap(self) -> Gap | None:
@@ -54,6 +57,11 @@ class OnFit:
     def worse(self) -> bool:
         """Whether the corrected model's simulated positions are farther off than the given one's."""
         return self.shots is not None and not self.shots.closer
+
+    @property
+    def farther(self) -> bool:
+        """Whether the corrected model's gap is more than that of the numbers alone."""
+        return self.gap is not None and self.gap.after > self.gap.calibrated
 
     def calibration_alone(self, found: Corrected) -> tuple[Corrected, OnFit]:
         """The same where nothing is named: the corrected model is the calibrated one."""

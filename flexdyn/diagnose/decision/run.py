@@ -11,6 +11,8 @@ from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
+from flexdyn.effects import registered
+from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recordings
@@ -27,6 +29,7 @@ def diagnose(
     fit: Any,
     check: Any = (),
     *,
+    expect: Sequence[str] = (),
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Find where a model and measurements disagree, name the missing effects, and add them.
@@ -37,13 +40,15 @@ def diagnose(
             between gaps in time count as recordings of their own.
         check: test data, given likewise, which only the final figures and the verdict read; none: the last fifth of
             what moves in every recording of `fit`.
+        expect: names of effects that this drive is likely to have, by its data sheet or its like: they are told from
+            something unknown that looks like them by the odds of common effects (docs/diagnosis.md, eq. 6).
         progress: called with the stage and the share of it that is done.
 
     Returns:
         The verdict, the findings, the corrected model.
 
     Raises:
-        InputError: recordings that do not fit the model or cannot answer.
+        InputError: recordings that do not fit the model or cannot answer, an unknown effect.
         Interrupted: Ctrl-C, with what was known by then.
 
     Example:
@@ -69,11 +74,28 @@ def diagnose(
     # Threads of the linear algebra share a sum out by their number and round it otherwise: the last digit of every
     # figure, and a choice between structures that are equally likely, would depend on the machine.
     with threadpool_limits(limits=1, user_api="blas"):
-        return _diagnosed(model, fit, check, progress or (lambda stage, share: None))
+        return _diagnosed(model, fit, check, _known(expect), progress or (lambda stage, share: None))
+
+
+def _known(expect: Sequence[str]) -> tuple[str, ...]:
+    """Names of effects, each in the catalogue or the user's own.
+
+    Raises:
+        InputError: one is not.
+    """
+    for name in expect:
+        if name not in registered():
+            remedy = did_you_mean(name, registered())
+            raise InputError("there is no such effect", key="expect", value=name, remedy=remedy)
+    return tuple(expect)
 
 
 def _diagnosed(
-    model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[Recording], say: Progress
+    model: FlexibleJointModel,
+    fit: Sequence[Recording],
+    check: Sequence[Recording],
+    expect: tuple[str, ...],
+    say: Progress,
 ) -> Diagnosis:
     from flexdyn.diagnose.decision.conclusion import concluded, interrupted
     from flexdyn.diagnose.decision.corrected import corrected
@@ -88,7 +110,7 @@ def _diagnosed(
     try:
         bare, noise, start = prepared(model, data)
         say("comparing structures", 0.0)
-        compared = posterior(bare, noise, start)
+        compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
         plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
         found = corrected(compared, plain)
         answer = concluded(plain, start, compared, found, (fitted, test), say)

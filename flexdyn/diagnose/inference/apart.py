@@ -11,6 +11,8 @@ it,
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
@@ -33,16 +35,17 @@ GUESSED = ("rotor_inertia",)
 """Numbers of the file that are often wrong."""
 
 
-def genuine(candidate: Candidate, share: float) -> float:
+def genuine(candidate: Candidate, share: float, expected: Collection[str] = ()) -> float:
     """Probability that an effect is what its name says.
 
     Args:
         candidate: the effect and its place.
         share: power of its own part over that of what is left [1].
+        expected: kinds of effects that the user expects of this drive.
     """
     late_encoder = candidate.kind == "channel_lag" and not candidate.place["channel"].startswith("tau")
     own = not candidate.law.__module__.startswith("flexdyn.")  # who writes a law expects it
-    often = own or candidate.kind in GUESSED
+    often = own or candidate.kind in GUESSED or candidate.kind in expected
     prior = SELDOM if late_encoder else OFTEN if often else ODDS[candidate.law.prevalence]
     odds = prior * (1.0 + min(share, 1e12))
     return odds / (1.0 + odds)

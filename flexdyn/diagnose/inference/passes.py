@@ -50,6 +50,7 @@ class Posterior:
         noise: of the channels.
         settled: whether the last pass changed nothing.
         known: log posteriors of the structures that were compared, not normalised.
+        expected: kinds of effects that the user expects of this drive.
     """
 
     space: Space
@@ -58,6 +59,7 @@ class Posterior:
     noise: Noise
     settled: bool
     known: Mapping[Structure, float]
+    expected: tuple[str, ...] = ()
 
 
 def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
