@@ -133,7 +133,7 @@ def test_much_is_folded_away_and_drawn_when_it_is_opened(tmp_path: Path) -> None
         page.wait_for(f"document.querySelectorAll('.js-plotly-plot').length == {len(diagnosis.residuals)}")
         wide = "[...document.querySelectorAll('#residuals .main-svg')].every(each => each.clientWidth > 200)"
         assert page.tab.evaluate(wide)
-    assert len((tmp_path / "report.html").read_bytes()) < 8e6
+    assert len((tmp_path / "report.html").read_bytes()) < 3e6
 
 
 def test_no_button_sends_data_anywhere(tmp_path: Path) -> None:

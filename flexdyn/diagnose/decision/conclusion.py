@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected, corrected
-from flexdyn.diagnose.decision.drawn import drawn
+from flexdyn.diagnose.decision.drawn import drawn, motions
 from flexdyn.diagnose.decision.experiments import with_experiments
 from flexdyn.diagnose.decision.figures import on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, names_told
@@ -76,7 +76,8 @@ def concluded(
         left=last.left,
         data=(*answer.data, *(each.source(found.joints, last.rows.noise) for each in parts[1])),
         notes=notes(compared),
-        residuals=drawn(plain.equations, first.after, plain.whiten),
+        residuals=drawn(plain, first, found, named),
+        trajectories=motions(plain, first, last, parts),
         write_model=not first.worse,
         stopped=() if found.converged else stopped(found.fitted),
     )

@@ -42,7 +42,7 @@ def plans(diagnosis: Diagnosis) -> str:
             f'<h4>{capital(one)} or {other}?</h4><p class="soft">Above: {escape(plan.motion)}. Below: what a model with'
             f" {other} would then leave unexplained, its numbers fitted again, if it is {one}; shaded: noise, two"
             f" standard deviations. Over the whole motion it adds up to {plan.apart:.0f} times the noise.</p>"
-            f'<div id="plan-{k}"></div>'
+            f'<div id="plan-{k}" data-picture></div>'
         )
     return section("What the proposed experiment would show", "".join(rooms), "plans") if rooms else ""
 

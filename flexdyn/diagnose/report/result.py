@@ -11,6 +11,7 @@ from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, Place, Role, Source
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
 from flexdyn.diagnose.report.trace import Trace
+from flexdyn.diagnose.report.trajectory import Trajectory
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "Structure",
     "Suspect",
     "Trace",
+    "Trajectory",
     "Verdict",
 ]
 
@@ -57,6 +59,7 @@ class Diagnosis:
         model: the corrected model.
         notes: what the data cannot tell, and what was assumed; a sentence each.
         seconds: that it took [s].
+        trajectories: measured and simulated motion of every joint, over the test data and the data of the fit.
         residuals: pictures of what the model left unexplained, before and after, the most telling first.
         decisions: further reasons, by what was decided: a target of `explain` or a few words.
         considered: every candidate that the search compared, the most probable first.
@@ -99,6 +102,7 @@ class Diagnosis:
     considered: tuple[Considered, ...] = ()
     write_model: bool = True
     stopped: tuple[str, ...] = ()
+    trajectories: tuple[Trajectory, ...] = ()
 
     def save(self, folder: str | Path) -> None:
         """Write report.html, report.json and model.yaml; all of them, or nothing.
