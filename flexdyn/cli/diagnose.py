@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,7 +13,7 @@ from typer.core import TyperCommand
 
 from flexdyn.cli.failures import Interrupted
 from flexdyn.cli.options import JsonOption, MapOption, naming, output_folder
-from flexdyn.cli.output import console, note, show, show_json
+from flexdyn.cli.output import note, show, show_json
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError, MissingExtra
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 CHECK, EXPLAIN = "--check", "--explain"
-Progress = Callable[[str, float], None]
 
 
 class DiagnoseCommand(TyperCommand):
@@ -106,8 +104,8 @@ def diagnose(
     from flexdyn.diagnose import diagnose as run
 
     try:
-        with naming({"fit": "FIT", "check": CHECK}, file=_named(fit), files={}), _progress() as progress:
-            diagnosis = run(arm, *recordings, progress=progress)
+        with naming({"fit": "FIT", "check": CHECK}, file=_named(fit), files={}):
+            diagnosis = run(arm, *recordings)
     except Partial as stop:
         if stop.diagnosis is not None:
             replace(stop.diagnosis, verdict="interrupted").save(folder)
@@ -165,19 +163,3 @@ def _check_pictures() -> None:
 
 def _named(paths: Sequence[Path]) -> str:
     return ", ".join(map(str, paths[:3])) + (f" and {len(paths) - 3} more" if len(paths) > 3 else "")
-
-
-@contextmanager
-def _progress() -> Iterator[Progress | None]:
-    """What is in work and how far it is, on stderr where that is a terminal."""
-    err = console(stderr=True)
-    if not err.is_terminal:
-        yield None
-        return
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
-    from rich.progress import Progress as Bars
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
-    with Bars(*columns, console=err, transient=True) as bars:
-        task = bars.add_task("diagnosis", total=1.0)
-        yield lambda stage, share: bars.update(task, description=stage, completed=share)

@@ -176,10 +176,22 @@ def interrupted() -> Diagnosis:
         findings=(Finding(PAYLOAD, 0.99, 31.0, math.nan), Finding(COULOMB, 0.6, 0.4, math.nan)),
         considered=(Considered(PAYLOAD, 0.99, 31.0), Considered(COULOMB, 0.6, 0.4)),
         seconds=8.0,
+        stopped_at="simulating windows (3 of 5)",
     )
 
 
-CASES = (explained, no_discrepancy, unexplained, partly, not_converged, interrupted)
+def interrupted_early() -> Diagnosis:
+    """Ctrl-C while structures were compared: no name, and no corrected model."""
+    return _diagnosis(
+        "interrupted",
+        structures=(Structure((COULOMB,), 0.7, -310.0), Structure((), 0.3, -310.8)),
+        data=sources()[:1],
+        write_model=False,
+        stopped_at="comparing structures: pass 2 of at most 5",
+    )
+
+
+CASES = (explained, no_discrepancy, unexplained, partly, not_converged, interrupted, interrupted_early)
 
 
 def robot() -> Diagnosis:

@@ -23,6 +23,7 @@ PLACE = {"channel", "of", "parameter", "other", "frame"}
 DOCUMENT = {
     "schema": str,
     "verdict": str,
+    "stopped_at": NAME,
     "findings": list,
     "calibration": list,
     "gap": dict,

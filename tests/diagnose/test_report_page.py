@@ -80,15 +80,22 @@ def test_the_page_says_what_the_json_says(made: Callable[[], Diagnosis], tmp_pat
     assert ("model.yaml was not written" in told) == (not (tmp_path / "model.yaml").exists())
 
 
-def test_an_interruption_is_said_first_and_large(tmp_path: Path) -> None:
+@pytest.mark.parametrize("made", [cases.interrupted, cases.interrupted_early])
+def test_an_interruption_is_said_first_and_large(made: Callable[[], Diagnosis], tmp_path: Path) -> None:
     """Above everything else, in the largest letters of the page, and nothing is said of what no effect explains."""
-    cases.interrupted().save(tmp_path)
+    diagnosis = made()
+    diagnosis.save(tmp_path)
     with open_page(tmp_path / "report.html") as page:
         assert page.tab.locator("main").inner_text().startswith("INTERRUPTED")
         size = "element => parseFloat(getComputedStyle(element).fontSize)"
         stop, heading = (page.tab.locator(each).evaluate(size) for each in (".stop", "#verdict"))
         assert stop > 1.3 * heading
-        assert "accounts for" not in page.tab.locator("header").inner_text()
+        told = page.tab.locator("header").inner_text()
+        assert "accounts for" not in told
+        assert diagnosis.stopped_at.split(" (")[0].split(":")[0] in told
+        assert ("Established by then" in told) == bool(diagnosis.findings)
+        assert "worse" not in page.tab.locator("main").inner_text()
+        assert page.tab.evaluate("document.title").startswith("Interrupted")
 
 
 def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:

@@ -47,8 +47,11 @@ SENTENCES = {
     " and omega.",
     "not_converged": "These estimates stopped before they had converged: stiffness of elbow and damping of elbow."
     " Nothing is claimed beyond what had converged: a payload at frame tip (probability 0.998).",
-    "interrupted": "This diagnosis was interrupted before it was finished. Established by then: a payload at frame tip"
-    " (probability 0.99). The test data had not been opened.",
+    "interrupted": "This diagnosis was interrupted while simulating windows, stage 3 of 5, before it was finished."
+    " Established by then: a payload at frame tip (probability 0.99). The test data had not been opened.",
+    "interrupted_early": "This diagnosis was interrupted while comparing structures, pass 2 of at most 5, before it was"
+    " finished. No effect had been established by then; of what had been compared, Coulomb friction on the motor side"
+    " of elbow was the most probable. The test data had not been opened.",
 }
 
 

@@ -29,6 +29,7 @@ from flexdyn.diagnose.inference.library import WAVES, Library
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
 from flexdyn.diagnose.inference.whitening import Tempered
+from flexdyn.diagnose.progress import know, tell
 from flexdyn.effects import Effect, JointElasticity, LoadDependentFriction
 from flexdyn.model.uncertain_parameters import FileNumber
 
@@ -80,6 +81,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
     first: Library | None = None
     compared: set[frozenset[tuple[object, ...]]] = set()
     for k in range(PASSES):
+        tell(f"comparing structures: pass {k + 1} of at most {PASSES}", 0.05 + 0.6 * k / PASSES)
         at = bare.equations.of(here.model())
         noise = _quieter(recorded, at, mask)
         work = weighed(bare, noise, mask, _filter_error(bare.equations, here))
@@ -99,6 +101,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         )
         first = first or columns
         space = Space(columns, work.whiten(at.residual), seen)
+        know(space=space)
         stands = frozenset(
             (c, 0) for c, each in enumerate(space.candidates) if each.stands is not None or each.number in here.freed
         )

@@ -25,6 +25,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "verdict": diagnosis.verdict,
+        "stopped_at": diagnosis.stopped_at or None,
         "findings": [_finding(entry) for entry in diagnosis.findings],
         "calibration": [vars(entry).copy() for entry in diagnosis.calibration],
         "gap": {"fit": _gap(diagnosis.gap_fit), "test": _gap(diagnosis.gap_test)},

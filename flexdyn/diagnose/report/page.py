@@ -58,9 +58,10 @@ def page(diagnosis: Diagnosis) -> str:
     library, script = (get_plotlyjs() if figures else ""), _own("page.js")
     # The script unpacks the library and runs it as an element of its own, whose text must have this hash.
     hashes = " ".join(f"'sha256-{_sha256(text)}'" for text in (library, script))
+    kind = "Interrupted diagnosis" if diagnosis.verdict == "interrupted" else "Diagnosis"
     filled = {
         "POLICY": f"{POLICY}; script-src {hashes}",
-        "TITLE": escape(f"Diagnosis of {diagnosis.model.name}"),
+        "TITLE": escape(f"{kind} of {diagnosis.model.name}"),
         "STYLE": _own("page.css"),
         "CONTENT": "\n".join(part(diagnosis) for part in PARTS),
         "FIGURES": _packed(json.dumps(figures, allow_nan=False)),

@@ -59,6 +59,7 @@ class Diagnosis:
         model: the corrected model.
         notes: what the data cannot tell, and what was assumed; a sentence each.
         seconds: that it took [s].
+        stopped_at: what was in work when the user stopped it; empty: nobody did.
         trajectories: measured and simulated motion of every joint, over the test data and the data of the fit.
         residuals: pictures of what the model left unexplained, before and after, the most telling first.
         decisions: further reasons, by what was decided: a target of `explain` or a few words.
@@ -103,6 +104,7 @@ class Diagnosis:
     write_model: bool = True
     stopped: tuple[str, ...] = ()
     trajectories: tuple[Trajectory, ...] = ()
+    stopped_at: str = ""
 
     def save(self, folder: str | Path) -> None:
         """Write report.html, report.json and model.yaml; all of them, or nothing.
