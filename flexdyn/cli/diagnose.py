@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+import shlex
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -19,6 +21,7 @@ from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError, MissingExtra
 
 if TYPE_CHECKING:
+    from flexdyn.diagnose.report.record import Record
     from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 CHECK, EXPLAIN = "--check", "--explain"
@@ -103,14 +106,16 @@ def diagnose(
     recordings = [[load(path, map=map) for path in paths] for paths in (fit, checks)]
     from flexdyn.diagnose import diagnose as run
 
+    done = _record(model, fit, checks, map)
     try:
         with naming({"fit": "FIT", "check": CHECK}, file=_named(fit), files={}):
             diagnosis = run(arm, *recordings)
     except Partial as stop:
         if stop.diagnosis is not None:
-            replace(stop.diagnosis, verdict="interrupted").save(folder)
+            replace(stop.diagnosis, verdict="interrupted", record=done()).save(folder)
             note(f"what was known by then is in {folder / 'report.html'}")
         raise Interrupted from None
+    diagnosis = replace(diagnosis, record=done())
     diagnosis.save(folder)
     told = {target: diagnosis.explain(target) for target in targets}
     if as_json:
@@ -120,6 +125,16 @@ def diagnose(
         from flexdyn.cli.diagnosis_text import diagnosis_text
 
         show(*diagnosis_text(diagnosis, folder), *told.values())
+
+
+def _record(model: str, fit: Sequence[Path], check: Sequence[Path], map: Path | None) -> Callable[[], Record]:
+    """What is told of the command and its files once it is done; files as they are now, before anything is read."""
+    from flexdyn.diagnose.report.record import File, record
+
+    uses = [(Path(model), "model"), *((path, "fit") for path in fit), *((path, "test") for path in check)]
+    uses += [(map, "channel map")] if map is not None else []
+    files = [File.of(path, use) for path, use in uses]
+    return lambda: record(shlex.join(["flexdyn", *sys.argv[1:]]), files)
 
 
 def _check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import importlib
 import json
 from collections.abc import Callable, Sequence
@@ -63,7 +64,7 @@ def test_a_report_is_written_and_told(flexdyn: Runner, answer: Answer) -> None:
         "The disagreement has 4 causes, first of all Stribeck friction",
         "or spring hysteresis (0.076)",
         "on the motor side of elbow",
-        "excess 1.200 ± 0.050 N m",
+        "excess 1.200 [1.102, 1.298] N m",
         "406",
         "62 %",
         "stiffness of shoulder",
@@ -149,6 +150,23 @@ def test_a_missing_model_is_said(flexdyn: Runner, answer: Answer) -> None:
     outcome = flexdyn("diagnose", "scara_two_link", "a.csv", "-o", "out")
     assert "The report is out/report.html. model.yaml was not written: on the data of the fit" in outcome.out
     assert not Path("out/model.yaml").exists()
+
+
+def test_the_report_says_what_was_done(flexdyn: Runner, answer: Answer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The command line as it was typed, and every file with its size and date, before the report is written."""
+    answer(cases.partly())
+    typed = ["diagnose", "scara_two_link", "a.csv", "--check", "b.csv", "-o", "out put"]
+    monkeypatch.setattr("sys.argv", ["/somewhere/flexdyn", *typed])
+    assert flexdyn(*typed).code == 0
+    record = json.loads(Path("out put/report.json").read_text(encoding="utf-8"))["record"]
+    assert record["command"] == "flexdyn diagnose scara_two_link a.csv --check b.csv -o 'out put'"
+    assert [(each["path"], each["use"]) for each in record["files"]] == [("a.csv", "fit"), ("b.csv", "test")]
+    assert [each["bytes"] for each in record["files"]] == [Path(name).stat().st_size for name in ("a.csv", "b.csv")]
+    now = datetime.datetime.now().astimezone()
+    for text in (record["date"], *(each["modified"] for each in record["files"])):
+        assert (
+            datetime.timedelta(seconds=-2) < now - datetime.datetime.fromisoformat(text) < datetime.timedelta(minutes=5)
+        )
 
 
 def test_ctrl_c_leaves_what_is_known(flexdyn: Runner, answer: Answer) -> None:

@@ -232,4 +232,4 @@ def test_a_fit_that_stopped_short_says_what_it_would_move(tmp_path: Path, level:
     made = linearised(Hypothesis(model, start.factors, effects=tuple(friction)), space)
     assert converged(made) == stands
     if not stands:
-        assert stopped(made)[0] == "level of coulomb friction of lift"
+        assert stopped(made)[0] == "level of Coulomb friction of lift"

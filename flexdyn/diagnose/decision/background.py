@@ -13,7 +13,7 @@ from flexdyn.diagnose.progress import Course, following
 
 Progress = Callable[[str, float], None]
 Answer = TypeVar("Answer")
-PATIENCE = 1.0
+PATIENCE = 0.5
 """Time that stopped work is given to come to its end [s]; what is known is told without it after that."""
 
 

@@ -17,6 +17,7 @@ from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, stopped
 from flexdyn.diagnose.decision.split import Part
+from flexdyn.diagnose.decision.statistics import statistics
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import Noise
@@ -81,6 +82,8 @@ def concluded(
         data=(*answer.data, *(each.source(found.joints, last.rows.noise) for each in parts[1])),
         notes=notes(compared),
         residuals=drawn(plain, first, found, named),
+        fit=statistics(found.fitted),
+        shares=last.shares,
         trajectories=motions(plain, first, last, parts),
         write_model=not first.worse,
         stopped=() if found.converged else stopped(found.fitted),

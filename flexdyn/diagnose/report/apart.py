@@ -62,11 +62,12 @@ def errors(diagnosis: Diagnosis) -> str:
         "torque error,<br>before &rarr; after",
         "share of the joint's torque",
         "position error,<br>before &rarr; after",
+        "the same in units<br>of noise",
     )
     said = (
         "Root mean squares on the test data. Torque: what the model's inverse dynamics does not explain, and its share"
-        " of the joint's torque. Position: simulated without feedback over windows of 0.5 s. Before: the model as"
-        " given; after: the corrected model."
+        " of the joint's torque. Position: simulated without feedback over windows of 0.5 s, in its unit and"
+        " in units of what noise alone makes there. Before: the model as given; after: the corrected model."
     )
     return section("Errors per joint", table(heads, rows, name="errors") + soft(said), "errors")
 
@@ -78,7 +79,8 @@ def _error(joint: str, entry: JointError, scale: float) -> list[str]:
     )
     torque = _change(entry.torque_before, entry.torque_after, entry.torque_unit)
     position = _change(entry.position_before, entry.position_after, entry.position_unit)
-    return [escape(joint), torque, f'<div class="share">{shares}</div>', position]
+    noise = f"{times(entry.gap[0])} &rarr; <b>{times(entry.gap[-1])}</b>" if entry.gap else "not simulated"
+    return [escape(joint), torque, f'<div class="share">{shares}</div>', position, noise]
 
 
 def _change(before: float, after: float, unit: str) -> str:

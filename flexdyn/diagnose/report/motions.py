@@ -45,7 +45,8 @@ def motions(diagnosis: Diagnosis) -> str:
     )
     said = (
         "Positions are simulated without feedback over windows of 0.5 s, each from the state that was measured at its"
-        " start; lines are open where no window was simulated. Torques: what each model needs for the motion that was"
+        " start; lines are open where no window was simulated, and where a joint may rest, as friction then holds any"
+        " torque. Torques: what each model needs for the motion that was"
         " measured, beside the torque that was recorded. Errors: simulated minus measured, needed minus recorded."
         " A click on a name in the legend hides its curves."
     )

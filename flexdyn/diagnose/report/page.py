@@ -13,10 +13,12 @@ from pathlib import Path
 from flexdyn.diagnose.report.apart import errors, gap, left, residuals, where
 from flexdyn.diagnose.report.calibrated import calibration
 from flexdyn.diagnose.report.compared import structures
+from flexdyn.diagnose.report.done import data, fit
 from flexdyn.diagnose.report.found import findings
 from flexdyn.diagnose.report.head import head, tail
-from flexdyn.diagnose.report.material import data, notes, plans
+from flexdyn.diagnose.report.material import notes, plans
 from flexdyn.diagnose.report.motions import motion_figures, motions
+from flexdyn.diagnose.report.parted import shares
 from flexdyn.diagnose.report.pictures import experiment_figure, residual_figure
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.errors import MissingExtra
@@ -28,10 +30,12 @@ PARTS = (
     errors,
     motions,
     findings,
-    left,
+    shares,
     residuals,
+    left,
     where,
     calibration,
+    fit,
     structures,
     notes,
     plans,

@@ -96,7 +96,7 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
             (each.joint, "") for each in diagnosis.left
         ]
         for joint, regime in places[:2]:
-            said = f" ({regime})" if regime else ""
+            said = f" ({regime})" if regime not in ("", "everywhere") else ""
             wanted.append(
                 f"More motion of {joint}{said}, slower, with the other joints at rest: a law that no catalogue"
                 " holds shows best where nothing else moves."
