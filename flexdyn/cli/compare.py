@@ -15,6 +15,12 @@ from flexdyn.comparison.compare import compare as compare_two
 from flexdyn.plots.picture import FILES
 
 COLUMNS = ("channel", "unit", "RMS", "largest", "at [s]", "bias", "RMS / spread")
+LEGEND = {
+    "RMS": "root mean square of the error",
+    "largest": "largest error, and when it was",
+    "bias": "mean error",
+    "spread": "standard deviation of the first one's channel",
+}
 
 
 def compare(
@@ -59,7 +65,7 @@ def report(found: Comparison) -> list[Any]:
         (row.channel, row.unit or "-", *map(number, (row.rms, row.largest, row.at, row.bias, row.relative)))
         for row in found.rows
     ]
-    parts: list[Any] = [head, table("Errors", COLUMNS, rows, right=COLUMNS[2:])]
+    parts: list[Any] = [head, table("Errors", COLUMNS, rows, right=COLUMNS[2:], legend=LEGEND)]
     for name, only in ((found.first, found.only_first), (found.second, found.only_second)):
         if only:
             parts.append(f"only in {name}: {', '.join(only)}")

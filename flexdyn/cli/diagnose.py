@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import shlex
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,16 +16,16 @@ from typer.core import TyperCommand
 from flexdyn.cli import completion
 from flexdyn.cli.failures import Interrupted
 from flexdyn.cli.options import JsonOption, naming, output_folder
-from flexdyn.cli.output import console, note, show, show_json
+from flexdyn.cli.output import note, show, show_json
 from flexdyn.cli.recordings import load_each
 from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError, MissingExtra
 
 if TYPE_CHECKING:
+    from flexdyn.diagnose.report.record import Record
     from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 CHECK, EXPLAIN = "--check", "--explain"
-Progress = Callable[[str, float], None]
 
 
 class DiagnoseCommand(TyperCommand):
@@ -127,17 +128,17 @@ def diagnose(
     recordings = [loaded[: len(fit)], loaded[len(fit) :]]
     from flexdyn.diagnose import diagnose as run
 
+    done = _record(model, fit, checks, maps or ())
     try:
-        with (
-            naming({"fit": "FIT", "check": CHECK, "expect": "--expect"}, file=_named(fit), files={}),
-            _progress() as progress,
-        ):
-            diagnosis = run(arm, *recordings, expect=expect or (), progress=progress)
+        options = {"fit": "FIT", "check": CHECK, "expect": "--expect"}
+        with naming(options, file=_named(fit), files={}):
+            diagnosis = run(arm, *recordings, expect=expect or ())
     except Partial as stop:
         if stop.diagnosis is not None:
-            replace(stop.diagnosis, verdict="interrupted").save(folder)
+            replace(stop.diagnosis, verdict="interrupted", record=done()).save(folder)
             note(f"what was known by then is in {folder / 'report.html'}")
         raise Interrupted from None
+    diagnosis = replace(diagnosis, record=done())
     diagnosis.save(folder)
     told = {target: diagnosis.explain(target) for target in targets}
     if as_json:
@@ -147,6 +148,16 @@ def diagnose(
         from flexdyn.cli.diagnosis_text import diagnosis_text
 
         show(*diagnosis_text(diagnosis, folder), *told.values())
+
+
+def _record(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequence[Path]) -> Callable[[], Record]:
+    """What is told of the command and its files once it is done; files as they are now, before anything is read."""
+    from flexdyn.diagnose.report.record import File, record
+
+    uses = [(Path(model), "model"), *((path, "fit") for path in fit), *((path, "test") for path in check)]
+    uses += [(each, "channel map") for each in maps]
+    files = [File.of(path, use) for path, use in uses]
+    return lambda: record(shlex.join(["flexdyn", *sys.argv[1:]]), files)
 
 
 def _check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:
@@ -190,19 +201,3 @@ def _check_pictures() -> None:
 
 def _named(paths: Sequence[Path]) -> str:
     return ", ".join(map(str, paths[:3])) + (f" and {len(paths) - 3} more" if len(paths) > 3 else "")
-
-
-@contextmanager
-def _progress() -> Iterator[Progress | None]:
-    """What is in work and how far it is, on stderr where that is a terminal."""
-    err = console(stderr=True)
-    if not err.is_terminal:
-        yield None
-        return
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
-    from rich.progress import Progress as Bars
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
-    with Bars(*columns, console=err, transient=True) as bars:
-        task = bars.add_task("diagnosis", total=1.0)
-        yield lambda stage, share: bars.update(task, description=stage, completed=share)

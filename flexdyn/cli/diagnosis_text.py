@@ -2,21 +2,45 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from flexdyn.cli.output import table
-from flexdyn.diagnose.report.digits import estimate_text, log_text, percent, probability_text, rounded
+from flexdyn.diagnose.report.digits import (
+    interval_text,
+    log_text,
+    percent,
+    probability_text,
+    rounded,
+    times,
+    unit_text,
+    value_text,
+)
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import gap_sentence, model_sentence, stopped_sentence
 from flexdyn.diagnose.report.verdicts import verdict_sentence
-from flexdyn.diagnose.report.words import effect_name, where_phrase
+from flexdyn.diagnose.report.words import finding_phrase, plain_phrase, suspect_phrase
+
+EVIDENCE = ("no.", "finding", "p", "ln B", "share")
+NUMBERS = ("no.", "if it is", "parameter", "estimate", "unit", "95 % interval")
+ERRORS = ("joint", "torque error", "of torque", "position error", "in noise")
+LEGEND = {
+    "p": 'posterior probability; of an "A or B" that of all its names together',
+    "ln B": "natural logarithm of the Bayes factor of the best structure with it against the best without it",
+    "share": "of the gap on the test data, findings added one after the other",
+}
+MEANING = {
+    "two numbers": "model as given, corrected model",
+    "of torque": "torque error over the root mean square of the joint's torque",
+    "in noise": "position error in units of what noise alone makes of it",
+}
 
 
 def diagnosis_text(diagnosis: Diagnosis, folder: Path) -> Iterator[Any]:
-    """The verdict, a table of findings, the gap, the errors, notes, where the report is.
+    """The verdict, tables of findings and their numbers, the gap, the errors, notes, where the report is.
 
     Args:
         diagnosis: as it was saved.
@@ -24,13 +48,16 @@ def diagnosis_text(diagnosis: Diagnosis, folder: Path) -> Iterator[Any]:
     """
     yield verdict_sentence(diagnosis)
     if diagnosis.findings:
-        columns = ("finding", "numbers", "probability", "log Bayes\nfactor", "of the\ntest gap")
-        yield table("Findings", columns, list(_findings(diagnosis)), right=columns[2:])
+        yield table("Findings", EVIDENCE, list(_findings(diagnosis)), right=EVIDENCE[2:], legend=LEGEND)
+        numbers = list(_numbers(diagnosis))
+        if numbers:
+            columns = NUMBERS if any(finding.rivals for finding in diagnosis.findings) else (NUMBERS[0], *NUMBERS[2:])
+            kept = [NUMBERS.index(name) for name in columns]
+            yield table("Their numbers", columns, [[row[k] for k in kept] for row in numbers], right=("estimate",))
     yield gap_sentence(diagnosis)
     if diagnosis.errors:
-        heads = ("joint", "torque error", "share of its torque", "position error")
-        title = "Errors on the test data, root mean square: model as given, corrected model"
-        yield table(title, heads, list(_errors(diagnosis)), right=heads[1:])
+        title = "Errors on the test data, root mean square"
+        yield table(title, ERRORS, list(_errors(diagnosis)), right=ERRORS[1:], legend=MEANING)
     if diagnosis.verdict != "not_converged" and (stopped := stopped_sentence(diagnosis)):
         yield stopped
     yield from diagnosis.notes
@@ -40,18 +67,24 @@ def diagnosis_text(diagnosis: Diagnosis, folder: Path) -> Iterator[Any]:
 
 
 def _findings(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
-    """A row for every name that a finding may have."""
-    for finding in diagnosis.findings:
-        gain = "-" if math.isnan(finding.test_gain) else percent(finding.test_gain)
+    """A row for every finding, with the probability of each of several names."""
+    for k, finding in enumerate(diagnosis.findings):
         factor = "-" if math.isnan(finding.log_bayes_factor) else log_text(finding.log_bayes_factor)
-        together = "together\n" if finding.rivals else ""
-        evidence = [(together + probability_text(finding.probability), factor, gain)]
-        evidence += [("", "", "")] * len(finding.rivals)
-        for place, suspect in enumerate(finding.names):
-            numbers = "\n".join(f"{key} {estimate_text(entry)}" for key, entry in suspect.parameters.items())
-            own = f" ({probability_text(suspect.probability)})" if finding.rivals else ""
-            name = f"{'or ' if place else ''}{effect_name(suspect.effect)}{own}"
-            yield f"{name}\n{where_phrase(diagnosis.model, suspect)}", numbers, *evidence[place]
+        share = "-" if diagnosis.shares is None else percent(diagnosis.shares.findings[k])
+        name = plain_phrase(finding_phrase(diagnosis.model, finding, each=True))
+        yield f"{k + 1}", name, probability_text(finding.probability), factor, share
+
+
+def _numbers(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
+    """A row for every number of every name that a finding may have."""
+    for k, finding in enumerate(diagnosis.findings, start=1):
+        for suspect in finding.names:
+            place = plain_phrase(suspect_phrase(diagnosis.model, suspect)) if finding.rivals else ""
+            for name, entry in suspect.parameters.items():
+                value = value_text(entry.value, entry.std)
+                interval = interval_text(dataclasses.replace(entry, unit="1"))
+                yield f"{k}", place, name, value, unit_text(entry.unit) or "1", interval
+                place = ""
 
 
 def _errors(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
@@ -60,4 +93,5 @@ def _errors(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
         torque = f"{rounded(entry.torque_before)}, {rounded(entry.torque_after)} {entry.torque_unit}"
         share = f"{percent(entry.torque_share_before)}, {percent(entry.torque_share_after)}"
         position = f"{rounded(entry.position_before)}, {rounded(entry.position_after)} {entry.position_unit}"
-        yield joint, torque, share, position
+        noise = f"{times(entry.gap[0])}, {times(entry.gap[-1])}" if entry.gap else "-"
+        yield joint, torque, share, position, noise

@@ -24,6 +24,16 @@ from flexdyn.plots import SUFFIXES, draw_frequencies
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
+DRIVES = {
+    "J": "rotor inertia",
+    "K": "stiffness",
+    "D": "damping",
+    "q": "position at which the rest is told",
+    "M_ii": "inertia of the arm about the joint",
+    "f locked": "frequency of the joint with its rotor held, all other joints rigid",
+    "f free": "the same with its rotor free",
+}
+"""What the symbols of the drives mean."""
 
 
 def info(
@@ -233,6 +243,7 @@ def _drives(document: Mapping[str, Any]) -> Any:
         columns,
         rows,
         right=columns[2:],
+        legend=DRIVES,
     )
 
 

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexdyn.cli.sheet import Sheet
+
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.table import Table
 
 PIPE_WIDTH = 160
 
@@ -44,25 +45,25 @@ def note(text: str) -> None:
     console(stderr=True).print(f"flexdyn: {text}", soft_wrap=True)
 
 
-def table(title: str, columns: Iterable[str], rows: Iterable[Sequence[Any]], *, right: Iterable[str] = ()) -> Table:
-    """A table of texts.
+def table(
+    title: str,
+    columns: Iterable[str],
+    rows: Iterable[Sequence[Any]],
+    *,
+    right: Iterable[str] = (),
+    legend: Mapping[str, str] | None = None,
+) -> Sheet:
+    """A table of texts that fits the terminal with its names and numbers whole.
 
     Args:
         title: above it.
         columns: their heads.
         rows: their cells, in order.
         right: heads of the columns that hold numbers and stand to the right.
+        legend: what the symbols in it mean, printed below.
     """
-    from rich import box
-    from rich.table import Table
-
-    made = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, title_style="bold", pad_edge=False)
-    numbers = set(right)
-    for column in columns:
-        made.add_column(column, justify="right" if column in numbers else "left", overflow="fold")
-    for row in rows:
-        made.add_row(*(str(cell) for cell in row))
-    return made
+    cells = tuple(tuple(str(cell) for cell in row) for row in rows)
+    return Sheet(title, tuple(columns), cells, frozenset(right), legend or {})
 
 
 def number(value: float | None, digits: int = 4) -> str:

@@ -30,6 +30,15 @@ STARTS = "0.1,0.2 or elbow=1.57,wrist=0"
 # Arguments of the Python interface -> what the user typed.
 NAMES = {name: f"--{name}" for name in ("duration", "rate", "q0", "v0", "theta0", "omega0")}
 NAMES |= {f"solver.{name}": f"--{name}" for name in ("step", "rtol", "atol", "smoothing")} | {"solver": "--solver"}
+SYMBOLS = {
+    "q": "link position",
+    "v": "link velocity",
+    "theta": "motor position, reflected",
+    "tau": "motor torque asked for",
+    "tau_s": "torque in the spring",
+    "| |": "the largest size",
+}
+"""What the symbols of a run's table mean."""
 
 
 def simulate(
@@ -226,4 +235,9 @@ def _report(run: Run, path: Path) -> list[Any]:
     for j, (name, entry) in enumerate(joints.items()):
         unit = f"{run.model.robot.angle_unit(j)}, {run.model.robot.torque_unit(j)}"
         rows.append((name, unit, *(number(float(entry[key])) for key in keys)))
-    return [head, table("First and last position, largest values", ("joint", "unit", *columns), rows, right=columns)]
+    return [
+        head,
+        table(
+            "First and last position, largest values", ("joint", "unit", *columns), rows, right=columns, legend=SYMBOLS
+        ),
+    ]

@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from contextvars import Context, copy_context
 from functools import partial
 from typing import TypeVar
 
 import numpy as np
+
+from flexdyn.diagnose.progress import check
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -31,9 +34,19 @@ def abreast(
     """
     items = list(items)
     found: list[Result] = []
+    tasks = [(copy_context(), item) for item in items]
+
+    def do(task: tuple[Context, Item]) -> Result:
+        return task[0].run(_checked, work, task[1])
+
     with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-abreast") as pool:
-        for each in pool.map(work, items) if len(items) > 1 else map(work, items):
+        for each in pool.map(do, tasks) if len(items) > 1 else map(do, tasks):
             found.append(each)
             if progress is not None:
                 progress(len(found) / len(items))
     return found
+
+
+def _checked(work: Callable[[Item], Result], item: Item) -> Result:
+    check()
+    return work(item)

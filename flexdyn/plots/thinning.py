@@ -20,22 +20,23 @@ LONGEST = 24000
 """Points of a curve in a plane; one that needs more is drawn as dots."""
 
 
-def outline(t: Array, *signals: Array) -> NDArray[np.intp]:
+def outline(t: Array, *signals: Array, slices: int = SLICES) -> NDArray[np.intp]:
     """Which samples to draw so that the curve looks as if all of them were drawn.
 
     Of every slice of time the first and last sample are kept, and where each signal is least and greatest: no peak is
-    lost, and no line is drawn to where the curve never was. A curve of up to `MOST` samples keeps all.
+    lost, and no line is drawn to where the curve never was. A curve of up to four samples a slice keeps all.
 
     Args:
         t: times, increasing (samples,).
         signals: drawn over time (samples,).
+        slices: of time, each narrower than a dot of the picture.
 
     Returns:
         Indices, increasing.
     """
-    if len(t) <= MOST:
+    if len(t) <= 4 * slices:
         return np.arange(len(t))
-    edges = np.searchsorted(t, np.linspace(t[0], t[-1], SLICES + 1)[1:-1])
+    edges = np.searchsorted(t, np.linspace(t[0], t[-1], slices + 1)[1:-1])
     bounds = np.unique(np.concatenate([[0], edges, [len(t)]]))
     kept = [bounds[:-1], bounds[1:] - 1]
     for signal in signals:

@@ -103,7 +103,7 @@ def test_what_was_hidden_and_found_is_told(flexdyn: Runner, study: Callable[...,
     assert outcome.code == 1, "a check failed"
     assert folders == [Path("there/diagnosis")]
     told = " ".join(outcome.out.replace("│", " ").split())
-    assert "Stribeck friction on the link side of elbow excess 0.01 0.0102 ± 0.0010 N m" in told
+    assert "Stribeck friction on the link side of elbow excess 0.01 0.0102 [0.0083, 0.0122] N m" in told
     assert "Coulomb friction on the link side of shoulder level 0.02 not found" in told
     assert "as given 1234" in told
     assert "there/diagnosis/report.html" in told

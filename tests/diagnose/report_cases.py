@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 import flexdyn as fd
+from flexdyn.diagnose.report.record import File, Record, Shares, Statistics
 from flexdyn.diagnose.report.result import (
     Calibration,
     Considered,
@@ -23,6 +24,7 @@ from flexdyn.diagnose.report.result import (
     Suspect,
     Trace,
 )
+from flexdyn.diagnose.report.trajectory import Curve, Trajectory
 
 STRIBECK = Suspect(
     "stribeck_friction",
@@ -66,8 +68,10 @@ def explained(model: fd.FlexibleJointModel | None = None) -> Diagnosis:
         Gap(11.83, 10.2, 1.04, 1.0),
         Gap(12.41, 10.9, 1.07, 1.0),
         {
-            "shoulder": JointError(4.1, 0.62, "N m", 0.11, 0.0166, 0.0102, 0.00038, "rad"),
-            "elbow": JointError(1.73, 0.081, "N m", 0.31, 0.0145, 0.0231, 0.00041, "rad"),
+            "shoulder": JointError(4.1, 0.62, "N m", 0.11, 0.0166, 0.0102, 0.00038, "rad", 3.9, 0.01, (9.1, 8.9, 1.02)),
+            "elbow": JointError(
+                1.73, 0.081, "N m", 0.31, 0.0145, 0.0231, 0.00041, "rad", 1.7, 0.022, (15.0, 14.1, 1.1)
+            ),
         },
         (
             Place("elbow", "motor", 0.82, "abs(omega) < 0.1 rad/s"),
@@ -86,6 +90,30 @@ def explained(model: fd.FlexibleJointModel | None = None) -> Diagnosis:
         residuals("elbow, motor side") + residuals("shoulder, motor side"),
         {"search": "3 seeds and 5212 structures; none was found after structure 1880 that changed a name."},
         compared(),
+        trajectories=(motion("elbow"), motion("shoulder")),
+        record=Record(
+            "0.1.0",
+            "2026-03-01T10:00:00+01:00",
+            "flexdyn diagnose arm.yaml monday.csv -o out",
+            (
+                File("arm.yaml", "model", 412, "2026-02-27T16:01:02+01:00"),
+                File("monday.csv", "fit", 5_201_337, "2026-02-28T09:30:00+01:00"),
+            ),
+        ),
+        fit=Statistics(
+            "Gauss-Newton", 8123, 18, 8011.5, 0.9885, -76.4, 49.6, (("mass of link2", "inertia of link2", -0.97),)
+        ),
+        shares=Shares(0.02, (0.6, 0.21, 0.09, 0.07), 0.01, 0.0094),
+    )
+
+
+def motion(joint: str) -> Trajectory:
+    """Ten seconds of a joint, the model as given off by what friction does."""
+    t = np.arange(41.6, 51.6, 0.01)
+    q, off = np.sin(t), np.sign(np.cos(t))
+    errors = np.stack([0.1 * off, 0.09 * off, 0.001 * off])
+    return Trajectory(
+        joint, "monday.csv", "test", Curve("q [rad]", t, q, 0.1 * errors), Curve("torque [N m]", t, 9.0 * q, errors)
     )
 
 
@@ -176,10 +204,22 @@ def interrupted() -> Diagnosis:
         findings=(Finding(PAYLOAD, 0.99, 31.0, math.nan), Finding(COULOMB, 0.6, 0.4, math.nan)),
         considered=(Considered(PAYLOAD, 0.99, 31.0), Considered(COULOMB, 0.6, 0.4)),
         seconds=8.0,
+        stopped_at="simulating windows (3 of 5)",
     )
 
 
-CASES = (explained, no_discrepancy, unexplained, partly, not_converged, interrupted)
+def interrupted_early() -> Diagnosis:
+    """Ctrl-C while structures were compared: no name, and no corrected model."""
+    return _diagnosis(
+        "interrupted",
+        structures=(Structure((COULOMB,), 0.7, -310.0), Structure((), 0.3, -310.8)),
+        data=sources()[:1],
+        write_model=False,
+        stopped_at="comparing structures: pass 2 of at most 5",
+    )
+
+
+CASES = (explained, no_discrepancy, unexplained, partly, not_converged, interrupted, interrupted_early)
 
 
 def robot() -> Diagnosis:

@@ -18,11 +18,12 @@ from flexdyn.diagnose.decision.corrected import converged
 from flexdyn.diagnose.decision.held_out import held_out
 from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.notes import stopped
-from flexdyn.diagnose.decision.run import diagnose
+from flexdyn.diagnose.decision.run import STAGES, diagnose
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.hypothesis.workspace import workspace
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
+from flexdyn.diagnose.report.verdicts import verdict_sentence
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 
 RATE, MASS, LEVEL = 250.0, 2.5, 0.8
@@ -132,7 +133,7 @@ def test_an_interrupted_diagnosis_says_what_was_known(tmp_path: Path, stage: str
     """Ctrl-C after the structures were compared: names without figures of the test data."""
 
     def stop(now: str, share: float) -> None:
-        if now == stage:
+        if now.startswith(stage):
             raise KeyboardInterrupt
 
     with pytest.raises(Interrupted) as caught:
@@ -146,15 +147,50 @@ def test_an_interrupted_diagnosis_says_what_was_known(tmp_path: Path, stage: str
 
 
 def test_nothing_is_known_before_structures_were_compared(tmp_path: Path) -> None:
-    """Ctrl-C at once."""
+    """Ctrl-C before the first comparison: which data were read, and where it was stopped, and no more."""
 
     def stop(now: str, share: float) -> None:
-        if now == "comparing structures":
+        if now.startswith("comparing structures"):
             raise KeyboardInterrupt
 
     with pytest.raises(Interrupted) as caught:
         diagnose(slider_model(tmp_path), [_recording()], progress=stop)
-    assert caught.value.diagnosis is None
+    known = caught.value.diagnosis
+    assert known is not None
+    assert (known.verdict, known.findings, known.structures) == ("interrupted", (), ())
+    assert known.stopped_at == "comparing structures (2 of 5)"
+    assert [each.role for each in known.data] == ["fit"]
+    assert not known.write_model
+
+
+def test_structures_that_were_compared_are_told_without_a_name(tmp_path: Path) -> None:
+    """Ctrl-C in the second pass: the comparison had not ended, so nothing is established."""
+
+    def stop(now: str, share: float) -> None:
+        if "pass 2" in now:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted) as caught:
+        diagnose(slider_model(tmp_path), [_recording()], progress=stop)
+    known = caught.value.diagnosis
+    assert known is not None
+    assert known.findings == ()
+    assert "coulomb_friction" in {each.effect for each in known.structures[0].effects}
+    assert "Nothing" in verdict_sentence(known) or "No effect" in verdict_sentence(known)
+
+
+def test_progress_grows_to_the_end_and_names_what_is_in_work(tmp_path: Path) -> None:
+    """Stages in their order, each with its number; passes of the search; the share never falls."""
+    told: list[tuple[str, float]] = []
+    diagnose(slider_model(tmp_path), [_recording()], progress=lambda stage, share: told.append((stage, share)))
+    stages = [stage for stage, _ in told]
+    for k, name in enumerate(STAGES, start=1):
+        assert f"{name} ({k} of {len(STAGES)})" in stages
+    assert any("pass 1 of at most" in stage for stage in stages)
+    shares = [share for _, share in told]
+    assert shares == sorted(shares)
+    assert shares[0] == 0.0
+    assert 0.5 < shares[-1] <= 1.0
 
 
 @pytest.mark.parametrize("share", [0.0, 0.04])
@@ -196,4 +232,4 @@ def test_a_fit_that_stopped_short_says_what_it_would_move(tmp_path: Path, level:
     made = linearised(Hypothesis(model, start.factors, effects=tuple(friction)), space)
     assert converged(made) == stands
     if not stands:
-        assert stopped(made)[0] == "level of coulomb friction of lift"
+        assert stopped(made)[0] == "level of Coulomb friction of lift"

@@ -23,6 +23,7 @@ PLACE = {"channel", "of", "parameter", "other", "frame"}
 DOCUMENT = {
     "schema": str,
     "verdict": str,
+    "stopped_at": NAME,
     "findings": list,
     "calibration": list,
     "gap": dict,
@@ -34,7 +35,15 @@ DOCUMENT = {
     "data": list,
     "notes": list,
     "seconds": NUMBER,
+    "record": dict,
+    "fit": (dict, type(None)),
+    "shares": (dict, type(None)),
 }
+RECORD = {"version": str, "date": str, "command": str, "files": list}
+FILE = {"path": str, "use": str, "bytes": int, "modified": str}
+FIT = {"method": str, "points": int, "variables": int, "chi_square": NUMBER, "reduced": NUMBER, "aic": NUMBER}
+FIT |= {"bic": NUMBER, "correlations": list}
+SHARES = {"calibration": NUMBER, "findings": list, "left": NUMBER, "noise": NUMBER}
 ENTRIES: dict[str, dict[str, Any]] = {
     "findings": SUSPECT | {"probability": NUMBER, "evidence": dict, "indistinguishable_from": list, "experiment": str},
     "calibration": {"of": str, "parameter": str, "factor": NUMBER, "std": NUMBER, "tolerance": NUMBER},
@@ -42,11 +51,27 @@ ENTRIES: dict[str, dict[str, Any]] = {
     "left": {"joint": str, "share_of_torque": NUMBER, "correlation_time": NUMBER, "depends_on": list},
     "structures": {"effects": list, "probability": NUMBER, "log_evidence": NUMBER},
     "considered": SUSPECT | {"probability": NUMBER, "log_bayes_factor": NUMBER, "note": str},
-    "data": {"file": str, "role": str, "from": NUMBER, "to": NUMBER, "rate": NUMBER, "noise": dict},
+    "data": {
+        "file": str,
+        "role": str,
+        "from": NUMBER,
+        "to": NUMBER,
+        "rate": NUMBER,
+        "noise": dict,
+        "samples": int,
+        "channels": list,
+    },
 }
 ERROR = {
-    "torque": {"before": NUMBER, "after": NUMBER, "unit": str, "share_before": NUMBER, "share_after": NUMBER},
-    "position": {"before": NUMBER, "after": NUMBER, "unit": str},
+    "torque": {
+        "before": NUMBER,
+        "calibrated": NUMBER,
+        "after": NUMBER,
+        "unit": str,
+        "share_before": NUMBER,
+        "share_after": NUMBER,
+    },
+    "position": {"before": NUMBER, "calibrated": NUMBER, "after": NUMBER, "unit": str},
 }
 
 
@@ -63,7 +88,7 @@ def test_the_json_is_what_the_contract_says(made: Callable[[], Diagnosis], tmp_p
     for gap in document["gap"].values():
         assert gap is None or _is(gap, GAP)
     for entry in document["errors"].values():
-        _is(entry, {"torque": dict, "position": dict})
+        _is(entry, {"torque": dict, "position": dict, "gap": (dict, type(None))})
         for name, kinds in ERROR.items():
             _is(entry[name], kinds)
     for key, kinds in ENTRIES.items():
@@ -78,6 +103,10 @@ def test_the_json_is_what_the_contract_says(made: Callable[[], Diagnosis], tmp_p
             _is(number, PARAMETER)
             assert len(number["interval"]) == 2
     assert {entry["role"] for entry in document["data"]} <= {"fit", "test"}
+    _is(document["record"], RECORD)
+    assert all(_is(entry, FILE) for entry in document["record"]["files"])
+    for key, kinds in (("fit", FIT), ("shares", SHARES)):
+        assert document[key] is None or _is(document[key], kinds)
 
 
 def test_the_json_tells_where_a_sensor_and_a_payload_are() -> None:

@@ -18,7 +18,7 @@ SCRIPT = """
 import json, sys
 import flexdyn as fd
 answer = fd.diagnose(fd.load_model(sys.argv[1]), [fd.read_recording(sys.argv[2])]).to_dict()
-print(json.dumps({key: value for key, value in answer.items() if key != "seconds"}))
+print(json.dumps({key: value for key, value in answer.items() if key not in ("seconds", "record")}))
 """
 
 
@@ -31,7 +31,7 @@ def _answered(folder: Path, threads: int) -> str:
 
 @pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one core has one thread")
 def test_one_thread_and_two_tell_the_same(tmp_path: Path) -> None:
-    """Every digit of the report but the seconds that it took."""
+    """Every digit of the report but the time that it took and when that was."""
     wrong = two_link(ARM, tolerance=0.03).replace(joints={"elbow": {"stiffness": 1.4 * ARM.stiffness[1]}})
     fd.save_model(wrong, tmp_path / "model.yaml")
     fd.write_recording(two_link_recording(Levels(), 4), tmp_path / "fit.npz")

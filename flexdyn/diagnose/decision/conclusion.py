@@ -4,27 +4,32 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noise
-from flexdyn.diagnose.decision.drawn import drawn
+from flexdyn.diagnose.decision.drawn import drawn, motions
 from flexdyn.diagnose.decision.experiments import with_experiments
 from flexdyn.diagnose.decision.figures import OnFit, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, names_told
+from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, stopped
 from flexdyn.diagnose.decision.split import Part
+from flexdyn.diagnose.decision.statistics import statistics
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import Noise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.shooting.gap import NOISE
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Parts = tuple[tuple[Part, ...], tuple[Part, ...]]
 
@@ -73,7 +78,10 @@ def concluded(
         left=last.left,
         data=(*answer.data, *(each.source(found.joints, last.rows.noise) for each in parts[1])),
         notes=notes(compared, found),
-        residuals=drawn(plain.equations, first.after, plain.whiten),
+        residuals=drawn(plain, first, found, named),
+        fit=statistics(found.fitted),
+        shares=last.shares,
+        trajectories=motions(plain, first, last, parts),
         write_model=not first.worse,
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )
@@ -120,6 +128,30 @@ def known(
     )
 
 
-def interrupted(found: Corrected, noise: Noise, fitted: Sequence[Part]) -> Diagnosis:
-    """What was known when the user stopped it."""
-    return known(found, names_told(found), noise, fitted, {})
+def interrupted(model: FlexibleJointModel, so_far: Mapping[str, Any]) -> Diagnosis:
+    """What was known when the user stopped it.
+
+    Args:
+        model: as given.
+        so_far: what the work had kept: ``fitted`` and ``noise``; ``space`` once structures are compared; ``found`` once
+            they have been.
+    """
+    fitted, noise = so_far["fitted"], so_far["noise"]
+    if "found" in so_far:
+        return known(so_far["found"], names_told(so_far["found"]), noise, fitted, {})
+    space: Space | None = so_far.get("space")
+    masses = Masses.of(dict(space.known)) if space is not None and space.known else None
+    return Diagnosis(
+        verdict="interrupted",
+        findings=(),
+        calibration=(),
+        gap_fit=None,
+        gap_test=None,
+        errors={},
+        where=(),
+        left=(),
+        structures=() if space is None or masses is None else structures(model, space.candidates, masses),
+        data=tuple(each.source(tuple(model.joint_names), noise) for each in fitted),
+        model=model,
+        write_model=False,
+    )

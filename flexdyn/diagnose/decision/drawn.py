@@ -2,36 +2,84 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
+
 import numpy as np
 
+from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.decision.figures import OnFit, OnTest
+from flexdyn.diagnose.decision.laws_seen import laws_seen
+from flexdyn.diagnose.decision.naming import Name
+from flexdyn.diagnose.decision.split import Part
+from flexdyn.diagnose.decision.trajectories import trajectories
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import traces
+from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.report.trace import Trace
-
-EQUATIONS = 3
-"""Equations that are drawn, each over time and over what its residual depends on more."""
+from flexdyn.diagnose.report.trajectory import Trajectory
 
 
-def drawn(before: Equations, after: Equations, whiten: Whitener) -> tuple[Trace, ...]:
-    """The equations of which the correction takes most, in units of noise; of each two pictures.
+def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name]) -> tuple[Trace, ...]:
+    """Pictures in the order of how much they explain: of the laws found, then two of every equation.
+
+    Args:
+        plain: equations of the model as given over the data of the fit.
+        first: figures on these.
+        found: the corrected model.
+        named: what is told.
+    """
+    laws = laws_seen(plain.equations, first.after, plain.whiten, found, named)
+    ordered = sorted(laws, key=lambda each: -each.explains)
+    return (*ordered, *of_equations(plain.equations, first.after, plain.whiten))
+
+
+def of_equations(before: Equations, after: Equations, whiten: Whitener) -> tuple[Trace, ...]:
+    """Two pictures of every equation, those of which the correction takes most first.
+
+    One is over what its residual depends on more, position or velocity, and one over time. Where the correction takes
+    nothing off, what is left decides the order.
 
     Args:
         before: of the model as given.
         after: of the corrected model, over the same recordings.
         whiten: by the sensors' noise.
     """
-    powers = [(whiten(at.residual).reshape(-1, len(at.kinds)) ** 2).sum(axis=0) for at in (before, after)]
-    order = np.argsort(powers[1] - powers[0], kind="stable")
+    many = len(before.kinds)
+    first, last = ((whiten(at.residual).reshape(-1, many) ** 2).sum(axis=0) for at in (before, after))
     pictures = traces(before, after, whiten.mask)
-    found: list[Trace] = []
-    for k in order[:EQUATIONS].tolist():
+    equations: list[Trace] = []
+    for k in np.lexsort((-last, last - first)).tolist():
         over_time, *clouds = pictures[3 * k : 3 * k + 3]
-        found += [over_time, max(clouds, key=_dependence)]
-    return tuple(found)
+        share = float((first[k] - last[k]) / max(first.sum(), 1e-300))
+        told = (max(clouds, key=_dependence), over_time)
+        equations += [dataclasses.replace(each, explains=share) for each in told]
+    return tuple(equations)
 
 
 def _dependence(cloud: Trace) -> float:
     """Spread of the averages over neighbours: what the residual changes with."""
     spread = float(np.nanvar(cloud.means[:, 1])) if len(cloud.means) else 0.0
     return spread if np.isfinite(spread) else 0.0
+
+
+def motions(
+    plain: Workspace, first: OnFit, last: OnTest, parts: tuple[tuple[Part, ...], tuple[Part, ...]]
+) -> tuple[Trajectory, ...]:
+    """Measured and simulated motion over the test data, then over the data of the fit.
+
+    Args:
+        plain: equations of the model as given over the data of the fit.
+        first: figures on these.
+        last: figures on the test data.
+        parts: of the fit, and the test data.
+    """
+    calibrated, rows = first.calibrated.seen(), last.rows
+    tested = (rows.given, rows.given.of(calibrated), rows.after)
+    fitted = (plain.equations, plain.equations.of(calibrated), first.after)
+    seen = ~plain.whiten.mask.reshape(-1, len(plain.equations.kinds))
+    return (
+        *trajectories(tested, rows.seen, last.shots, parts[1]),
+        *trajectories(fitted, seen, first.shots, parts[0]),
+    )

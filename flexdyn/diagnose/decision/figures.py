@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.gains import gains
+from flexdyn.diagnose.decision.gains import gains, shares
 from flexdyn.diagnose.decision.gaps import ENOUGH, Shots, shots, windows_of
 from flexdyn.diagnose.decision.held_out import HeldOut, held_out, rms
 from flexdyn.diagnose.decision.left import dependence, left
@@ -21,6 +21,7 @@ from flexdyn.diagnose.equations.localise import localise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.report.measures import Gap, JointError, Left, Place
+from flexdyn.diagnose.report.record import Shares
 
 Array = NDArray[np.float64]
 
@@ -111,6 +112,7 @@ class OnTest:
         errors: by joint.
         left: what the corrected model leaves.
         gains: share of the gap that goes with each named candidate.
+        shares: of the gap, which add up; None: no row says anything.
     """
 
     rows: HeldOut
@@ -118,6 +120,7 @@ class OnTest:
     errors: dict[str, JointError]
     left: tuple[Left, ...]
     gains: dict[int, float]
+    shares: Shares | None
 
     @property
     def gap(self) -> Gap | None:
@@ -142,17 +145,30 @@ def on_test(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Na
     if windows is not None:
         over = Shots(*shots([here.given, first.calibrated.seen(), here.seen()], windows))
     depends_on = dependence(first.left)
-    return OnTest(rows, over, _errors(rows, over), left(rows, depends_on), gains(rows, first.calibrated, found, named))
+    gone = gains(rows, first.calibrated, found, named)
+    parted = shares(rows, found, named, gone)
+    return OnTest(rows, over, _errors(rows, over, first.calibrated), left(rows, depends_on), gone, parted)
 
 
-def _errors(rows: HeldOut, over: Shots | None) -> dict[str, JointError]:
+def _errors(rows: HeldOut, over: Shots | None, calibrated: Hypothesis) -> dict[str, JointError]:
     """Errors of torques and positions of every joint."""
     found, robot = {}, rows.given.true.robot
+    between = dataclasses.replace(rows, after=rows.given.of(calibrated.seen()))
     for j, joint in enumerate(rows.given.true.joint_names):
         before, after, recorded = (rms(x) for x in rows.torque(j))
         size = max(recorded, 1e-12)
-        apart = (float("nan"),) * 2 if over is None else over.position(joint)
+        apart = (float("nan"),) * 3 if over is None else over.position(joint)
         found[joint] = JointError(
-            before, after, robot.torque_unit(joint), before / size, after / size, *apart, robot.angle_unit(joint)
+            before,
+            after,
+            robot.torque_unit(joint),
+            before / size,
+            after / size,
+            apart[0],
+            apart[2],
+            robot.angle_unit(joint),
+            rms(between.torque(j)[1]),
+            apart[1],
+            () if over is None else over.scaled(joint),
         )
     return found

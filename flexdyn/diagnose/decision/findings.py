@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from scipy.special import ndtr
 
 from flexdyn.diagnose.decision.corrected import Corrected, effect_of
+from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE
@@ -31,7 +32,8 @@ def findings(
         gains: by candidate, share of the gap on the test data that goes with it.
     """
     made = [_finding(model, found, each, gains) for each in named]
-    return tuple(sorted(made, key=lambda each: -each.test_gain if math.isfinite(each.test_gain) else 0.0))
+    of = {each.candidate: entry for each, entry in zip(named, made, strict=True)}
+    return tuple(of[c] for c in in_order(list(of), gains))
 
 
 def names_told(found: Corrected) -> list[Name]:

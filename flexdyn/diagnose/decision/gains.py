@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import dataclasses
+import itertools
+import math
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.decision.corrected import Corrected, possible
 from flexdyn.diagnose.decision.held_out import HeldOut
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.report.record import Shares
 
 
 def gains(rows: HeldOut, calibrated: Hypothesis, found: Corrected, named: Sequence[Name]) -> dict[int, float]:
@@ -35,3 +39,45 @@ def gains(rows: HeldOut, calibrated: Hypothesis, found: Corrected, named: Sequen
         return {each.candidate: np.nan for each in named}
     whole = max(before - min(after, 1.0), 1e-9)
     return {each.candidate: min(1.0, (off(found.without(each.candidate)) - after) / whole) for each in named}
+
+
+def shares(rows: HeldOut, found: Corrected, named: Sequence[Name], gain: Mapping[int, float]) -> Shares | None:
+    """Shares of the gap on the test data that add up: names are added one after the other, in the order of their gain.
+
+    Args:
+        rows: over the test data.
+        found: the corrected model.
+        named: what is told.
+        gain: by candidate, see `gains`.
+
+    Returns:
+        None where no row says anything.
+    """
+    order = in_order([each.candidate for each in named], gain)
+    models = [found.hypothesis.given, *(_with(found, order, order[:k]).seen() for k in range(len(order) + 1))]
+    power = []
+    for model in models:
+        white = rows.whiten(rows.given.of(model).residual).reshape(rows.seen.shape)[rows.seen]
+        power.append(float((white**2).sum()))
+    count = int(rows.seen.sum())
+    if not count or not power[0] > 0.0:
+        return None
+    steps = [(one - other) / power[0] for one, other in itertools.pairwise(power)]
+    return Shares(steps[0], tuple(steps[1:]), power[-1] / power[0], count / power[0])
+
+
+def in_order(candidates: Sequence[int], gain: Mapping[int, float]) -> list[int]:
+    """Candidates in the order in which findings are told: the one that explains most first."""
+    known = {c: gain.get(c, math.nan) for c in candidates}
+    return sorted(candidates, key=lambda c: -known[c] if math.isfinite(known[c]) else 0.0)
+
+
+def _with(found: Corrected, named: Sequence[int], kept: Collection[int]) -> Hypothesis:
+    """The corrected model with some of its names alone, all other numbers as they are."""
+    here = found.hypothesis
+    gone = [c for c in named if c not in kept]
+    numbers = {found.candidates[c].number for c in gone}
+    factors = {number: 1.0 if number in numbers else factor for number, factor in here.factors.items()}
+    effects = [each for c in gone if (each := found.effect(c)) is not None]
+    left = [each for each in here.effects if not any(each is other for other in effects)]
+    return dataclasses.replace(here, factors=factors, effects=possible(here, left))

@@ -63,12 +63,23 @@ class Shots:
         )
         return bool(np.log(np.maximum(after, 1e-300) / np.maximum(before, 1e-300)).mean() <= 1e-9)
 
-    def position(self, joint: str) -> tuple[float, float]:
-        """Error of a joint's measured positions, root mean square, before and after."""
-        channels = self.after.windows.channels
-        own = [k for k, name in enumerate(channels) if name.partition(".")[2] == joint]
-        before, after = (rms(shot.residual[:, :, own][shot.used[:, :, own]]) for shot in (self.before, self.after))
-        return before, after
+    def position(self, joint: str) -> tuple[float, ...]:
+        """Error of a joint's measured positions, root mean square, of the three models."""
+        own = self._own(joint)
+        return tuple(rms(shot.residual[:, :, own][shot.used[:, :, own]]) for shot in self._models)
+
+    def scaled(self, joint: str) -> tuple[float, ...]:
+        """The same in units of what noise alone makes there [1]."""
+        own = self._own(joint)
+        return tuple(rms(shot.scaled[:, :, own][shot.used[:, :, own]]) for shot in self._models)
+
+    @property
+    def _models(self) -> tuple[Shot, Shot, Shot]:
+        return self.before, self.calibrated, self.after
+
+    def _own(self, joint: str) -> list[int]:
+        """Channels of a joint."""
+        return [k for k, name in enumerate(self.after.windows.channels) if name.partition(".")[2] == joint]
 
 
 def windows_of(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,16 +60,18 @@ class HeldOut:
         Of an elastic joint with both encoders it is the sum of the motor's equation and the link's: the spring's torque
         stands in both and drops out. Rows that say nothing are left out.
         """
-        own = [k for k, (i, kind) in enumerate(self.after.kinds) if i == j and kind in (MOTOR, LINK, TOTAL)]
+        (before, own), (after, _) = (summed(at, j) for at in (self.given, self.after))
         clear = self.seen[:, own].all(axis=1)
-        before, after = (self._summed(at, j, own)[clear] for at in (self.given, self.after))
         recorded = [along.tau[at.filters.instants(len(along.t)), j] for at in (self.after,) for along in at.motions]
-        return before, after, np.concatenate(recorded)[clear]
+        return before[clear], after[clear], np.concatenate(recorded)[clear]
 
-    def _summed(self, at: Equations, j: int, own: Sequence[int]) -> Array:
-        rows = at.residual.reshape(self.seen.shape)
-        units = {LINK: at.softness[j] / at.gains[j]}
-        return np.asarray(sum(rows[:, k] * units.get(at.kinds[k][1], 1.0) for k in own))
+
+def summed(at: Equations, j: int) -> tuple[Array, list[int]]:
+    """Torque of a joint that its equations leave (rows,), recorded less needed, and which equations these are."""
+    own = [k for k, (i, kind) in enumerate(at.kinds) if i == j and kind in (MOTOR, LINK, TOTAL)]
+    rows = at.residual.reshape(-1, len(at.kinds))
+    units = {LINK: at.softness[j] / at.gains[j]}
+    return np.asarray(sum(rows[:, k] * units.get(at.kinds[k][1], 1.0) for k in own)), own
 
 
 def held_out(equations: Equations, hypothesis: Hypothesis, data: tuple[Measured, ...]) -> HeldOut:

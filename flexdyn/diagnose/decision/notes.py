@@ -9,8 +9,10 @@ import numpy as np
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.findings import lags_within_a_sample
 from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.report.words import effect_name, number_phrase
 
 FARTHEST = 3
 """Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""
@@ -43,13 +45,18 @@ def _of_search(compared: Posterior) -> Iterator[str]:
         yield "The search was stopped while its last linearisation still changed the most probable structure."
 
 
-def stopped(made: Fit) -> tuple[str, ...]:
-    """Numbers that the next step of a fit would move farthest, such as ``damping of elbow``."""
-    here = made.hypothesis
-    words = [f"{number.parameter} of {number.of}" for number in here.factors]
+def number_words(here: Hypothesis) -> list[str]:
+    """Every number of a fit: ``damping of elbow``, ``level of Coulomb friction of elbow``."""
+    words = [number_phrase(here.given, number.of, number.parameter) for number in here.factors]
     for effect, name in here.unknowns():
         place = getattr(effect, "joint", None) or getattr(effect, "channel", None)
-        words.append(f"{name} of {effect.name.replace('_', ' ')}{f' of {place}' if place else ''}")
+        words.append(f"{name.replace('_', ' ')} of {effect_name(effect.name)}{f' of {place}' if place else ''}")
+    return words
+
+
+def stopped(made: Fit) -> tuple[str, ...]:
+    """Numbers that the next step of a fit would move farthest, such as ``damping of elbow``."""
+    words = number_words(made.hypothesis)
     spread = [
         *made.factor_std().values(),
         *(s / scale for s, scale in zip(made.std().values(), made.scales, strict=True)),

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
+from flexdyn.diagnose.decision.background import Progress, beside
+from flexdyn.diagnose.decision.bar import shown
+from flexdyn.diagnose.decision.held_out import recorded_noise
 from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.progress import Course, know, tell
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.effects import registered
 from flexdyn.errors import InputError, did_you_mean
@@ -18,10 +22,10 @@ from flexdyn.records import Recording
 from flexdyn.records.given import as_recordings
 from flexdyn.records.signals.gaps import apart_at_gaps
 
-if TYPE_CHECKING:
-    from flexdyn.diagnose.decision.corrected import Corrected
-
-Progress = Callable[[str, float], None]
+COMPARED = 0.65
+"""Share of the work after which the structures have been compared, as a rule [1]."""
+STAGES = ("reading the equations", "comparing structures", "simulating windows", "opening the test data",
+          "designing experiments")  # fmt: skip
 
 
 def diagnose(
@@ -30,7 +34,7 @@ def diagnose(
     check: Any = (),
     *,
     expect: Sequence[str] = (),
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Diagnosis:
     """Find where a model and measurements disagree, name the missing effects, and add them.
 
@@ -42,7 +46,8 @@ def diagnose(
             what moves in every recording of `fit`.
         expect: names of effects that this drive is likely to have, by its data sheet or its like: they are told from
             something unknown that looks like them by the odds of common effects (docs/diagnosis.md, eq. 6).
-        progress: called with the stage and the share of it that is done.
+        progress: called with what is in work and the share of all work that is done, as far as that can be said; None:
+            a bar with the time on stderr where that is a terminal, or in a notebook; False: nothing.
 
     Returns:
         The verdict, the findings, the corrected model.
@@ -71,13 +76,19 @@ def diagnose(
     import scipy.linalg  # noqa: F401
     from threadpoolctl import threadpool_limits
 
+    course = Course()
     # Threads of the linear algebra share a sum out by their number and round it otherwise: the last digit of every
     # figure, and a choice between structures that are equally likely, would depend on the machine.
-    with threadpool_limits(limits=1, user_api="blas"):
-        return _diagnosed(model, fit, check, _known(expect), progress or (lambda stage, share: None))
+    expected = _in_catalogue(expect)
+    with threadpool_limits(limits=1, user_api="blas"), shown(progress) as show:
+        began = time.monotonic()
+        try:
+            return beside(lambda: _diagnosed(model, fit, check, expected, began), course, show)
+        except KeyboardInterrupt:
+            raise Interrupted(_known(model, course, began)) from None
 
 
-def _known(expect: Sequence[str]) -> tuple[str, ...]:
+def _in_catalogue(expect: Sequence[str]) -> tuple[str, ...]:
     """Names of effects, each in the catalogue or the user's own.
 
     Raises:
@@ -95,29 +106,46 @@ def _diagnosed(
     fit: Sequence[Recording],
     check: Sequence[Recording],
     expect: tuple[str, ...],
-    say: Progress,
+    began: float,
 ) -> Diagnosis:
-    from flexdyn.diagnose.decision.conclusion import concluded, interrupted
+    from flexdyn.diagnose.decision.conclusion import concluded
     from flexdyn.diagnose.decision.corrected import corrected
     from flexdyn.diagnose.inference.passes import posterior
 
-    began = time.monotonic()
-    say("reading the equations", 0.0)
+    _say(STAGES[0], 0.0)
     fitted, test = parts(model, fit, check)
     data = tuple(each.data for each in fitted)
     notes = check_recordings(model, data)
-    found: Corrected | None = None
-    try:
-        bare, noise, start = prepared(model, data)
-        say("comparing structures", 0.0)
-        compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
-        plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
-        found = corrected(compared, plain)
-        answer = concluded(plain, start, compared, found, (fitted, test), say)
-    except KeyboardInterrupt:
-        known = None if found is None else interrupted(found, compared.noise, fitted)
-        raise Interrupted(known and _finished(known, notes, began)) from None
+    know(fitted=fitted, notes=notes, noise=recorded_noise(data))
+    bare, noise, start = prepared(model, data)
+    _say(STAGES[1], 0.05)
+    compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
+    plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
+    found = corrected(compared, plain)
+    know(found=found, noise=compared.noise)
+    answer = concluded(plain, start, compared, found, (fitted, test), _after_comparison)
     return _finished(answer, notes, began)
+
+
+def _after_comparison(stage: str, share: float) -> None:
+    _say(stage, COMPARED + (1.0 - COMPARED) * share)
+
+
+def _say(stage: str, share: float) -> None:
+    """A stage with its number, where it has one."""
+    place = f" ({STAGES.index(stage) + 1} of {len(STAGES)})" if stage in STAGES else ""
+    tell(f"{stage}{place}", share)
+
+
+def _known(model: FlexibleJointModel, course: Course, began: float) -> Diagnosis | None:
+    """What had been found when it was stopped; None where not even the recordings had been read."""
+    from flexdyn.diagnose.decision.conclusion import interrupted
+
+    known = dict(course.known)
+    if "noise" not in known:
+        return None
+    answer = interrupted(model, known)
+    return dataclasses.replace(_finished(answer, known["notes"], began), stopped_at=course.stage)
 
 
 def _finished(found: Diagnosis, notes: tuple[str, ...], began: float) -> Diagnosis:

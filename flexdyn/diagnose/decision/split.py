@@ -56,7 +56,10 @@ class Part:
             for j, joint in enumerate(joints)
             if has[j]
         }
-        return Source(self.recording.name, self.role, float(t[0]), float(t[-1]), 1.0 / data.dt, levels)
+        channels = tuple(self.recording.channels)
+        return Source(
+            self.recording.name, self.role, float(t[0]), float(t[-1]), 1.0 / data.dt, levels, len(t), channels
+        )
 
 
 def parts(

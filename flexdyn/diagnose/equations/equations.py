@@ -17,6 +17,7 @@ from flexdyn.diagnose.equations.motion import Motion, Smoothed, motion, smoothed
 from flexdyn.diagnose.equations.shared import same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.progress import check
 from flexdyn.effects import Effect, TorqueConstantError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
@@ -95,6 +96,7 @@ class Equations:
     @lazy
     def residual(self) -> Array:
         """What the model leaves (rows,) [N m or N]: zero but for noise where it is right."""
+        check()
         return self._rows(self.true, self.motions, self.true.all_effects)
 
     def of(self, model: FlexibleJointModel) -> Equations:

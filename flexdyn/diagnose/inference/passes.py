@@ -25,6 +25,7 @@ from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.diagnose.inference.weights import expected, filter_error, for_fit, quieter, rows_of
+from flexdyn.diagnose.progress import know, tell
 
 Array = NDArray[np.float64]
 PASSES = 5
@@ -76,6 +77,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
     first: Library | None = None
     compared: set[frozenset[tuple[object, ...]]] = set()
     for k in range(PASSES):
+        tell(f"comparing structures: pass {k + 1} of at most {PASSES}", 0.05 + 0.6 * k / PASSES)
         at = bare.equations.of(here.model())
         noise = quieter(recorded, at, mask)
         work = weighed(bare, noise, mask, filter_error(bare.equations, here))
@@ -95,6 +97,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         )
         first = first or columns
         space = Space(columns, work.whiten(at.residual), seen)
+        know(space=space)
         stands = frozenset(
             (c, 0) for c, each in enumerate(space.candidates) if each.stands is not None or each.number in here.freed
         )

@@ -12,6 +12,7 @@ from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure, odds_of
+from flexdyn.diagnose.progress import check
 
 Array = NDArray[np.float64]
 WINDOW = math.log(1000.0)
@@ -157,6 +158,7 @@ def _climb(scan: Scan, start: Structure, done: set[Structure]) -> None:
 
 def _neighbours(scan: Scan, here: Structure, done: set[Structure]) -> None:
     """All additions, removals and swaps of one structure."""
+    check()
     done.add(here)
     value = scan.space.value(here)
     _add(scan, here, value)

@@ -15,6 +15,9 @@ COLOURS = ("before", "between", "after")
 PICTURES = 6
 """Pictures of residuals that stand open; the others are folded away."""
 
+TELLING = 0.01
+"""Share of the squared residuals that a picture explains at least to stand open [1]."""
+
 
 def gap(diagnosis: Diagnosis) -> str:
     """The gap as bars, on both kinds of data on one scale."""
@@ -59,11 +62,12 @@ def errors(diagnosis: Diagnosis) -> str:
         "torque error,<br>before &rarr; after",
         "share of the joint's torque",
         "position error,<br>before &rarr; after",
+        "the same in units<br>of noise",
     )
     said = (
         "Root mean squares on the test data. Torque: what the model's inverse dynamics does not explain, and its share"
-        " of the joint's torque. Position: simulated without feedback over windows of 0.5 s. Before: the model as"
-        " given; after: the corrected model."
+        " of the joint's torque. Position: simulated without feedback over windows of 0.5 s, in its unit and"
+        " in units of what noise alone makes there. Before: the model as given; after: the corrected model."
     )
     return section("Errors per joint", table(heads, rows, name="errors") + soft(said), "errors")
 
@@ -75,7 +79,8 @@ def _error(joint: str, entry: JointError, scale: float) -> list[str]:
     )
     torque = _change(entry.torque_before, entry.torque_after, entry.torque_unit)
     position = _change(entry.position_before, entry.position_after, entry.position_unit)
-    return [escape(joint), torque, f'<div class="share">{shares}</div>', position]
+    noise = f"{times(entry.gap[0])} &rarr; <b>{times(entry.gap[-1])}</b>" if entry.gap else "not simulated"
+    return [escape(joint), torque, f'<div class="share">{shares}</div>', position, noise]
 
 
 def _change(before: float, after: float, unit: str) -> str:
@@ -129,21 +134,32 @@ def where(diagnosis: Diagnosis) -> str:
     return section("The residual appears in", table(heads, rows, name="places") + soft(said), "where")
 
 
+def shown_at_once(diagnosis: Diagnosis) -> int:
+    """Pictures that stand open: at most six, and at least two; none else that explains next to nothing."""
+    telling = [k for k, each in enumerate(diagnosis.residuals) if not each.explains < TELLING]
+    return min(PICTURES, max(2, telling[-1] + 1 if telling else 0), len(diagnosis.residuals))
+
+
 def residuals(diagnosis: Diagnosis) -> str:
     """Room for the pictures, which the page's script draws."""
     if not diagnosis.residuals:
         return ""
-    rooms = [f'<div id="trace-{k}"></div>' for k in range(len(diagnosis.residuals))]
-    shown = f'<div class="figures">{"".join(rooms[:PICTURES])}</div>'
-    if rooms[PICTURES:]:
-        more = f'<div class="figures">{"".join(rooms[PICTURES:])}</div>'
-        shown += folded(f"{len(rooms) - PICTURES} more", more)
+    rooms = [
+        f'<figure><div id="trace-{k}" data-picture></div><figcaption>{escape(trace.note)}</figcaption></figure>'
+        for k, trace in enumerate(diagnosis.residuals)
+    ]
+    most = shown_at_once(diagnosis)
+    shown = f'<div class="figures">{"".join(rooms[:most])}</div>'
+    if rooms[most:]:
+        more = f'<div class="figures">{"".join(rooms[most:])}</div>'
+        shown += folded(f"{len(rooms) - most} more, which explain less", more)
     key = (
-        '<p><i class="key" style="--colour:var(--before)"></i>model as given '
-        '&emsp;<i class="key" style="--colour:var(--after)"></i>corrected model</p>'
+        '<p><i class="key" style="--colour:var(--before)"></i>before '
+        '&emsp;<i class="key" style="--colour:var(--after)"></i>after: the corrected model</p>'
     )
     said = (
-        "What is left should look like noise, whatever it is drawn over. Lines through dots are averages: of the model"
-        " as given, they show the law that was missing."
+        "The pictures that explain most come first. Of a law that was found, before is the corrected model without that"
+        " one effect, and the black line is the law along the measured motion. Of an equation, before is the model as"
+        " given. What is left should look like noise, whatever it is drawn over; lines through dots are averages."
     )
     return section("Residuals before and after", key + soft(said) + shown, "residuals")

@@ -3,22 +3,34 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from html import escape
 
-from flexdyn.diagnose.report.digits import PLUS_MINUS, counted, estimate_text, relative
+from flexdyn.diagnose.report.digits import counted, interval_text, relative, unit_text, value_text
 from flexdyn.diagnose.report.html import folded, section, soft, table
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import CONFIDENCE, Number
 from flexdyn.diagnose.report.words import number_phrase
+from flexdyn.effects import unit_for
+from flexdyn.effects.model_error import effect_place
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 SHOWN = 12
 """Rows that stand open; the others are folded away."""
 LIMIT = 3.0
 """Tolerances by which a number may move and be calibrated (contract, section 8)."""
+FACTOR = "1"
+"""Unit of a number that is told by its factor alone."""
+UNITS = {
+    "rotor_inertia": ("kg m^2", "kg"),
+    "stiffness": ("N m/rad", "N/m"),
+    "damping": ("N m s/rad", "N s/m"),
+}
+"""Of a joint's numbers, where it turns and where it slides."""
 EDGE = 3.2
 """Half the width of a number's picture, in tolerances."""
-HEADS = ("number", "factor", "change", "in its tolerances, 95 % interval")
+HEADS = ("number", "given", "estimate", "standard error", "95 % interval", "change", "the same in its tolerances")
 
 
 def calibration(diagnosis: Diagnosis) -> str:
@@ -39,7 +51,9 @@ def calibration(diagnosis: Diagnosis) -> str:
             " the same: what is left unexplained may have bent it."
         )
     return section(
-        "Numbers of the model that were calibrated", soft(f"{said} true = factor \u00d7 given.") + shown, "calibration"
+        "Numbers of the model that were calibrated",
+        soft(f"{said} Behind each name: its stated tolerance, one standard deviation.") + shown,
+        "calibration",
     )
 
 
@@ -51,9 +65,46 @@ def _drift(entry: Calibration) -> float:
 def _row(diagnosis: Diagnosis, entry: Calibration) -> list[str]:
     name = number_phrase(diagnosis.model, entry.of, entry.parameter)
     held = entry.tolerance <= 0.0 or entry.std < LIMIT * entry.tolerance
-    factor = estimate_text(Number(entry.factor, entry.std, "1")) if held else "not held by these data"
-    tolerance = f'<span class="soft">{PLUS_MINUS}{100.0 * entry.tolerance:.3g} %</span>'
-    return [f"{escape(name)} {tolerance}", factor, relative(entry.factor), _picture(entry)]
+    value, unit = given_number(diagnosis.model, entry.of, entry.parameter)
+    number = Number(entry.factor * value, entry.std * value, unit)
+    known = held and math.isfinite(number.std)
+    tolerance = f'<span class="soft">{100.0 * entry.tolerance:.3g} %</span>'
+    given = f"{value_text(value, 0.0)} {unit_text(unit)}".strip() if unit != FACTOR else "factor 1"
+    return [
+        f"{escape(name)} {tolerance}",
+        escape(given),
+        value_text(number.value, number.std) if known else "not held by these data",
+        value_text(number.std, number.std) if known else "",
+        interval_text(replace(number, unit="1")) if known else "",
+        relative(entry.factor),
+        _picture(entry),
+    ]
+
+
+def given_number(model: FlexibleJointModel, of: str, parameter: str) -> tuple[float, str]:
+    """A number of the model file as given, with its unit; of a link's the factor 1, as its URDF has the number.
+
+    Args:
+        model: corrected; its joints and effects hold what was given, and parameter errors what became of it.
+        of: joint, link or ``effects[i]``.
+        parameter: its name.
+    """
+    value, unit = _number_of(model, of, parameter)
+    return (value, unit) if math.isfinite(value) and value != 0.0 else (1.0, FACTOR)
+
+
+def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[float, str]:
+    place = effect_place(of)
+    if place is not None and place < len(model.effects):
+        effect = model.effects[place]
+        joint = getattr(effect, "joint", None)
+        slides = joint is not None and model.robot.angle_unit(joint) == "m"
+        for entry in effect.parameters():
+            if entry.name == parameter:
+                return float(getattr(effect, parameter)), unit_for(str(entry.metadata["unit"]), prismatic=slides)
+    if of in model.joint_names and parameter in UNITS:
+        return float(getattr(model.joints[of], parameter)), UNITS[parameter][model.robot.angle_unit(of) == "m"]
+    return math.nan, FACTOR
 
 
 def _picture(entry: Calibration) -> str:

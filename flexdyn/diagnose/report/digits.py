@@ -8,7 +8,7 @@ from flexdyn.diagnose.report.suspects import Number
 
 UNCHANGED = 1e-3
 """A change of less than so many percent is none [%]."""
-MINUS, PLUS_MINUS, NARROW = "\N{MINUS SIGN}", "\N{PLUS-MINUS SIGN}", "\N{NARROW NO-BREAK SPACE}"
+MINUS, NARROW = "\N{MINUS SIGN}", "\N{NARROW NO-BREAK SPACE}"
 LIKELY = (
     (0.99, "virtually certain"),
     (0.95, "extremely likely"),
@@ -110,13 +110,12 @@ def value_text(value: float, std: float) -> str:
 
 
 def estimate_text(number: Number) -> str:
-    """A number with its standard deviation and its unit."""
-    value, std = value_text(number.value, number.std), ""
+    """A number with its 95 % interval in brackets and its unit: ``1.200 [1.102, 1.298] N m``."""
+    value, ends = value_text(number.value, number.std), ""
     if math.isfinite(number.value) and math.isfinite(number.std) and number.std > 0.0:
-        decimals = len(value.partition(".")[2])
-        plain = "e" not in value and decimals < 9
-        std = f" {PLUS_MINUS} {number.std:.{decimals}f}" if plain else f" {PLUS_MINUS} {number.std:.1e}"
-    return f"{value}{signed(std)} {unit_text(number.unit)}".strip()
+        low, high = (value_text(end, number.std) for end in number.interval)
+        ends = f" [{low}, {high}]"
+    return f"{value}{ends} {unit_text(number.unit)}".strip()
 
 
 def interval_text(number: Number) -> str:

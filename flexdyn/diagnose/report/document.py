@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.diagnose.report.measures import Gap, JointError, Source
+from flexdyn.diagnose.report.record import Statistics
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import model_sentence, stopped_sentence
 from flexdyn.diagnose.report.suspects import Considered, Finding, Structure, Suspect
@@ -25,6 +26,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "verdict": diagnosis.verdict,
+        "stopped_at": diagnosis.stopped_at or None,
         "findings": [_finding(entry) for entry in diagnosis.findings],
         "calibration": [vars(entry).copy() for entry in diagnosis.calibration],
         "gap": {"fit": _gap(diagnosis.gap_fit), "test": _gap(diagnosis.gap_test)},
@@ -36,6 +38,9 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "data": [_source(entry) for entry in diagnosis.data],
         "notes": [*told, *diagnosis.notes],
         "seconds": diagnosis.seconds,
+        "record": {**vars(diagnosis.record), "files": [vars(entry).copy() for entry in diagnosis.record.files]},
+        "fit": None if diagnosis.fit is None else _statistics(diagnosis.fit),
+        "shares": None if diagnosis.shares is None else vars(diagnosis.shares).copy(),
     }
 
 
@@ -87,6 +92,7 @@ def _error(entry: JointError) -> dict[str, Any]:
     return {
         "torque": {
             "before": entry.torque_before,
+            "calibrated": entry.torque_calibrated,
             "after": entry.torque_after,
             "unit": entry.torque_unit,
             "share_before": entry.torque_share_before,
@@ -94,9 +100,11 @@ def _error(entry: JointError) -> dict[str, Any]:
         },
         "position": {
             "before": entry.position_before,
+            "calibrated": entry.position_calibrated,
             "after": entry.position_after,
             "unit": entry.position_unit,
         },
+        "gap": dict(zip(("before", "calibrated", "after"), entry.gap, strict=True)) if entry.gap else None,
     }
 
 
@@ -107,8 +115,15 @@ def _source(entry: Source) -> dict[str, Any]:
         "from": entry.start,
         "to": entry.end,
         "rate": entry.rate,
+        "samples": entry.samples,
+        "channels": list(entry.channels),
         "noise": dict(entry.noise),
     }
+
+
+def _statistics(entry: Statistics) -> dict[str, Any]:
+    pairs = [{"of": [one, other], "value": value} for one, other, value in entry.correlations]
+    return {**vars(entry), "correlations": pairs}
 
 
 def _strict(value: Any) -> Any:

@@ -6,6 +6,7 @@ import math
 from html import escape
 
 from flexdyn.diagnose.report.digits import (
+    counted,
     estimate_text,
     evidence_text,
     interval_text,
@@ -47,7 +48,7 @@ def findings(diagnosis: Diagnosis) -> str:
     body = _overview(diagnosis) if len(shown) > 1 else ""
     body += "".join(shown[:OPEN])
     if shown[OPEN:]:
-        body += folded(f"{len(shown) - OPEN} more findings in full", "".join(shown[OPEN:]))
+        body += folded(f"{counted(len(shown) - OPEN, 'more finding')} in full", "".join(shown[OPEN:]))
     return section("What was found", body, "findings")
 
 
@@ -58,10 +59,18 @@ def _overview(diagnosis: Diagnosis) -> str:
         names = escape(plain_phrase(finding_phrase(diagnosis.model, finding)))
         numbers = ", ".join(f"{name} {estimate_text(number)}" for name, number in finding.suspect.parameters.items())
         sure = "" if finding.established else '<br><span class="soft">not established</span>'
-        factor, gain = finding.log_bayes_factor, finding.test_gain
-        evidence = ["" if math.isnan(factor) else log_text(factor), "" if math.isnan(gain) else percent(gain)]
+        factor = finding.log_bayes_factor
+        share = "" if diagnosis.shares is None else percent(diagnosis.shares.findings[k - 1])
+        evidence = ["" if math.isnan(factor) else log_text(factor), share]
         rows.append([f"{k}", names, escape(numbers), probability_text(finding.probability) + sure, *evidence])
-    heads = ("", "finding", "numbers", "probability", "log Bayes<br>factor", "of the<br>test gap")
+    heads = (
+        "",
+        "finding",
+        "estimates<br>[95 % interval]",
+        "probability",
+        "log Bayes<br>factor",
+        "share of the<br>test gap",
+    )
     return table(heads, rows, numbers=(3, 4, 5), name="overview")
 
 
@@ -103,7 +112,7 @@ def _numbers(finding: Finding) -> str:
         return ""
     rows = [_number(name, number) for name, number in suspect.parameters.items()]
     assumed = f"<h4>If it is {escape(effect_name(suspect.effect))}</h4>" if finding.rivals else ""
-    return assumed + table(("parameter", "value", "standard deviation", "95 % interval"), rows)
+    return assumed + table(("parameter", "estimate", "standard error", "95 % interval"), rows)
 
 
 def _number(name: str, number: Number) -> list[str]:
@@ -128,13 +137,16 @@ def _evidence(diagnosis: Diagnosis, finding: Finding) -> str:
             f" {evidence_text(finding.log_bayes_factor)}."
         )
     if math.isfinite(finding.test_gain):
-        gain = finding.test_gain
-        what = (
-            f"{percent(gain)} of the gap goes with it" if gain >= 0.0 else f"the gap grows by {percent(-gain)} with it"
-        )
-        told.append(f"On the test data {what}.")
+        told.append(_missed(finding.test_gain))
     told += _compared(diagnosis, finding)
     return f"<ul>{''.join(f'<li>{escape(text)}</li>' for text in told)}</ul>"
+
+
+def _missed(gain: float) -> str:
+    """What its absence would do on the test data."""
+    if gain < 0.0:
+        return f"If it alone is left out, the improvement on the test data grows by {percent(-gain)}."
+    return f"If it alone is left out, {percent(gain)} of the improvement on the test data is lost."
 
 
 def _short(finding: Finding) -> str:

@@ -53,6 +53,7 @@ def law_picture(suspect: Suspect, model: FlexibleJointModel) -> str | None:
 
     figure.set_size_inches(SIZE)
     stream = io.BytesIO()
-    with matplotlib.rc_context({"svg.hashsalt": "flexdyn"}):
+    # Letters as outlines would take four fifths of the room.
+    with matplotlib.rc_context({"svg.hashsalt": "flexdyn", "svg.fonttype": "none"}):
         figure.savefig(stream, format="svg", metadata={"Date": None}, bbox_inches="tight", pad_inches=0.05)
     return f"data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode('ascii')}"

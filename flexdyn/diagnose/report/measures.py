@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
@@ -75,6 +76,10 @@ class JointError:
         position_before: error of the position simulated over windows of 0.5 s, open loop, in `position_unit`.
         position_after: that of the corrected model.
         position_unit: ``rad`` or ``m``.
+        torque_calibrated: torque error of the calibrated model.
+        position_calibrated: position error of the calibrated model.
+        gap: the same positions in units of what noise alone makes there, as the gap has them: of the model as given,
+            calibrated and corrected [1]; empty where nothing was simulated.
     """
 
     torque_before: float
@@ -85,6 +90,9 @@ class JointError:
     position_before: float
     position_after: float
     position_unit: str
+    torque_calibrated: float = math.nan
+    position_calibrated: float = math.nan
+    gap: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -115,6 +123,8 @@ class Source:
         end: of the span [s].
         rate: samples per second [Hz].
         noise: standard deviation of the sensor's noise by channel, in the channel's unit.
+        samples: of the span.
+        channels: of the recording, those that the diagnosis does not read as well.
     """
 
     file: str
@@ -123,3 +133,5 @@ class Source:
     end: float
     rate: float
     noise: Mapping[str, float] = field(default_factory=dict)
+    samples: int = 0
+    channels: tuple[str, ...] = ()

@@ -6,15 +6,19 @@ import base64
 import hashlib
 import json
 import re
+import zlib
 from html import escape
 from pathlib import Path
 
 from flexdyn.diagnose.report.apart import errors, gap, left, residuals, where
 from flexdyn.diagnose.report.calibrated import calibration
 from flexdyn.diagnose.report.compared import structures
+from flexdyn.diagnose.report.done import data, fit
 from flexdyn.diagnose.report.found import findings
 from flexdyn.diagnose.report.head import head, tail
-from flexdyn.diagnose.report.material import data, notes, plans
+from flexdyn.diagnose.report.material import notes, plans
+from flexdyn.diagnose.report.motions import motion_figures, motions
+from flexdyn.diagnose.report.parted import shares
 from flexdyn.diagnose.report.pictures import experiment_figure, residual_figure
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.errors import MissingExtra
@@ -24,11 +28,14 @@ PARTS = (
     head,
     gap,
     errors,
+    motions,
     findings,
-    left,
+    shares,
     residuals,
+    left,
     where,
     calibration,
+    fit,
     structures,
     notes,
     plans,
@@ -52,25 +59,26 @@ def page(diagnosis: Diagnosis) -> str:
     except ImportError:
         raise MissingExtra("plotly", "plot") from None
     figures = _figures(diagnosis)
-    # `</script` would end the element; in JavaScript text `<\/script` means the same.
-    library = get_plotlyjs().replace("</script", "<\\/script") if figures else ""
-    script = _own("page.js")
+    library, script = (get_plotlyjs() if figures else ""), _own("page.js")
+    # The script unpacks the library and runs it as an element of its own, whose text must have this hash.
     hashes = " ".join(f"'sha256-{_sha256(text)}'" for text in (library, script))
+    kind = "Interrupted diagnosis" if diagnosis.verdict == "interrupted" else "Diagnosis"
     filled = {
         "POLICY": f"{POLICY}; script-src {hashes}",
-        "TITLE": escape(f"Diagnosis of {diagnosis.model.name}"),
+        "TITLE": escape(f"{kind} of {diagnosis.model.name}"),
         "STYLE": _own("page.css"),
         "CONTENT": "\n".join(part(diagnosis) for part in PARTS),
-        "FIGURES": _json(figures),
-        "PLOTLY": library,
+        "FIGURES": _packed(json.dumps(figures, allow_nan=False)),
+        "PLOTLY": _packed(library),
         "SCRIPT": script,
     }
     return re.sub(r"\{\{([A-Z]+)\}\}", lambda hole: filled[hole[1]], _own("page.html"))
 
 
-def _figures(diagnosis: Diagnosis) -> dict[str, dict[str, object]]:
+def _figures(diagnosis: Diagnosis) -> dict[str, object]:
     """What the page's script draws, by the room that it stands in."""
-    traces = {f"trace-{k}": residual_figure(trace) for k, trace in enumerate(diagnosis.residuals)}
+    traces: dict[str, object] = {"motion": motion_figures(diagnosis)} if diagnosis.trajectories else {}
+    traces |= {f"trace-{k}": residual_figure(trace) for k, trace in enumerate(diagnosis.residuals)}
     plans = ((k, finding.plan) for k, finding in enumerate(diagnosis.findings))
     return traces | {f"plan-{k}": experiment_figure(plan) for k, plan in plans if plan is not None}
 
@@ -79,10 +87,9 @@ def _own(name: str) -> str:
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def _json(figures: dict[str, dict[str, object]]) -> str:
-    """JSON that no HTML parser can take for markup."""
-    text = json.dumps(figures, allow_nan=False)
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+def _packed(text: str) -> str:
+    """Text of a third of the length, in letters that no HTML parser can take for markup."""
+    return base64.b64encode(zlib.compress(text.encode(), 9)).decode("ascii")
 
 
 def _sha256(text: str) -> str:

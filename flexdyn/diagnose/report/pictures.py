@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from html import escape
 from typing import Any
 
@@ -11,8 +10,10 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.trace import Trace
+from flexdyn.diagnose.report.trajectory import packed
 from flexdyn.plots.palette import INK, RULE
 
+Array = NDArray[np.float64]
 BEFORE, AFTER = "#D9805F", "#1F4E9C"
 """Of what the model left unexplained before and after its correction; page.css has the same."""
 FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
@@ -25,8 +26,8 @@ CONFIG = {
     "plotlyServerURL": "",
 }
 """Of every picture; its buttons offer to send data to nobody."""
-DIGITS = 6
-"""Of the numbers in a residual picture."""
+LEVELS = 100_000
+"""Of what a residual is drawn over, between zero and its largest."""
 
 
 def residual_figure(trace: Trace) -> dict[str, Any]:
@@ -37,8 +38,10 @@ def residual_figure(trace: Trace) -> dict[str, Any]:
         _points(trace.x, trace.after, "after", AFTER, lines),
     ]
     for column, name, colour in ((1, "before", BEFORE), (2, "after", AFTER)):
-        if len(trace.means):
-            data += _average(trace.means[:, 0], trace.means[:, column], name, colour)
+        if len(trace.means) and not (len(trace.law) and column == 1):
+            data += _stands_out(trace.means[:, 0], trace.means[:, column], f"{name}, averaged", colour)
+    if len(trace.law):
+        data += _stands_out(trace.law[:, 0], trace.law[:, 1], "the law found", INK)
     axis = {"gridcolor": RULE, "zeroline": False, "automargin": True, "tickfont": {"size": 11}}
     layout = {
         "height": 270,
@@ -63,7 +66,7 @@ def residual_figure(trace: Trace) -> dict[str, Any]:
         "showlegend": False,
         "hovermode": "closest",
     }
-    return {"data": data, "layout": layout, "config": CONFIG}
+    return {**_in_columns(data), "layout": layout, "config": CONFIG}
 
 
 def _frame(trace: Trace) -> dict[str, Any]:
@@ -71,17 +74,16 @@ def _frame(trace: Trace) -> dict[str, Any]:
     if not len(trace.means):
         return {}
     most = np.nanmax(np.abs([trace.before, trace.after]), initial=0.0)
-    size = max(3.0 * float(np.abs(trace.means[:, 1:]).max()), float(np.nanstd(trace.after)))
+    law = float(np.abs(trace.law[:, 1]).max()) if len(trace.law) else 0.0
+    size = max(3.0 * float(np.abs(trace.means[:, 1:]).max()), 1.5 * law, float(np.nanstd(trace.after)))
     return {"range": [-size, size]} if 0.0 < size < most else {}
 
 
-def _average(
-    x: NDArray[np.float64], y: NDArray[np.float64], name: str, colour: str
-) -> tuple[dict[str, Any], dict[str, Any]]:
+def _stands_out(x: Array, y: Array, name: str, colour: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """A line that stands out from dots of its own colour."""
-    line = _points(x, y, f"{name}, averaged", colour, lines=True)
+    line = _points(x, y, name, colour, lines=True)
     return (
-        line | {"line": {"color": "white", "width": 5.0}, "hoverinfo": "skip"},
+        line | {"line": {"color": "white", "width": 5.0}, "hoverinfo": "skip", "hovertemplate": None},
         line | {"line": {"color": colour, "width": 2.4}},
     )
 
@@ -93,8 +95,8 @@ def experiment_figure(plan: Experiment) -> dict[str, Any]:
     there = np.isfinite(edges)
     noise: dict[str, Any] = {
         "type": "scatter",
-        "x": _plain(t[there]),
-        "y": _plain(edges[there]),
+        "x": t[there],
+        "y": edges[there],
         "name": "noise",
         "yaxis": "y2",
     }
@@ -117,17 +119,26 @@ def experiment_figure(plan: Experiment) -> dict[str, Any]:
         "showlegend": False,
         "hovermode": "closest",
     }
-    return {"data": data, "layout": layout, "config": CONFIG}
+    return {**_in_columns(data), "layout": layout, "config": CONFIG}
 
 
-def _points(x: NDArray[np.float64], y: NDArray[np.float64], name: str, colour: str, lines: bool) -> dict[str, Any]:
-    trace: dict[str, Any] = {"type": "scatter", "name": name, "x": _plain(x), "y": _plain(y)}
+def _points(x: Array, y: Array, name: str, colour: str, lines: bool) -> dict[str, Any]:
+    trace: dict[str, Any] = {"type": "scatter", "name": name, "x": x, "y": y}
     trace["hovertemplate"] = "%{x:.5g}, %{y:.4g}<extra>" + name + "</extra>"
     if lines:
         return trace | {"mode": "lines", "line": {"color": colour, "width": 1.1}}
     return trace | {"mode": "markers", "marker": {"color": colour, "size": 3.5, "opacity": 0.45}}
 
 
-def _plain(column: NDArray[np.float64]) -> list[float | None]:
-    """Numbers of few digits; null, which leaves a gap, where there is none."""
-    return [float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None for value in column.tolist()]
+def _in_columns(data: list[dict[str, Any]]) -> dict[str, Any]:
+    """Curves whose columns are written once each, however many curves share them."""
+    columns: list[dict[str, Any]] = []
+    places: dict[int, int] = {}
+    for trace in data:
+        for key in ("x", "y"):
+            column = trace[key]
+            if id(column) not in places:
+                places[id(column)] = len(columns)
+                columns.append(packed(column, LEVELS if key == "x" else 4000))
+            trace[key] = places[id(column)]
+    return {"columns": columns, "data": data}

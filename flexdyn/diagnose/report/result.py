@@ -9,8 +9,10 @@ from typing import Any, Literal, get_args
 
 from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, Place, Role, Source
+from flexdyn.diagnose.report.record import Record, Shares, Statistics, record
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
 from flexdyn.diagnose.report.trace import Trace
+from flexdyn.diagnose.report.trajectory import Trajectory
 from flexdyn.io.notebook import Public
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -33,6 +35,7 @@ __all__ = [
     "Structure",
     "Suspect",
     "Trace",
+    "Trajectory",
     "Verdict",
 ]
 
@@ -58,6 +61,11 @@ class Diagnosis(Public):
         model: the corrected model.
         notes: what the data cannot tell, and what was assumed; a sentence each.
         seconds: that it took [s].
+        record: version, date, command line and files.
+        fit: how well the final fit is determined; None: there was none.
+        shares: of the gap on the test data, which add up; None where it was not measured.
+        stopped_at: what was in work when the user stopped it; empty: nobody did.
+        trajectories: measured and simulated motion of every joint, over the test data and the data of the fit.
         residuals: pictures of what the model left unexplained, before and after, the most telling first.
         decisions: further reasons, by what was decided: a target of `explain` or a few words.
         considered: every candidate that the search compared, the most probable first.
@@ -100,6 +108,11 @@ class Diagnosis(Public):
     considered: tuple[Considered, ...] = ()
     write_model: bool = True
     stopped: tuple[str, ...] = ()
+    trajectories: tuple[Trajectory, ...] = ()
+    stopped_at: str = ""
+    record: Record = field(default_factory=record, compare=False)
+    fit: Statistics | None = None
+    shares: Shares | None = None
 
     def __repr__(self) -> str:
         """The verdict and the names, in a line."""

@@ -80,6 +80,8 @@ def model_sentence(diagnosis: Diagnosis) -> str:
     """Why there is no corrected model; empty where there is one."""
     if diagnosis.write_model:
         return ""
+    if diagnosis.verdict == "interrupted":
+        return "model.yaml was not written: there was no corrected model yet."
     worse = "on the data of the fit the corrected model is worse than the model as it was given"
     return diagnosis.decisions.get("model.yaml", f"model.yaml was not written: {worse}.")
 
@@ -94,7 +96,7 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
             (each.joint, "") for each in diagnosis.left
         ]
         for joint, regime in places[:2]:
-            said = f" ({regime})" if regime else ""
+            said = f" ({regime})" if regime not in ("", "everywhere") else ""
             wanted.append(
                 f"More motion of {joint}{said}, slower, with the other joints at rest: a law that no catalogue"
                 " holds shows best where nothing else moves."

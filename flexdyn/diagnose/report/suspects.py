@@ -70,7 +70,8 @@ class Finding:
         suspect: the effect with its numbers; its own `probability` is its share where there are rivals.
         probability: posterior probability that this effect, or one of its rivals, is there [1].
         log_bayes_factor: natural logarithm of the evidence of the best structure with it over the best without it.
-        test_gain: share of the gap on the test data that goes with it, at most 1; negative: it makes the gap worse.
+        test_gain: share of the improvement on the test data that is lost where it alone is left out, at most 1;
+            negative: the improvement is larger without it.
         rivals: effects that the data cannot tell it from: then the answer is "this or one of those".
         experiment: the motion that would tell them apart; empty where there is no rival.
         plan: that motion, where one was found; None else.

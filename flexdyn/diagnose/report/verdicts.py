@@ -6,7 +6,7 @@ from flexdyn.diagnose.report.digits import counted, percent, probability_text
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import stopped_sentence
 from flexdyn.diagnose.report.suspects import CONFIDENCE, ESTABLISHED, Finding
-from flexdyn.diagnose.report.words import finding_phrase, joined, place_phrase, suspect_phrase
+from flexdyn.diagnose.report.words import finding_phrase, grouped_phrases, joined, place_phrase, suspect_phrase
 
 FEW = 2
 """So many findings are all named in one sentence."""
@@ -105,5 +105,21 @@ def _several(diagnosis: Diagnosis, findings: list[Finding]) -> str:
 def _interrupted(diagnosis: Diagnosis) -> str:
     firm = [finding for finding in diagnosis.findings if finding.established]
     known = f"Established by then: {_several(diagnosis, firm)}" if firm else "No effect had been established by then"
+    at = f" while {stage_phrase(diagnosis.stopped_at)}," if diagnosis.stopped_at else ""
     opened = "" if diagnosis.gap_test else " The test data had not been opened."
-    return f"This diagnosis was interrupted before it was finished. {known}.{opened}"
+    return f"This diagnosis was interrupted{at} before it was finished. {known}{_first_so_far(diagnosis)}.{opened}"
+
+
+def stage_phrase(stage: str) -> str:
+    """``comparing structures, pass 2 of at most 5``: a stage within a sentence."""
+    return stage.replace(": ", ", ").replace(" (", ", stage ").removesuffix(")")
+
+
+def _first_so_far(diagnosis: Diagnosis) -> str:
+    """The most probable structure of a comparison that had not ended."""
+    if diagnosis.findings or not diagnosis.structures:
+        return ""
+    first = diagnosis.structures[0].effects
+    names = grouped_phrases(diagnosis.model, first)
+    what = joined(names) if len(names) <= FEW else f"a set of {len(first)} effects, listed below,"
+    return f"; of what had been compared, {what if names else 'no effect at all'} was the most probable"

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.analysis.analysed_model import command_delays, without
 from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.progress import check
 from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors, undone
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.effects import CommandDelay, Effect, MemoryEffect, WarmUpFriction
@@ -113,6 +114,7 @@ class Shooter:
         )  # fmt: skip
         which = np.arange(count) if which is None else which
         for begin in range(0, len(which), AT_ONCE):
+            check()
             self._some(which[begin : begin + AT_ONCE], x0, solver, motion)
         return motion
 

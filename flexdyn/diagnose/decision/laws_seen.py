@@ -1,0 +1,138 @@
+"""The residual against what a found law depends on, before and after, with the law drawn through it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.decision.naming import Name
+from flexdyn.diagnose.equations.covariance import Whitener
+from flexdyn.diagnose.equations.equations import LINK, SENSOR, TRANSMISSION, Equations
+from flexdyn.diagnose.equations.localise import SIDES
+from flexdyn.diagnose.report.trace import Trace
+from flexdyn.diagnose.report.words import capital, effect_name
+
+Array = NDArray[np.float64]
+CURVE = 0.9
+"""Share of a law's variance that one quantity must explain for the law to be a curve over it [1]."""
+NEAR = 0.02
+"""Shares that differ by less are equal: the first quantity of the list is taken."""
+BINS = 60
+"""Averages by which quantities are compared."""
+POINTS = 240
+"""Of a drawn law."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Quantity:
+    """What a law may depend on: its name, its unit, its values (rows,)."""
+
+    label: str
+    values: Array
+
+
+def laws_seen(
+    before: Equations, after: Equations, whiten: Whitener, found: Corrected, named: Sequence[Name]
+) -> tuple[Trace, ...]:
+    """A picture of every name, in the equation in which its law does most.
+
+    Before is the corrected model without this one effect, after is the corrected model (a partial residual plot:
+    Larsen and McCleary, Technometrics 14, 1972). The difference of the two is what the law does along the measured
+    motion; it is drawn over the quantity that explains most of its variance.
+
+    Args:
+        before: equations of the model as given.
+        after: of the corrected model, over the same recordings.
+        whiten: by the sensors' noise.
+        found: the corrected model.
+        named: what is told.
+    """
+    whole = float((whiten(before.residual) ** 2).sum())
+    pictures = []
+    for name in named:
+        without = before.of(found.without(name.candidate).seen())
+        made = _picture(without, after, whiten, found.candidates[name.candidate].kind)
+        if made is not None:
+            trace, gone = made
+            pictures.append(dataclasses.replace(trace, explains=gone / max(whole, 1e-300)))
+    return tuple(pictures)
+
+
+def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) -> tuple[Trace, float] | None:
+    many = len(after.kinds)
+    law = without.residual - after.residual
+    power = (whiten(law).reshape(-1, many) ** 2).sum(axis=0)
+    if not power.any():
+        return None
+    k = int(power.argmax())
+    clear = ~whiten.mask.reshape(-1, many)[:, k]
+    rows, left = law.reshape(-1, many)[clear, k], after.residual.reshape(-1, many)[clear, k]
+    if len(rows) < 2 * BINS:
+        return None
+    known = [_Quantity(each.label, each.values[clear]) for each in _quantities(after, k)]
+    shares = [_share(each.values, rows) for each in known]
+    best = next(place for place, share in enumerate(shares) if share >= max(shares) - NEAR)
+    x = known[best]
+    curve = shares[best] >= CURVE
+    note = "" if curve else f"The law depends on more than {x.label.partition(' ')[0]}: its line is an average."
+    j, side = after.kinds[k]
+    joint, robot = after.true.joint_names[j], after.true.robot
+    unit = robot.angle_unit(joint) if side == TRANSMISSION else robot.torque_unit(joint)
+    trace = Trace.thinned(
+        f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}",
+        x.label,
+        f"residual [{unit}]",
+        x.values,
+        rows + left,
+        left,
+    )
+    gone = float((whiten(without.residual) ** 2).sum() - (whiten(after.residual) ** 2).sum())
+    return dataclasses.replace(trace, law=_line(x.values, rows, POINTS if curve else BINS), note=note), gone
+
+
+def _quantities(at: Equations, k: int) -> list[_Quantity]:
+    """Of the equation's own joint first, then those of the others (rows of an equation,)."""
+    j, side = at.kinds[k]
+    names, robot = at.true.joint_names, at.true.robot
+    link = side in (LINK, SENSOR, TRANSMISSION)
+    places = [at.filters.instants(len(along.t)) for along in at.motions]
+
+    def column(signal: str, i: int) -> Array:
+        pairs = zip(at.motions, places, strict=True)
+        return np.concatenate([np.asarray(getattr(along, signal))[rows, i] for along, rows in pairs])
+
+    angle = robot.angle_unit(names[j])
+    own = (("v", "/s"), ("q", ""), ("a", "/s^2")) if link else (("omega", "/s"), ("theta", ""), ("alpha", "/s^2"))
+    found = [_Quantity(f"{signal} [{angle}{per}]", column(signal, j)) for signal, per in own]
+    if at.true.elastic[j]:
+        found.append(_Quantity(f"theta-q [{angle}]", column("delta", j)))
+    found.append(_Quantity(f"torque [{robot.torque_unit(names[j])}]", column("tau", j)))
+    for i, other in enumerate(names):
+        if i != j:
+            unit = robot.angle_unit(other)
+            found.append(_Quantity(f"v of {other} [{unit}/s]", column("v", i)))
+            found.append(_Quantity(f"q of {other} [{unit}]", column("q", i)))
+    times = [along.t[rows] for along, rows in zip(at.motions, places, strict=True)]
+    return [*found, _Quantity("t [s]", np.concatenate(times))]
+
+
+def _share(x: Array, y: Array) -> float:
+    """Share of the variance of y that its averages over neighbours in x hold, less what chance gives them [1]."""
+    total = float(y.var()) * len(y)
+    if total <= 0.0:
+        return 0.0
+    ordered = y[np.argsort(x, kind="stable")]
+    within = sum(float(((part - part.mean()) ** 2).sum()) for part in np.array_split(ordered, BINS))
+    return 1.0 - within / total * (len(y) - 1) / max(1, len(y) - BINS)
+
+
+def _line(x: Array, y: Array, count: int) -> Array:
+    """Averages over neighbours in x (points, 2), in its order."""
+    order = np.argsort(x, kind="stable")
+    parts = [part for part in np.array_split(order, min(count, len(x))) if len(part)]
+    return np.array([[x[part].mean(), y[part].mean()] for part in parts])

@@ -1,0 +1,156 @@
+"""Part of report.html: measured and simulated motion of every joint, over a window that the reader moves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+from flexdyn.diagnose.report.html import section, soft
+from flexdyn.diagnose.report.pictures import AFTER, BEFORE, CONFIG, FONT
+from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.trajectory import MODELS, MOST, Curve, Trajectory, packed
+from flexdyn.plots.palette import INK, RULE
+
+BETWEEN = "#9CA3AF"
+"""Of the calibrated model; page.css has the same."""
+LINES = (
+    {"color": BEFORE, "width": 1.6},
+    {"color": BETWEEN, "width": 1.4, "dash": "dot"},
+    {"color": AFTER, "width": 1.6},
+)
+LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
+"""Of the window [s]."""
+FIRST_LENGTH = 2.0
+CLOCK = 1_000_000
+"""Levels of a packed time: within 60 s it is told to 0.06 ms."""
+ROLES = {"test": "test data", "fit": "data of the fit"}
+
+
+def motions(diagnosis: Diagnosis) -> str:
+    """Room for the picture, and what it is moved with."""
+    given = diagnosis.trajectories
+    if not given:
+        return ""
+    spans = {_span(each): _span_text(each) for each in given}
+    longest = max(each.torque.t[-1] - each.torque.t[0] for each in given)
+    lengths = [(f"{x:g}", f"{x:g} s") for x in LENGTHS if x < longest] + [("all", "all of it")]
+    first = f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all"
+    joints = [(name, name) for name in dict.fromkeys(each.joint for each in _ordered(diagnosis))]
+    controls = (
+        f"{_choice('joint', 'Joint', joints, joints[0][0])}{_choice('span', 'Data', list(spans.items()), '')}"
+        f"{_choice('length', 'Window', lengths, first)}"
+        '<label class="slide">from <input id="place" type="range" min="0" max="1000" value="0"'
+        ' aria-label="Start of the window"> <span id="shown"></span></label>'
+    )
+    said = (
+        "Positions are simulated without feedback over windows of 0.5 s, each from the state that was measured at its"
+        " start; lines are open where no window was simulated, and where a joint may rest, as friction then holds any"
+        " torque. Torques: what each model needs for the motion that was"
+        " measured, beside the torque that was recorded. Errors: simulated minus measured, needed minus recorded."
+        " A click on a name in the legend hides its curves."
+    )
+    body = f'<div class="controls">{controls}</div><div id="motion" data-picture></div>{soft(said)}'
+    return section("Measured and simulated motion", body, "motions")
+
+
+def motion_figures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """What the page's script draws, a figure for every joint and span."""
+    given = diagnosis.trajectories
+    spans = max(1, len({_span(each) for each in given}))
+    return [_figure(each.thinned(max(600, MOST // spans))) for each in given]
+
+
+def _figure(trajectory: Trajectory) -> dict[str, Any]:
+    """Position, its error, torque and its error, one below the other over one time."""
+    curves = [each for each in (trajectory.position, trajectory.torque) if each is not None]
+    columns: list[dict[str, Any]] = []
+    data: list[dict[str, Any]] = []
+    layout = _layout(2 * len(curves))
+    for k, curve in enumerate(curves):
+        data += _lines(curve, 2 * k, len(columns))
+        columns += [packed(curve.t, CLOCK), *map(packed, (curve.measured, *curve.errors))]
+        unit = curve.label[curve.label.find("[") :]
+        for row, title in ((2 * k, curve.label), (2 * k + 1, f"error {unit}")):
+            layout[_axis(row)]["title"] = {"text": escape(title, quote=False), "standoff": 6}
+    ends = [each.t[k] for each in curves for k in (0, -1)]
+    return {
+        "joint": trajectory.joint,
+        "span": _span(trajectory),
+        "reach": [float(min(ends)), float(max(ends))],
+        "columns": columns,
+        "data": data,
+        "layout": layout,
+        "config": CONFIG,
+    }
+
+
+def _lines(curve: Curve, row: int, first: int) -> list[dict[str, Any]]:
+    """What was measured, the models beside it, and their errors below; the legend tells each once.
+
+    Args:
+        curve: to be drawn.
+        row: of its axes.
+        first: place of its time among the figure's columns; what was measured and the errors follow.
+    """
+    line: dict[str, Any] = {"type": "scatter", "mode": "lines", "x": first, "hovertemplate": "%{x:.4f} s, %{y:.5g}"}
+    up, below = ({"yaxis": f"y{k + 1}" if k else "y"} for k in (row, row + 1))
+    told = {"showlegend": row == 0}
+    own = {"name": "measured", "legendgroup": "measured", "line": {"color": INK, "width": 3.4}}
+    data = [{**line, **up, **told, **own, "y": first + 1}]
+    for k, (name, style) in enumerate(zip(MODELS, LINES, strict=True)):
+        own = {"name": name, "legendgroup": name, "line": style, "y": first + 2 + k}
+        data += [{**line, **up, **told, **own, "onto": first + 1}, {**line, **below, **own, "showlegend": False}]
+    return data
+
+
+def _layout(rows: int) -> dict[str, Any]:
+    """Axes one below the other: of each pair the upper one is the higher one."""
+    axis = {"gridcolor": RULE, "zeroline": False, "tickfont": {"size": 11}}
+    heights = [0.28, 0.15] * (rows // 2)
+    gap = 0.035
+    scale = (1.0 - gap * (rows - 1)) / sum(heights)
+    layout: dict[str, Any] = {
+        "height": 170 * rows,
+        "margin": {"l": 86, "r": 10, "t": 30, "b": 44},
+        "paper_bgcolor": "white",
+        "plot_bgcolor": "white",
+        "font": {"family": FONT, "size": 12, "color": INK},
+        "xaxis": {**axis, "anchor": f"y{rows}", "title": {"text": "t [s]", "standoff": 6}},
+        "legend": {"orientation": "h", "x": 0.0, "y": 1.0, "yanchor": "bottom"},
+        "hovermode": "closest",
+        "dragmode": "zoom",
+    }
+    top = 1.0
+    for row, height in enumerate(heights):
+        bottom = top - height * scale
+        layout[_axis(row)] = {**axis, "domain": [max(bottom, 0.0), top], "zeroline": row % 2 == 1, "zerolinecolor": INK}
+        top = bottom - gap
+    return layout
+
+
+def _axis(row: int) -> str:
+    return f"yaxis{row + 1}" if row else "yaxis"
+
+
+def _ordered(diagnosis: Diagnosis) -> list[Trajectory]:
+    """The joint whose torque the given model explains worst is shown first."""
+    shares = {joint: entry.torque_share_before for joint, entry in diagnosis.errors.items()}
+    return sorted(diagnosis.trajectories, key=lambda each: -shares.get(each.joint, 0.0))
+
+
+def _choice(name: str, label: str, entries: Sequence[tuple[str, str]], chosen: str) -> str:
+    options = "".join(
+        f'<option value="{escape(value)}"{" selected" if value == chosen else ""}>{escape(text)}</option>'
+        for value, text in entries
+    )
+    return f'<label>{label} <select id="{name}">{options}</select></label>'
+
+
+def _span(each: Trajectory) -> str:
+    return f"{each.role} {each.file} {each.torque.t[0]:.6g}"
+
+
+def _span_text(each: Trajectory) -> str:
+    t = each.torque.t
+    return f"{ROLES[each.role]}: {each.file} {t[0]:.4g} to {t[-1]:.4g} s"

@@ -1,0 +1,63 @@
+"""Ctrl-C in a diagnosis that is under way: heard at once, answered within three seconds."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+
+PROGRAM = "import sys; from flexdyn.cli import main; sys.exit(main(sys.argv[1:]))"
+ANSWERED = 3.0
+"""Time from Ctrl-C to the end of the program, the report written [s]."""
+
+
+@pytest.fixture(name="folder")
+def _folder(tmp_path: Path) -> Path:
+    """A minute of six joints with hidden friction: a diagnosis takes a good while."""
+    model = fd.load_model("ur5")
+    t = np.arange(0.0, 60.0, 0.01)
+    draw = np.random.default_rng(2)
+    rates, phases = draw.uniform(0.7, 2.5, (2, model.n)), draw.uniform(0.0, 6.0, (2, model.n))
+    sway = sum(0.3 * np.sin(rates[k] * t[:, None] + phases[k]) for k in range(2))
+    robot = model.replace(effects=[*model.effects, fd.effects.CoulombFriction("elbow_joint", side="motor", level=5.0)])
+    run = fd.simulate(robot, fd.PD(fd.Samples(t, sway, "cubic"), kp=2000.0, kd=100.0), q0=sway[0])
+    log = run.to_recording()
+    names = [f"{signal}.{joint}" for signal in ("q", "theta", "tau") for joint in model.joint_names]
+    noise = {"q": 1e-6, "theta": 1e-6, "tau": 0.05}
+    seen = {name: log[name] + draw.normal(0.0, noise[name.split(".")[0]], run.t.size) for name in names}
+    fd.write_recording(fd.Recording(run.t, seen), tmp_path / "log.npz")
+    return tmp_path
+
+
+@pytest.mark.parametrize("after", [5.0, 9.0])
+def test_ctrl_c_is_answered_in_time(folder: Path, after: float) -> None:
+    """One line at once, then a report that says what was in work; nothing is claimed."""
+    command = [sys.executable, "-c", PROGRAM, "diagnose", "ur5", "log.npz", "-o", "out"]
+    with subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True, env=os.environ) as program:
+        time.sleep(after)
+        assert program.poll() is None, "it had ended before anybody could stop it"
+        program.send_signal(signal.SIGINT)
+        began = time.monotonic()
+        assert program.stderr is not None
+        first = program.stderr.readline()
+        heard = time.monotonic() - began
+        rest = program.stderr.read()
+        code = program.wait()
+        taken = time.monotonic() - began
+    assert first == "flexdyn: stopping; what is known by now follows\n"
+    assert heard < 0.5
+    assert taken < ANSWERED
+    assert (code, rest.splitlines()[-1]) == (130, "flexdyn: interrupted")
+    document = json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))
+    assert (document["verdict"], document["findings"]) == ("interrupted", [])
+    assert document["stopped_at"].startswith(("reading the equations", "comparing structures"))
+    assert not (folder / "out" / "model.yaml").exists()
