@@ -41,8 +41,11 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> Answer:
             model: fd.FlexibleJointModel,
             fit: Sequence[fd.Recording],
             check: Sequence[fd.Recording] = (),
+            *,
+            expect: Sequence[str] = (),
         ) -> Diagnosis:
-            given.update(model=model, fit=[each.name for each in fit], check=[each.name for each in check])
+            names = {"fit": [each.name for each in fit], "check": [each.name for each in check]}
+            given.update(model=model, **names, expect=list(expect))
             if isinstance(outcome, BaseException):
                 raise outcome
             return outcome
@@ -51,6 +54,14 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> Answer:
         return given
 
     return _answer
+
+
+def test_effects_that_are_expected_are_handed_on(flexdyn: Runner, answer: Answer) -> None:
+    """As often as there are some."""
+    given = answer(cases.explained())
+    expected = ("--expect", "torque_saturation", "--expect", "channel_lag")
+    assert flexdyn("diagnose", "scara_two_link", "a.csv", *expected, "-o", "out").code == 0
+    assert given["expect"] == ["torque_saturation", "channel_lag"]
 
 
 def test_a_report_is_written_and_told(flexdyn: Runner, answer: Answer) -> None:

@@ -233,3 +233,9 @@ def test_a_fit_that_stopped_short_says_what_it_would_move(tmp_path: Path, level:
     assert converged(made) == stands
     if not stands:
         assert stopped(made)[0] == "level of Coulomb friction of lift"
+
+
+def test_an_expected_effect_that_does_not_exist_is_refused(tmp_path: Path) -> None:
+    """One line with the near miss."""
+    with pytest.raises(fd.InputError, match="did you mean 'torque_saturation'"):
+        diagnose(slider_model(tmp_path), [_recording()], expect=["torque_saturations"])
