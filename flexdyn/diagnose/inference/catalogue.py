@@ -37,8 +37,14 @@ def everything(equations: Equations) -> list[Proposal]:
 
 
 def _loaded(equations: Equations) -> list[Proposal]:
-    """Friction of rigid joints that takes the load: the model can hold it where the joint becomes elastic as well."""
-    true, kinds = equations.true, [kind for kind in catalogue().values() if kind.takes_load and kind.linear]
+    """Friction of rigid joints that takes the load: the model can hold it where the joint becomes elastic as well.
+
+    Only the plain law: on a joint whose load nobody measures, laws that contain it share its name and hide others.
+    """
+    true, kinds = (
+        equations.true,
+        [kind for kind in catalogue().values() if kind.takes_load and kind.linear and not kind.contains],
+    )
     found = []
     for j in np.flatnonzero(~true.elastic & (true.rotor_inertia > 0.0)).tolist():
         place, extent = {"joint": true.joint_names[j], "side": "motor"}, Extent.of(equations, j)
