@@ -230,7 +230,8 @@ def _holding(document: Document, place: int) -> tuple[list[Any], list[Any]]:
     """Structures with one of the names of a finding, and those without."""
     entry = document["findings"][place]
     keys = [_key(each) for each in (entry, *entry["indistinguishable_from"])]
-    within, without = [], []
+    within: list[Any] = []
+    without: list[Any] = []
     for each in document["structures"]:
         (within if any(_key(effect) in keys for effect in each["effects"]) else without).append(each)
     return within, without
@@ -368,3 +369,14 @@ def placed(document: Document, phrase: str) -> None:
     names = [name for each in document["findings"] for name in (each, *each["indistinguishable_from"])]
     places = [str(each.get(key)) for each in names for key in ("joint", "channel", "frame", "of") if each.get(key)]
     assert any(place in phrase for place in places) or phrase == "at the end of the arm"
+
+
+def something_left(document: Document) -> None:
+    """The verdict says so, and no joint is told of."""
+    assert document["verdict"] == "partly_explained"
+    assert document["left"] == []
+
+
+def planned(document: Document, times: str) -> None:
+    """The experiment that is proposed says the same."""
+    assert any(f"{times} times the noise" in each["experiment"] for each in document["findings"])

@@ -20,6 +20,10 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
     (r"; what is left is noise\.", checks.only_noise_is_left),
     (r"No established effect accounts for what is left: (at most )?([\d.]+) % of the torque of (\S+?)"
      r"(?:; it changes with (.+?))?\.", checks.left),
+    (r"Something is left that no established effect accounts for\.", checks.something_left),
+    (r"Above: .+?\. Below: what a model with .+? would then leave unexplained, its numbers fitted again, if it is .+?;"
+     r" shaded: noise, two standard deviations\. Over the whole motion it adds up to (\d+) times the noise\.",
+     checks.planned),
     (rf"Model and measurement disagree, and no effect is established as the cause"
      rf"(?:: the most probable, (.+?), has probability {P}, and 0\.95 is required)?\.", checks.not_established),
     (r"The residual appears most of all (.+?)\.", checks.appears),
@@ -68,11 +72,12 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
 )  # fmt: skip
 CONSTANT = (
     r"^INTERRUPTED$",
+    r"^The law depends on more than .+?: its line is an average\.$",
     r"^What would tell them apart:",
     r"Root mean square of simulated minus measured positions over windows of 0\.5 s.*?dashed line\.",
     r"Root mean squares on the test data\..*?corrected model\.",
     r"Positions are simulated without feedback over windows of 0\.5 s.*?hides its curves\.",
-    r"The pictures that explain most come first\..*?are averages\.",
+    r"The (?:pictures that explain most|equations in which most is left) come first\..*?are averages\.",
     r"before after: the corrected model",
     r"Beyond noise, after the correction\..*?no sensor noise\.",
     r"Of the calibrated model, before the findings were added\..*?through the spring\.",

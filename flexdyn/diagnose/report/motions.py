@@ -93,10 +93,10 @@ def _lines(curve: Curve, row: int, first: int) -> list[dict[str, Any]]:
         row: of its axes.
         first: place of its time among the figure's columns; what was measured and the errors follow.
     """
-    line = {"type": "scatter", "mode": "lines", "x": first, "hovertemplate": "%{x:.4f} s, %{y:.5g}"}
+    line: dict[str, Any] = {"type": "scatter", "mode": "lines", "x": first, "hovertemplate": "%{x:.4f} s, %{y:.5g}"}
     up, below = ({"yaxis": f"y{k + 1}" if k else "y"} for k in (row, row + 1))
     told = {"showlegend": row == 0}
-    own = {"name": "measured", "legendgroup": "measured", "line": {"color": INK, "width": 3.4}}
+    own: dict[str, Any] = {"name": "measured", "legendgroup": "measured", "line": {"color": INK, "width": 3.4}}
     data = [{**line, **up, **told, **own, "y": first + 1}]
     for k, (name, style) in enumerate(zip(MODELS, LINES, strict=True)):
         own = {"name": name, "legendgroup": name, "line": style, "y": first + 2 + k}
