@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.diagnose.answers import LEVEL, dry_elbow
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.drawn import of_equations
+from flexdyn.diagnose.hypothesis.workspace import workspace
+from tests.diagnose.answers import LEVEL, dry_elbow, dry_model, dry_recording
 
 
 def test_the_law_found_is_drawn_over_what_it_depends_on() -> None:
@@ -29,6 +32,17 @@ def test_pictures_stand_in_the_order_of_what_they_explain() -> None:
     assert len(shares) == 1 + 2 * 4
     assert shares == sorted(shares, reverse=True)
     assert shares[-1] < 0.01
+
+
+def test_where_nothing_is_found_the_most_that_is_left_is_shown_first() -> None:
+    """Equations of a model that lacks friction, taken for the corrected one too: the elbow's motor has it all."""
+    data = (measured(dry_model(), dry_recording()),)
+    space, _, _ = workspace(dry_model(), data)
+    pictures = of_equations(space.equations, space.equations, space.whiten, explained=False)
+    assert [each.title for each in pictures[:2]] == ["elbow, motor side"] * 2
+    assert pictures[0].explains > 0.99
+    assert sum(each.explains for each in pictures[::2]) == pytest.approx(1.0)
+    assert [each.explains for each in pictures] == sorted((each.explains for each in pictures), reverse=True)
 
 
 def test_motion_agrees_with_the_errors_per_joint() -> None:

@@ -19,8 +19,8 @@ from flexdyn.diagnose.progress import Course, check, know, tell
 def test_work_is_done_beside_and_its_answer_comes_back() -> None:
     """In another thread; stages are shown in this one, in their order, before the work goes on."""
     here = threading.get_ident()
-    told: list[object] = []
-    seen: list[list[object]] = []
+    told: list[tuple[str, float]] = []
+    seen: list[list[tuple[str, float]]] = []
 
     def work() -> int:
         tell("one", 0.25)

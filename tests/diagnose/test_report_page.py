@@ -104,6 +104,7 @@ def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:
     with open_page(tmp_path / "report.html") as page:
         page.tab.evaluate("document.querySelectorAll('details').forEach(fold => { fold.open = true; })")
         told = page.tab.locator("main").inner_text()
+        page.wait_for("[...document.querySelectorAll('article img')].every(each => each.naturalWidth > 0)")
         widths = page.tab.evaluate("() => [...document.querySelectorAll('article img')].map(each => each.naturalWidth)")
     for text in (
         "1.102 to 1.298 N m",

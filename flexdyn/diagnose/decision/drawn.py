@@ -32,29 +32,30 @@ def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name
     """
     laws = laws_seen(plain.equations, first.after, plain.whiten, found, named)
     ordered = sorted(laws, key=lambda each: -each.explains)
-    return (*ordered, *of_equations(plain.equations, first.after, plain.whiten))
+    return (*ordered, *of_equations(plain.equations, first.after, plain.whiten, explained=bool(laws)))
 
 
-def of_equations(before: Equations, after: Equations, whiten: Whitener) -> tuple[Trace, ...]:
+def of_equations(before: Equations, after: Equations, whiten: Whitener, *, explained: bool) -> tuple[Trace, ...]:
     """Two pictures of every equation, those of which the correction takes most first.
 
-    One is over what its residual depends on more, position or velocity, and one over time. Where the correction takes
-    nothing off, what is left decides the order.
+    One is over what its residual depends on more, position or velocity, and one over time. Where nothing was found,
+    those come first in which most is left: they are what a reader looks for.
 
     Args:
         before: of the model as given.
         after: of the corrected model, over the same recordings.
         whiten: by the sensors' noise.
+        explained: whether something was found.
     """
     many = len(before.kinds)
     first, last = ((whiten(at.residual).reshape(-1, many) ** 2).sum(axis=0) for at in (before, after))
     pictures = traces(before, after, whiten.mask)
+    shares = (first - last) / max(first.sum(), 1e-300) if explained else last / max(last.sum(), 1e-300)
     equations: list[Trace] = []
-    for k in np.lexsort((-last, last - first)).tolist():
+    for k in np.argsort(-shares, kind="stable").tolist():
         over_time, *clouds = pictures[3 * k : 3 * k + 3]
-        share = float((first[k] - last[k]) / max(first.sum(), 1e-300))
         told = (max(clouds, key=_dependence), over_time)
-        equations += [dataclasses.replace(each, explains=share) for each in told]
+        equations += [dataclasses.replace(each, explains=float(shares[k])) for each in told]
     return tuple(equations)
 
 

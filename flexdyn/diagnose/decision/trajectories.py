@@ -50,7 +50,7 @@ def _torques(
     A row in which an equation says nothing leaves the lines open: there a joint may rest, and friction holds anything.
     """
     left = [summed(at, j) for at in models]
-    clear = np.asarray(seen[:, left[0][1]].all(axis=1))
+    clear: NDArray[np.bool_] = np.asarray(seen[:, left[0][1]].all(axis=1))
     curves, first = [], 0
     for along, part in zip(models[-1].motions, parts, strict=True):
         filters = models[-1].filters

@@ -157,8 +157,11 @@ def residuals(diagnosis: Diagnosis) -> str:
         '<p><i class="key" style="--colour:var(--before)"></i>before '
         '&emsp;<i class="key" style="--colour:var(--after)"></i>after: the corrected model</p>'
     )
+    first = "The pictures that explain most come first."
+    if not diagnosis.findings:
+        first = "The equations in which most is left come first."
     said = (
-        "The pictures that explain most come first. Of a law that was found, before is the corrected model without that"
+        f"{first} Of a law that was found, before is the corrected model without that"
         " one effect, and the black line is the law along the measured motion. Of an equation, before is the model as"
         " given. What is left should look like noise, whatever it is drawn over; lines through dots are averages."
     )

@@ -47,7 +47,7 @@ def folded(summary: str, body: str) -> str:
 
 def soft(text: str) -> str:
     """A paragraph of an explanation, plain text."""
-    return f'<p class="soft">{escape(text)}</p>'
+    return f'<p class="soft">{escape(text).replace(" %", "&nbsp;%")}</p>'
 
 
 def bar(value: float, scale: float, colour: str, text: str, mark: str = "") -> str:

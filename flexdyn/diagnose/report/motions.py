@@ -95,7 +95,7 @@ def _lines(curve: Curve, row: int, first: int) -> list[dict[str, Any]]:
     """
     line: dict[str, Any] = {"type": "scatter", "mode": "lines", "x": first, "hovertemplate": "%{x:.4f} s, %{y:.5g}"}
     up, below = ({"yaxis": f"y{k + 1}" if k else "y"} for k in (row, row + 1))
-    told: dict[str, Any] = {"showlegend": row == 0}
+    told = {"showlegend": row == 0}
     own: dict[str, Any] = {"name": "measured", "legendgroup": "measured", "line": {"color": INK, "width": 3.4}}
     data = [{**line, **up, **told, **own, "y": first + 1}]
     for k, (name, style) in enumerate(zip(MODELS, LINES, strict=True)):

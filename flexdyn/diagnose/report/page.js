@@ -33,11 +33,14 @@ function fitted() {
 }
 
 async function start() {
+  const { figures, laws } = JSON.parse(await unpacked("figures"));
+  for (const image of document.querySelectorAll("[data-law]")) {
+    image.src = `data:image/svg+xml,${encodeURIComponent(laws[image.dataset.law])}`;
+  }
   if (!rooms.length) return;
   const element = document.createElement("script");
   element.textContent = await unpacked("library");
   document.head.append(element);
-  const figures = JSON.parse(await unpacked("figures"));
   for (const room of rooms) {
     const figure = figures[room.id];
     const show = () => (room.id === "motion" ? motion(room, figure) : draw(room, figure));

@@ -58,6 +58,7 @@ def page(diagnosis: Diagnosis) -> str:
         from plotly.offline import get_plotlyjs
     except ImportError:
         raise MissingExtra("plotly", "plot") from None
+    content, laws = _without_pictures("\n".join(part(diagnosis) for part in PARTS))
     figures = _figures(diagnosis)
     library, script = (get_plotlyjs() if figures else ""), _own("page.js")
     # The script unpacks the library and runs it as an element of its own, whose text must have this hash.
@@ -67,12 +68,23 @@ def page(diagnosis: Diagnosis) -> str:
         "POLICY": f"{POLICY}; script-src {hashes}",
         "TITLE": escape(f"{kind} of {diagnosis.model.name}"),
         "STYLE": _own("page.css"),
-        "CONTENT": "\n".join(part(diagnosis) for part in PARTS),
-        "FIGURES": _packed(json.dumps(figures, allow_nan=False)),
+        "CONTENT": content,
+        "FIGURES": _packed(json.dumps({"figures": figures, "laws": laws}, allow_nan=False)),
         "PLOTLY": _packed(library),
         "SCRIPT": script,
     }
     return re.sub(r"\{\{([A-Z]+)\}\}", lambda hole: filled[hole[1]], _own("page.html"))
+
+
+def _without_pictures(content: str) -> tuple[str, list[str]]:
+    """The page with places for the pictures of laws, and these as SVG text: packed, they take a tenth of the room."""
+    pictures: list[str] = []
+
+    def place(found: re.Match[str]) -> str:
+        pictures.append(base64.b64decode(found[1]).decode("utf-8"))
+        return f'data-law="{len(pictures) - 1}"'
+
+    return re.sub(r'src="data:image/svg\+xml;base64,([^"]+)"', place, content), pictures
 
 
 def _figures(diagnosis: Diagnosis) -> dict[str, object]:

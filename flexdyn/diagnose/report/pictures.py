@@ -26,8 +26,8 @@ CONFIG = {
     "plotlyServerURL": "",
 }
 """Of every picture; its buttons offer to send data to nobody."""
-LEVELS = 100_000
-"""Of what a residual is drawn over, between zero and its largest."""
+LEVELS = (10_000, 1500)
+"""Between zero and the largest, across and up: many for each dot of a picture that is 500 wide and 200 high."""
 
 
 def residual_figure(trace: Trace) -> dict[str, Any]:
@@ -139,6 +139,6 @@ def _in_columns(data: list[dict[str, Any]]) -> dict[str, Any]:
             column = trace[key]
             if id(column) not in places:
                 places[id(column)] = len(columns)
-                columns.append(packed(column, LEVELS if key == "x" else 4000))
+                columns.append(packed(column, LEVELS[key == "y"]))
             trace[key] = places[id(column)]
     return {"columns": columns, "data": data}

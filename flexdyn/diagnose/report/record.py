@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 
 from flexdyn.diagnose.report.measures import Role
@@ -56,10 +57,8 @@ class Record:
 
 def record(command: str = "", files: Iterable[File | None] = ()) -> Record:
     """Of now, by this version."""
-    from flexdyn import __version__
-
     date = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
-    return Record(__version__, date, command, tuple(each for each in files if each is not None))
+    return Record(version("flexdyn"), date, command, tuple(each for each in files if each is not None))
 
 
 @dataclass(frozen=True)

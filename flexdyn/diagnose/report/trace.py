@@ -29,8 +29,8 @@ class Trace:
         means: of dots: x, before and after averaged over neighbours in x (averages, 3); none of a line.
         law: of a finding: x and what its law puts into the residual there, in the order of x (points, 2); else none.
         note: what else there is to know of the picture, a sentence or nothing.
-        explains: what goes of the squared residuals of all equations, in units of noise, from before to after [1]; of
-            the model as given it is 1.
+        explains: what goes of the squared residuals of all equations, in units of noise, from before to after, over
+            those of the model as given [1]; where nothing was found, the equation's share of what is left.
     """
 
     title: str

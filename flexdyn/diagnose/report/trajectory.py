@@ -56,8 +56,12 @@ class Curve:
         open_ends = np.isnan(self.errors).any(axis=0)
         edges = np.linspace(0, count, max(2, most // 9) + 1).astype(np.intp)[:-1]
         pieces = [np.split(row, edges[1:]) for row in np.nan_to_num(drawn)]
-        ends = np.flatnonzero(open_ends & ~np.roll(open_ends, 1))[: most // 9]
-        kept: list[Any] = [edges, edges - 1, ends, [count - 1]]
+        kept: list[Any] = [
+            edges,
+            edges - 1,
+            np.flatnonzero(open_ends & ~np.roll(open_ends, 1))[: most // 9],
+            [count - 1],
+        ]
         for row in pieces:
             kept.append(edges + [int(piece.argmin()) for piece in row])
             kept.append(edges + [int(piece.argmax()) for piece in row])

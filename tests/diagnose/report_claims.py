@@ -1,0 +1,93 @@
+"""Claims of report.html as patterns, each with the check that it must pass; explanations that claim nothing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tests.diagnose import report_checks as checks
+from tests.diagnose.report_checks import LIKELY, STRENGTH
+
+P = r"(above 0\.999|below 0\.001|[\d.]+|unknown)"
+X = r"(-?[\d. ]*\d|-?beyond measure|unknown)"
+E = r"(-?[\d.]+(?:e[+-]?\d+)?|beyond measure|unknown)"
+
+CLAIMS: tuple[tuple[str, Any], ...] = (
+    (r"Model and measurement agree: what is left between them is noise"
+     r"(?:, once (\d+) numbers? of the model ha(?:s|ve) moved within tolerance)?\.", checks.agreement),
+    (rf"(?:The|Part of the) disagreement has (\d+) causes, first of all (.+?) \((?:together )?probability {P}\)",
+     checks.many_causes),
+    (r"(?:The|Part of the) disagreement is explained by (.+?\))(?=[;.])", checks.few_causes),
+    (r"; what is left is noise\.", checks.only_noise_is_left),
+    (r"No established effect accounts for what is left: (at most )?([\d.]+) % of the torque of (\S+?)"
+     r"(?:; it changes with (.+?))?\.", checks.left),
+    (r"Something is left that no established effect accounts for\.", checks.something_left),
+    (r"Above: .+?\. Below: what a model with .+? would then leave unexplained, its numbers fitted again, if it is .+?;"
+     r" shaded: noise, two standard deviations\. Over the whole motion it adds up to (\d+) times the noise\.",
+     checks.planned),
+    (rf"Model and measurement disagree, and no effect is established as the cause"
+     rf"(?:: the most probable, (.+?), has probability {P}, and 0\.95 is required)?\.", checks.not_established),
+    (r"The residual appears most of all (.+?)\.", checks.appears),
+    (r"((?:These estimates|This estimate) stopped before .+? converged: .+?\.)", checks.unconverged),
+    (r"Nothing is claimed beyond what had converged(?:, and that establishes no effect|: (.+?\)))\.",
+     checks.beyond_convergence),
+    (r"This diagnosis was interrupted(?: while (.+?),)? before it was finished\.", checks.interrupted),
+    (r"Established by then: (.+?\)(?: and \d+ more)?)\.", checks.by_then),
+    (r"No effect had been established by then(?:; of what had been compared, (.+?) was the most probable)?\.",
+     checks.nothing_by_then),
+    (r"The test data had not been opened\.", checks.unopened),
+    (rf"^(.+): (each )?({'|'.join(LIKELY)}) \((?:together )?probability {P}(?: or more)?\)\.$", checks.finding),
+    (rf"On the (test data|data of the fit), the gap goes from {X} to {X}; noise alone makes {X}\.", checks.gap),
+    (r"The gap (was not|could not be) measured\.", checks.no_gap),
+    (rf"At (\S+?)(, the joint with the greatest share before,)? the torque error goes from {E} to {E} (.+?), from"
+     rf" {X} % to {X} % of its torque\.", checks.worst),
+    (rf"Posterior probability {P}( that one of these names is right)?: ({'|'.join(LIKELY)})"
+     r"(, not established: 0\.95 is required)?\.", checks.probability),
+    (rf"The best structure with it against the best without it: log Bayes factor {X}"
+     rf" \(({'|'.join(STRENGTH)}) evidence( against it)?\)\.", checks.bayes),
+    (rf"If it alone is left out, {X} % of the improvement on the test data is lost\.", checks.lost),
+    (rf"If it alone is left out, the improvement on the test data grows by {X} %\.", checks.grown),
+    (r"Every one of the (\d+) ranked structures holds (?:it|one of these names)\.", checks.every_one),
+    (r"None of the (\d+) ranked structures holds (?:it|one of these names)\.", checks.none_of),
+    (r"(\d+) of the (\d+) ranked structures hold (?:it|one of these names)\.", checks.some_of),
+    (rf"The best one without (?:it|them) has (.+?) instead; its log evidence is (lower|higher) by {X}, its probability"
+     rf" {P}\.", checks.without_it),
+    (r"These data do not tell which of these it is:", checks.rivals),
+    (rf"^(.+?)(?: \((.+)\))?: probability {P}$", checks.rival),
+    (rf"Noise alone leaves {X} %\.", checks.noise_leaves),
+    (rf"dashed: noise alone, {X}", checks.dashed),
+    (r"They moved by no more than (\d) of their stated tolerances, so they are no findings\.", checks.within_tolerance),
+    (r"(\d+) numbers? moved by more than (\d) of the stated tolerances and is no finding all the same: what is left"
+     r" unexplained may have bent it\.", checks.beyond_tolerance),
+    (r"Nothing beyond what is said above\.", checks.nothing_to_note),
+    (r"Nothing: no finding waits for another measurement\.", checks.nothing_to_measure),
+    (r"More motion of (\S+)(?: \((.+?)\))?, slower, with the other joints at rest: a law that no catalogue holds shows"
+     r" best where nothing else moves\.", checks.more_motion),
+    (r"The same motion once more: what does not come back the same is no law of the arm's state\.", checks.once_more),
+    (r"A second recording of another motion, to test the answer on data that no decision read\.",
+     checks.second_recording),
+    (r"Run the diagnosis to its end: it needs no new measurement\.", checks.to_its_end),
+    (r"The diagnosis took (\d+) s\.", checks.took),
+    (r"^((?:or|on|in|at) [^:]+)$", checks.placed),
+    (r"^flexdyn (\S+), \S+ \S+: (.+)$", checks.done),
+)  # fmt: skip
+CONSTANT = (
+    r"^INTERRUPTED$",
+    r"^The law depends on more than .+?: its line is an average\.$",
+    r"^What would tell them apart:",
+    r"Root mean square of simulated minus measured positions over windows of 0\.5 s.*?dashed line\.",
+    r"Root mean squares on the test data\..*?corrected model\.",
+    r"Positions are simulated without feedback over windows of 0\.5 s.*?hides its curves\.",
+    r"The (?:pictures that explain most|equations in which most is left) come first\..*?are averages\.",
+    r"before after: the corrected model",
+    r"Beyond noise, after the correction\..*?no sensor noise\.",
+    r"Of the calibrated model, before the findings were added\..*?through the spring\.",
+    r"Of the sum of squares of what the equations leave.*?share differently\.",
+    r"Behind each name: its stated tolerance, one standard deviation\.",
+    r"Those below 0\.1 are left out\..*?each by itself\.",
+    r"A structure is a set of effects.*?that hold it\.",
+    r"Fit: numbers are estimated and structures are compared.*?errors per joint\.",
+    r"Beside this page: .*?report\.json, the same for programs\.",
+    r"Why an effect was named, or was not: flexdyn diagnose \.\.\. --explain EFFECT@JOINT\.",
+    r"^The law of .+ with the numbers found\.$",
+)
+"""Explanations, which say the same on every page."""
