@@ -24,7 +24,6 @@ CASES = [
     ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
     ("motor_only", 5, 10, "Coulomb friction on a motor"),
     ("link_only", 5, 0, "Stribeck friction on a link"),
-    ("link_only", 31, 7, "Stribeck friction on a motor: its numbers come from simulated windows"),
     ("rigid", 5, 7, "viscous friction"),
     ("none", 4, 0, "nothing"),
     ("none", 4, 1, "nothing"),

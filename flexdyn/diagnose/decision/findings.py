@@ -40,11 +40,12 @@ def names_told(found: Corrected) -> list[Name]:
     """Names without what is no finding, and with numbers that are surely beyond their tolerance unnamed.
 
     No findings are numbers that came back into their tolerance, and lags of torques within one sample. Numbers without
-    a name are told only where no more than noise is left: else one may do the work of something that has no name.
+    a name are told only where the equations leave no more than noise by themselves: else one may do the work of
+    something that has no name.
     """
     own = [each for each in found.names if (n := found.candidates[each.candidate].number) is None or _beyond(found, n)]
     own = [each for each in own if not _is_within_a_sample(found, found.effect(each.candidate))]
-    if not found.explained:
+    if not found.explained or found.fitted.block:  # windows bend numbers that equations would hold
         return own
     named = {each.candidate for each in found.names}
     for c, candidate in enumerate(found.candidates):
