@@ -60,8 +60,8 @@ def _found(made: Study) -> Iterator[str]:
         "mm), seen at the lowest speed; friction that is less in the first centimetres per second after a reversal "
         "than its level, the opposite of a Stribeck effect; and in PULSES one jump of the force at 22.4 s that "
         "nothing in the record explains. That viscous friction may depend on the direction was told beforehand "
-        "(`expect`), as the authors' second model has it; without that it stays unnamed, for other unknown laws may look "
-        "like it."
+        "(`expect`), as the authors' second model has it; without that it stays unnamed, for other unknown laws may "
+        "look like it."
     )
 
 
