@@ -28,7 +28,15 @@ DAMPED = 0.5
 
 
 class LimitWarning(UserWarning):
-    """A run goes beyond a limit that the URDF states."""
+    """A run goes beyond a limit that the URDF states.
+
+    Example:
+        >>> import warnings
+        >>> with warnings.catch_warnings(record=True, action="always") as told:
+        ...     run = fd.simulate(fd.load_model("scara_two_link"), [1.0, 0.0], duration=0.5)
+        >>> [each.category is fd.LimitWarning for each in told]
+        [True]
+    """
 
 
 @dataclass(frozen=True)
@@ -43,6 +51,13 @@ class Exceeded:
         since: first time beyond it [s].
         at: time of the most [s].
         unit: of limit and by.
+
+    Example:
+        >>> import warnings
+        >>> with warnings.catch_warnings(action="ignore"):
+        ...     run = fd.simulate(fd.load_model("scara_two_link"), [1.0, 0.0], duration=0.5)
+        >>> [(each.joint, each.kind, each.limit) for each in run.exceeded]
+        [('shoulder', 'torque', 0.63)]
     """
 
     joint: str
@@ -113,6 +128,11 @@ def enforce_limits(
 
     Raises:
         InputError: a stiffness or damping that is not above 0, or a URDF that states no limit.
+
+    Example:
+        >>> model = fd.enforce_limits(fd.load_model("ur5"))
+        >>> [effect.name for effect in model.effects[-2:]]
+        ['end_stop', 'torque_speed_limit']
     """
     for key, value in (("stiffness", stiffness), ("damping", damping)):
         if value is not None and not 0.0 < as_number(value) < math.inf:

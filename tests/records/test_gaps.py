@@ -95,7 +95,7 @@ def test_a_diagnosis_takes_the_pieces(tmp_path: Path, monkeypatch: pytest.Monkey
     """As recordings of their own; pieces shorter than a second are left out, which is said."""
     module = importlib.import_module("flexdyn.diagnose.decision.run")
     seen: list[tuple[Recording, ...]] = []
-    monkeypatch.setattr(module, "_diagnosed", lambda model, fit, check, say: seen.extend([fit, check]))
+    monkeypatch.setattr(module, "_diagnosed", lambda model, fit, check, *more: seen.extend([fit, check]))
     fd.diagnose(fd.load_model("scara_two_link"), fit=swing(), check=swing(WHOLE))
     assert [(each.t[0], each.t[-1], each.name) for each in seen[0]] == [(0.0, 3.99, "log"), (6.5, 9.99, "log")]
     assert seen[1] == (swing(WHOLE),)

@@ -141,7 +141,7 @@ def test_a_diagnosis_takes_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     fd.write_recording(REC, tmp_path / "a.h5")
     seen: list[tuple[Recording, ...]] = []
     run_module = importlib.import_module("flexdyn.diagnose.decision.run")
-    monkeypatch.setattr(run_module, "_diagnosed", lambda model, fit, check, say: seen.extend([fit, check]))
+    monkeypatch.setattr(run_module, "_diagnosed", lambda model, fit, check, *more: seen.extend([fit, check]))
     fd.diagnose(fd.load_model("scara_two_link"), fit=tmp_path / "a.h5", check=[REC.to_pandas(), str(tmp_path / "a.h5")])
     assert seen == [(REC,), (REC, REC)]
     with pytest.raises(InputError, match=r"fit\[1\]: neither a run nor a recording"):

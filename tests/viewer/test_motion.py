@@ -114,7 +114,7 @@ def test_another_arm_is_refused(tmp_path: Path) -> None:
 
 def test_something_else_is_refused() -> None:
     """One line says what can be played."""
-    with pytest.raises(fd.InputError, match="a run, a recording or a model"):
+    with pytest.raises(fd.InputError, match="neither a run nor a recording"):
         first(3, None)  # type: ignore[arg-type]
 
 
