@@ -73,7 +73,7 @@ def test_one_share_is_load_dependent_friction() -> None:
 
 
 def test_a_hoist_that_the_model_takes_for_rigid(tmp_path: Path) -> None:
-    """From motor data alone. Its load never changes sign, so that the mass is all that parts the two shares."""
+    """From motor data alone: the plain law is named, as direction is not asked about where no load is measured."""
     t = np.arange(round(8.0 * RATE)) / RATE
     force = MASS * GRAVITY * 0.85 + 9.0 * np.sin(2.9 * t + 0.3) + 7.0 * np.sin(6.1 * t) + 4.0 * np.sin(13.0 * t)
     draw = np.random.default_rng(3)
@@ -82,8 +82,7 @@ def test_a_hoist_that_the_model_takes_for_rigid(tmp_path: Path) -> None:
     record = fd.Recording(t, {"theta.lift": theta, "tau.lift": noisy}, meta={"units": UNITS})
     diagnosis = fd.diagnose(hoist(tmp_path), fit=[record])
     ((effect, values, _),) = named(diagnosis)
-    assert effect == "directional_gear_loss"
-    assert values == pytest.approx({"driving": 0.1, "driven": 0.4}, abs=0.05)
+    assert effect == "load_dependent_friction"
     (factor,) = [each["factor"] for each in diagnosis.to_dict()["calibration"] if each["parameter"] == "link_mass"]
-    assert factor * (1.0 + values["driving"]) == pytest.approx(1.1, rel=5e-3)
-    assert factor * (1.0 - values["driven"]) == pytest.approx(0.6, rel=5e-3)
+    assert factor * (1.0 + values["coefficient"]) == pytest.approx(1.1, rel=0.03)
+    assert factor * (1.0 - values["coefficient"]) == pytest.approx(0.6, rel=0.03)
