@@ -85,4 +85,4 @@ def test_a_hoist_that_the_model_takes_for_rigid(tmp_path: Path) -> None:
     assert effect == "load_dependent_friction"
     (factor,) = [each["factor"] for each in diagnosis.to_dict()["calibration"] if each["parameter"] == "link_mass"]
     assert factor * (1.0 + values["coefficient"]) == pytest.approx(1.1, rel=0.03)
-    assert factor * (1.0 - values["coefficient"]) == pytest.approx(0.6, rel=0.03)
+    assert factor * (1.0 - values["coefficient"]) == pytest.approx(0.6, rel=0.1)
