@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from score import outcome
@@ -12,14 +14,8 @@ from tests.discovery.shortened import diagnosed
 CASES = [
     ("single", 3, 3, "Coulomb friction on a link"),
     ("single", 3, 5, "Stribeck friction on a motor"),
-    ("single", 3, 11, "a torque offset"),
-    ("single", 3, 17, "a link's encoder that lags"),
     ("single", 5, 6, "presliding friction on a motor"),
-    ("single", 5, 9, "a wrong stiffness"),
     ("single", 5, 26, "a hardening spring"),
-    ("single", 5, 54, "commands that come late"),
-    ("single", 5, 57, "a torque that depends on position"),
-    ("single", 5, 59, "a wrong mass"),
     ("single", 5, 79, "torque ripple"),
     ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
     ("motor_only", 5, 10, "Coulomb friction on a motor"),
@@ -29,15 +25,28 @@ CASES = [
     ("none", 4, 1, "nothing"),
     ("outside", 4, 0, "a torque that drifts"),
     ("outside", 4, 1, "a fan"),
-    ("outside", 4, 5, "a link that bends"),
 ]
 
 
-@pytest.mark.parametrize(
-    ("family", "seed", "number"),
-    [case[:3] for case in CASES],
-    ids=[f"{family}-{seed}-{number}: {hidden}" for family, seed, number, hidden in CASES],
-)
+MORE = [
+    ("single", 3, 11, "a torque offset"),
+    ("single", 3, 17, "a link's encoder that lags"),
+    ("single", 5, 9, "a wrong stiffness"),
+    ("single", 5, 54, "commands that come late"),
+    ("single", 5, 57, "a torque that depends on position"),
+    ("single", 5, 59, "a wrong mass"),
+    ("outside", 4, 5, "a link that bends"),
+]
+"""Cases that CI leaves out: `pytest -m slow` runs them."""
+
+
+def _parameters() -> Iterator[Any]:
+    for cases, marks in ((CASES, ()), (MORE, (pytest.mark.slow,))):
+        for family, seed, number, hidden in cases:
+            yield pytest.param(family, seed, number, marks=marks, id=f"{family}-{seed}-{number}: {hidden}")
+
+
+@pytest.mark.parametrize(("family", "seed", "number"), list(_parameters()))
 def test_what_is_hidden_is_named_and_nothing_else(family: str, seed: int, number: int, tmp_path: Path) -> None:
     """Effect, joint and side, with a model file up to 3 % wrong in every number; none named where none is there."""
     found, truth = diagnosed(family, seed, number, tmp_path)
