@@ -103,10 +103,10 @@ def test_doctor_tells_what_is_missing_or_broken(flexdyn: Runner, monkeypatch: py
 
 
 def test_every_extra_of_the_package_is_looked_at() -> None:
-    """Those that pyproject offers to users."""
+    """Those that pyproject offers to users; "test" and "docs" are for developers."""
     from importlib.metadata import metadata
 
-    offered = set(metadata("flexdyn").get_all("Provides-Extra") or ()) - {"all", "test"}
+    offered = set(metadata("flexdyn").get_all("Provides-Extra") or ()) - {"all", "test", "docs"}
     assert offered <= set(health.EXTRAS)
 
 
