@@ -100,7 +100,6 @@ def score(truth: dict[str, Any], report: dict[str, Any] | None, rivals: dict[str
     pairs = [(f, one) for one in wanted for f in findings if _names(f, one, truth)]
     row["parameters"] = [e | {"of": label(one)} for f, one in pairs for e in parameter_errors(f, one)]
     row["gap"] = {name: _over_floor(report, name) for name in ("fit", "test")}
-    row["seconds"] = report.get("seconds")
     return row
 
 
@@ -146,7 +145,9 @@ def score_folder(cases: Path, reports: Path) -> list[dict[str, Any]]:
         truth = read(secret / f"{folder.name}.json")
         if truth is not None:
             rivals = read(secret / f"{folder.name}.rivals.json")
-            rows.append(score(truth, read(reports / folder.name / "report.json"), rivals))
+            cost = read(reports / folder.name / "cost.json") or {}
+            row = score(truth, read(reports / folder.name / "report.json"), rivals)
+            rows.append(row | {"seconds": cost["seconds"]} if "seconds" in cost else row)
     return rows
 
 
