@@ -8,6 +8,7 @@ import pytest
 
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name, names
+from flexdyn.diagnose.inference.passes import undecided
 from flexdyn.diagnose.inference.space import Structure
 
 
@@ -103,3 +104,30 @@ def test_only_what_is_asked_for_is_named() -> None:
     """The caller leaves out what the fitted model does not hold."""
     masses = _masses({(1, 2): 1.0})
     assert [each.candidate for each in names(masses, frozenset({1, 2}), of=[2])] == [2]
+
+
+def test_linearisations_that_do_not_agree_count_alike() -> None:
+    """What stands at all of them is certain; what stands at one of three has a third of the mass."""
+    masses = _masses({(1, 2): 0.9, (1, 3): 0.1}).mixed([frozenset({1, 3}), frozenset({1})])
+    assert masses.probability.sum() == pytest.approx(1.0)
+    one, two = names(masses, frozenset({1, 2}))
+    assert one.probability == pytest.approx(1.0)
+    assert not two.established
+    assert masses.of_any([2]) == pytest.approx(0.3)
+    assert masses.of_any([3]) == pytest.approx((0.1 + 1.0) / 3.0)
+    assert masses.log_bayes_factor(2) == pytest.approx(math.log(9.0))
+
+
+def test_a_law_that_contains_another_is_its_rival_at_another_linearisation() -> None:
+    """They share a name, as within one linearisation: "A or B"."""
+    (name,) = names(_masses({(1,): 1.0}).mixed([frozenset({2})]), frozenset({1}))
+    assert (name.candidate, name.rivals) == (1, (2,))
+    assert name.probability == pytest.approx(1.0)
+
+
+def test_structures_of_a_cycle_count() -> None:
+    """Those since the last one was compared before; if it never was, all but the one at the file's numbers."""
+    a, b, c = (frozenset({(name,)}) for name in "abc")
+    assert undecided([a, b, c], b) == (c,)
+    assert undecided([a, b], b) == ()
+    assert undecided([a, b, c], frozenset()) == (b, c)

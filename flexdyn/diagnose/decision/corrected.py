@@ -19,7 +19,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.passes import Posterior, identity
 from flexdyn.diagnose.inference.priors import SMALLEST
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
@@ -96,7 +96,7 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
             not make it stand out [1]; None: the equations alone decide.
     """
     space, here = found.space, found.fitted.hypothesis
-    masses = Masses.of(found.known)
+    masses = _masses(found)
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     share = shares(space, found.best)
@@ -121,6 +121,22 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
     return Corrected(made, kept, masses, tuple(space.candidates), space, explained, own)
+
+
+def _masses(found: Posterior) -> Masses:
+    """Of all sets; where linearisations do not agree, averaged over them.
+
+    What the catalogue lacks is taken up by other laws at every linearisation; what is there stands in all of them. Of
+    the others' structures only what this one's best holds counts, and laws that contain it or that it contains: the
+    rest stands in for nothing.
+    """
+    space, masses = found.space, Masses.of(found.known)
+    best = {c for c, _ in found.best}
+    alike = best | {c for c, inside in space.contained.items() if best & set(inside)}
+    alike |= {each for c in best for each in space.contained[c]}
+    place = {identity(candidate): c for c, candidate in enumerate(space.candidates)}
+    others = [frozenset(place[each] for each in seen if each in place) & alike for seen in found.earlier]
+    return masses.mixed(others) if others else masses
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,7 @@ class Masses:
     Attributes:
         sets: of places of candidates.
         structures: the best one of each set: its candidates with their grid points.
-        log: of their posteriors, not normalised (sets,).
+        log: of their posteriors, not normalised; of sets from other linearisations −infinity (sets,).
         probability: the same normalised over all of them (sets,).
     """
 
@@ -39,6 +39,17 @@ class Masses:
         log = np.array([value for value, _ in best.values()])
         weight = np.exp(log - log[0])
         return cls(tuple(best), tuple(structure for _, structure in best.values()), log, weight / weight.sum())
+
+    def mixed(self, others: Sequence[Set]) -> Masses:
+        """The mixture with other linearisations: each counts as much as this one, and holds one set for certain."""
+        probability = dict(zip(self.sets, self.probability.tolist(), strict=True))
+        for each in others:
+            probability[each] = probability.get(each, 0.0) + 1.0
+        new = [each for each in probability if each not in self.sets]
+        structures = (*self.structures, *(frozenset((c, 0) for c in each) for each in new))
+        log = np.append(self.log, np.full(len(new), -np.inf))
+        weight = np.array(list(probability.values())) / (1.0 + len(others))
+        return Masses((*self.sets, *new), structures, log, weight)
 
     def place(self, holds: Collection[int], without: Collection[int] = ()) -> int | None:
         """Of the most probable set that holds some candidates and none of some others; None: there is none."""

@@ -103,8 +103,9 @@ def considered(model: FlexibleJointModel, space: Space, masses: Masses) -> tuple
 
 
 def structures(model: FlexibleJointModel, candidates: Sequence[Candidate], masses: Masses) -> tuple[Structure, ...]:
-    """The most probable sets."""
+    """The most probable sets that were compared at the last linearisation."""
     return tuple(
         Structure(tuple(suspect_of(model, candidates[c]) for c in sorted(mine)), float(probability), float(log))
         for mine, probability, log in list(zip(masses.sets, masses.probability, masses.log, strict=True))[:RANKED]
+        if math.isfinite(log)
     )

@@ -17,6 +17,7 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.inference.autoregression import runs_of
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.harmonics import with_harmonics
@@ -38,6 +39,8 @@ WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
 """Fits of one hypothesis, each weighted by what the last one left, until it leaves more than such a share of that."""
 STEPS = 4
 """Gauss-Newton steps between two linearisations."""
+Places = frozenset[tuple[object, ...]]
+"""Kind and place of every candidate of a structure."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +54,7 @@ class Posterior:
         noise: of the channels.
         settled: whether the last pass changed nothing.
         known: log posteriors of the structures that were compared, not normalised.
+        earlier: kinds and places of the best structures at other linearisations, where these do not agree.
         expected: kinds of effects that the user expects of this drive.
     """
 
@@ -61,6 +65,7 @@ class Posterior:
     settled: bool
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
+    earlier: tuple[Places, ...] = ()
 
 
 def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
@@ -75,7 +80,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
     start = dataclasses.replace(start, measured=frozenset({"harmonic"}))
     here, mask, recorded = start, sign_mask(bare.equations, noise), noise
     first: Library | None = None
-    compared: set[frozenset[tuple[object, ...]]] = set()
+    compared: list[Places] = []
     for k in range(PASSES):
         tell(f"comparing structures: pass {k + 1} of at most {PASSES}", 0.05 + 0.6 * k / PASSES)
         at = bare.equations.of(here.model())
@@ -103,9 +108,11 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         )
         best = _compared(space, stands)
         there = hypothesis_of(space, _strong(space, best, stands, STRONG ** (k + 1)), here)
-        name = frozenset(_identity(space, each) for each in best)
-        settled = _nonlinear(space, best) == _nonlinear(space, stands) or name in compared
-        compared.add(name)
+        places = frozenset(identity(space.candidates[c]) for c, _ in best)
+        unchanged = _nonlinear(space, best) == _nonlinear(space, stands)
+        settled = unchanged or places in compared
+        earlier = () if unchanged else undecided(compared, places)
+        compared.append(places)
         last = settled or k == PASSES - 1
         if last:
             space.known = {}
@@ -122,7 +129,12 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         if last:
             break
         here = fitted.hypothesis
-    return Posterior(space, best, fitted, noise, settled, space.known)
+    return Posterior(space, best, fitted, noise, settled, space.known, earlier=earlier)
+
+
+def undecided(compared: list[Places], here: Places) -> tuple[Places, ...]:
+    """Earlier structures that count like the last one: those of a cycle; all but the first, if there is none."""
+    return tuple(compared[(compared.index(here) if here in compared else 0) + 1 :])
 
 
 def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
@@ -175,9 +187,8 @@ def _strong(space: Space, best: Structure, stands: Structure, least: float) -> S
     return best - {each for each, loss in lost.items() if loss < least * most}
 
 
-def _identity(space: Space, each: tuple[int, int]) -> tuple[object, ...]:
+def identity(candidate: Candidate) -> tuple[object, ...]:
     """Kind and place of a candidate, whatever its numbers are."""
-    candidate = space.candidates[each[0]]
     return (candidate.kind, *sorted(candidate.place.items()))
 
 
