@@ -80,7 +80,7 @@ def times_of(library: Callable[[], object], ours: Callable[[], object], rounds: 
 
 
 def outcome(work: Callable[[], bool]) -> str:
-    """ "" where the work says that its result is right; else "another result", or the error in a word."""
+    """Nothing where the work says that its result is right; else "another result", or the error in a word."""
     try:
         return "" if work() else "another result"
     except Exception as error:  # whatever a library raises is its answer
