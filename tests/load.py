@@ -6,11 +6,16 @@ import time
 
 SPENT = 0.1
 """Processor time of one look [s]."""
+FREE = 1.3
+"""A free machine takes no more than so many times the processor time [1]."""
+MARGIN = 2.0
+"""Load comes and goes: the time looked at is not the time that counts [1]."""
 
 
 def slowed() -> float:
-    """Time over processor time of a short piece of work: 1 on a free machine, 4 where four want the processor."""
+    """How many times longer work may take now: 1 on a free machine, 8 where four want the processor."""
     began, spent = time.monotonic(), time.thread_time()
     while time.thread_time() - spent < SPENT:
         pass
-    return max(1.0, (time.monotonic() - began) / SPENT)
+    ratio = (time.monotonic() - began) / SPENT
+    return 1.0 if ratio < FREE else MARGIN * ratio
