@@ -26,19 +26,19 @@ need_compiler() {
   fail "a C++ compiler is missing (the core is compiled on installation). Debian, Ubuntu: apt install g++. Fedora: dnf install gcc-c++. macOS: xcode-select --install"
 }
 
-# make_venv EXTRA: .venv with flexdyn[EXTRA] built from this checkout.
+# make_venv EXTRA: .venv with flexdyn[EXTRA] built from this checkout; nothing to do where that is there already.
 make_venv() {
   local python
   python=$(find_python) || exit 2
   need_compiler
-  if [ ! -x .venv/bin/python ]; then
+  # Without pip, an earlier attempt was interrupted.
+  if [ ! -x .venv/bin/python ] || [ ! -x .venv/bin/pip ]; then
     "$python" -m venv .venv || {
       rm -rf .venv
       fail "python's venv module does not work. Debian, Ubuntu: apt install python3-venv"
     }
   fi
-  printf 'Installing flexdyn[%s] into .venv (the core is compiled: a minute or two) ...\n' "$1"
-  .venv/bin/python -m pip install --quiet --disable-pip-version-check ".[$1]" ||
+  .venv/bin/python scripts/install.py "$1" ||
     fail "the installation failed; the lines above say why. Behind a proxy or without a network, point pip at your package index"
 }
 

@@ -12,5 +12,6 @@ bin=.venv/bin
 "$bin/ruff" check .
 "$bin/ruff" format --check .
 "$bin/mypy" flexdyn tests scripts benchmarks
-"$bin/pytest" "$@"
+# A worker for each processor; tests of one file stay together, for they share what is dear to make.
+"$bin/pytest" -n auto --dist loadfile "$@"
 build_docs

@@ -1,8 +1,14 @@
-"""Tests of Ctrl-C need one: a shell has its background jobs, and all that they start, ignore it."""
+"""What the process that starts the tests may have set, and tests must not feel.
+
+Tests of Ctrl-C need one: a shell has its background jobs, and all that they start, ignore it. And pytest-xdist tells
+its workers how wide the terminal is, which is not where the output of a test goes.
+"""
 
 from __future__ import annotations
 
+import os
 import signal
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+os.environ.pop("COLUMNS", None)

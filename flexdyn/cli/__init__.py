@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from flexdyn.cli import completion
 from flexdyn.cli.failures import report, show_warning
 
+INTERRUPTED = 130
+"""128 + SIGINT: what a shell reports of a tool that Ctrl-C ended; typer returns it without a word."""
 BROKEN_PIPE = 141
 """128 + SIGPIPE: what a shell reports of a tool whose reader went away."""
 
@@ -55,6 +57,8 @@ def _run(arguments: list[str]) -> int:
         if hasattr(stream, "reconfigure"):  # a joint's name must not fail for want of a letter
             stream.reconfigure(errors="backslashreplace")
     result = build().main(args=arguments, prog_name="flexdyn", standalone_mode=False)
+    if result == INTERRUPTED:  # while the arguments were read
+        raise KeyboardInterrupt
     return result if isinstance(result, int) else 0
 
 

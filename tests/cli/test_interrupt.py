@@ -9,15 +9,28 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import flexdyn as fd
+from tests.load import slowed
 
-PROGRAM = "import sys; from flexdyn.cli import main; sys.exit(main(sys.argv[1:]))"
-ANSWERED = 3.0
-"""Time from Ctrl-C to the end of the program, the report written [s]."""
+PROGRAM = """
+import sys
+from flexdyn.cli import main
+from flexdyn.diagnose.decision import run
+say = run._say
+def told(stage, share):
+    say(stage, share)
+    print(stage, flush=True)
+run._say = told
+sys.exit(main(sys.argv[1:]))
+"""
+"""The command, which tells every stage on stdout."""
+HEARD, ANSWERED = 0.5, 3.0
+"""Time from Ctrl-C to its line, and to the end of the program, the report written [s]; on a free machine."""
 
 
 @pytest.fixture(name="folder")
@@ -38,12 +51,17 @@ def _folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("after", [5.0, 9.0])
+@pytest.mark.parametrize("after", [0.5, 4.0])
 def test_ctrl_c_is_answered_in_time(folder: Path, after: float) -> None:
     """One line at once, then a report that says what was in work; nothing is claimed."""
     command = [sys.executable, "-c", PROGRAM, "diagnose", "ur5", "log.npz", "-o", "out"]
-    with subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True, env=os.environ) as program:
+    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, cwd=folder, env=os.environ, **pipes) as program:
+        assert program.stdout is not None
+        while not program.stdout.readline().startswith("comparing structures"):
+            assert program.poll() is None, "it ended before anything was compared"
         time.sleep(after)
+        before = slowed()
         assert program.poll() is None, "it had ended before anybody could stop it"
         program.send_signal(signal.SIGINT)
         began = time.monotonic()
@@ -51,13 +69,15 @@ def test_ctrl_c_is_answered_in_time(folder: Path, after: float) -> None:
         first = program.stderr.readline()
         heard = time.monotonic() - began
         rest = program.stderr.read()
+        program.stdout.read()
         code = program.wait()
         taken = time.monotonic() - began
     assert first == "flexdyn: stopping; what is known by now follows\n"
-    assert heard < 0.5
-    assert taken < ANSWERED
+    slower = max(before, slowed())
+    assert heard < HEARD * slower
+    assert taken < ANSWERED * slower
     assert (code, rest.splitlines()[-1]) == (130, "flexdyn: interrupted")
     document = json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))
     assert (document["verdict"], document["findings"]) == ("interrupted", [])
-    assert document["stopped_at"].startswith(("reading the equations", "comparing structures"))
+    assert document["stopped_at"].startswith("comparing structures")
     assert not (folder / "out" / "model.yaml").exists()

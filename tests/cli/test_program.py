@@ -87,6 +87,17 @@ def test_ctrl_c_ends_a_long_simulation(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_ctrl_c_while_the_arguments_are_read_is_said_too(flexdyn: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Typer itself would leave without a word."""
+
+    def interrupted(*arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("flexdyn.cli.app.Commands.parse_args", interrupted)
+    outcome = flexdyn("info", "double_pendulum")
+    assert (outcome.code, outcome.out, outcome.err) == (130, "", "flexdyn: interrupted\n")
+
+
 def test_a_fault_of_ours_is_exit_code_1(flexdyn: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     """One line with the way to the traceback; with FLEXDYN_DEBUG the traceback itself."""
 

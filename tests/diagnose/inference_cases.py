@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +14,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 from scipy.stats import beta, norm
 
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
@@ -24,6 +23,8 @@ from flexdyn.diagnose.inference.priors import SHARE
 from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Space, Structure
 from flexdyn.effects import Effect
 from flexdyn.model.uncertain_parameters import FileNumber
+from tests.arms import two_link
+from tests.diagnose.truths import ARM
 
 Array = NDArray[np.float64]
 Numbers = float | Sequence[float] | Array
@@ -150,14 +151,7 @@ class Case:
             candidates.append(
                 Candidate(each.kind, each.proposal(), each.number, list(each.points), at, len(at), each.stands)
             )
-        library = SimpleNamespace(
-            candidates=lambda: (candidates, columns),
-            always=lambda: self.always,
-            columns=lambda proposal, point: self.later,
-            numbers=self.always.white,
-            start=SimpleNamespace(factors=self.factors),
-        )
-        space = Space(cast(Library, library), self.rows, self.seen)
+        space = Space(GivenLibrary(self, candidates, columns), self.rows, self.seen)
         space.under(noise or self.noise())
         return space
 
@@ -252,6 +246,29 @@ class Case:
         mine, theirs = beside(does[:, None]), beside(np.concatenate(plain, axis=1))
         rest = mine - theirs @ np.linalg.lstsq(theirs, mine, rcond=None)[0]
         return float(np.linalg.norm(rest) / np.linalg.norm(mine))
+
+
+class GivenLibrary(Library):
+    """The library of a case: its columns are given, and not made of equations."""
+
+    def __init__(self, case: Case, candidates: list[Candidate], columns: list[Column]) -> None:
+        start = Hypothesis(two_link(ARM), case.factors)
+        for name, value in {"numbers": case.always.white, "start": start, "given": (case, candidates, columns)}.items():
+            object.__setattr__(self, name, value)
+
+    given: tuple[Case, list[Candidate], list[Column]]
+
+    def candidates(self) -> tuple[list[Candidate], list[Column]]:
+        """Those of the case."""
+        return self.given[1:]
+
+    def always(self) -> Column:
+        """Numbers of its file."""
+        return self.given[0].always
+
+    def columns(self, proposal: Proposal, point: Point) -> Column | None:
+        """What a grid point that comes later adds."""
+        return self.given[0].later
 
 
 def most_likely(mean: float) -> float:

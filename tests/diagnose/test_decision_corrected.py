@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 import pytest
@@ -12,13 +10,12 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import needed, possible
-from flexdyn.diagnose.decision.gaps import Shots
+from flexdyn.diagnose.decision.gaps import nearer
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.diagnose.inference.priors import SMALLEST
-from flexdyn.diagnose.shooting.gap import Shot
 from flexdyn.effects import Effect, EncoderEccentricity, JointElasticity, LoadDependentFriction, ViscousFriction
 from tests.diagnose.truths import sliding
 
@@ -54,17 +51,11 @@ def test_load_dependent_friction_goes_with_the_elasticity_of_its_joint() -> None
     assert possible(_two_links((), ("shoulder",)), effects) == (LOADED["shoulder"], PLAIN)
 
 
-def _shots(before: np.ndarray, after: np.ndarray) -> Shots:
-    """Of residuals alone (windows, rows, channels)."""
-    first, last = (cast(Shot, SimpleNamespace(residual=each)) for each in (before, after))
-    return Shots(first, first, last)
-
-
 @pytest.mark.parametrize(("factors", "closer"), [((1.0, 1.0), True), ((0.5, 1.9), True), ((0.5, 2.1), False)])
 def test_closer_is_the_geometric_mean_of_the_channels(factors: tuple[float, float], closer: bool) -> None:
     """Half the error at one encoder is worth twice the error at another, whatever their units."""
     before = np.random.default_rng(0).standard_normal((9, 20, 2)) * [1.0, 1e-4]
-    assert _shots(before, before * factors).closer is closer
+    assert nearer(before, before * factors) is closer
 
 
 def test_one_window_does_not_tell_whether_a_model_is_closer() -> None:
@@ -72,8 +63,8 @@ def test_one_window_does_not_tell_whether_a_model_is_closer() -> None:
     before = np.ones((9, 20, 1))
     few, many = 0.5 * before, 0.5 * before
     few[:4], many[:5] = 1e3, 1e3
-    assert _shots(before, few).closer
-    assert not _shots(before, many).closer
+    assert nearer(before, few)
+    assert not nearer(before, many)
 
 
 def _wheel(folder: Path) -> fd.FlexibleJointModel:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +13,8 @@ from scipy.optimize import least_squares
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.hypothesis import estimate
-from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.estimate import _after, _begun, fit
+from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import LOOSE, linearised, reached
 from flexdyn.diagnose.hypothesis.workspace import workspace
@@ -99,45 +98,33 @@ def test_an_unknown_at_its_bound_is_as_well_known_as_one_away_from_it() -> None:
     assert spread[0] == pytest.approx(spread[1], rel=0.5)
 
 
-def test_a_spring_beyond_all_bounds_is_an_error_and_a_step_to_it_is_shortened(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Not a number does not travel on: a fit steps back, a hypothesis that begins there is refused."""
+def test_a_spring_beyond_all_bounds_is_an_error_and_a_step_to_it_is_not_made() -> None:
+    """Not a number does not travel on: a fit refuses the step, a hypothesis that begins there is refused."""
     space, start = problem()
     wild = fd.effects.HardeningSpring("shoulder", cubic=1e306)
     with pytest.raises(SimulationError, match="not finite"):
         linearised(dataclasses.replace(start, effects=(wild,)), space)
 
-    tame = dataclasses.replace(start, effects=(fd.effects.HardeningSpring("shoulder", cubic=50.0),))
-    asked = []
-
-    def step(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
-        asked.append(hypothesis)
-        return dataclasses.replace(start, effects=(wild,)) if len(asked) == 1 else moved(hypothesis, step, scales)
-
-    monkeypatch.setattr(estimate, "moved", step)
-    assert fit(tame, space).reached <= linearised(tame, space).reached
-    assert len(asked) > 1
+    tame = linearised(dataclasses.replace(start, effects=(fd.effects.HardeningSpring("shoulder", cubic=50.0),)), space)
+    cubic = len(start.factors)
+    assert tame.step[cubic] * tame.scales[0] != 0.0
+    beyond = 1e306 / abs(tame.step[cubic] * tame.scales[0])
+    assert _after(dataclasses.replace(tame, scales=(beyond * tame.scales[0],)), 1.0, math.inf) is None
+    one = _after(tame, 1.0, math.inf)
+    assert one is not None
+    assert one.reached < tame.reached
 
 
 @pytest.mark.parametrize("right", [True, False])
-def test_a_fit_begins_with_numbers_bent_only_where_data_speaks_for_them(
-    right: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_fit_begins_with_numbers_bent_only_where_data_speaks_for_them(right: bool) -> None:
     """A stiffness a third off that the arm does have, or that a missing effect had bent; both fits end at the truth."""
     space, start = problem(
         *(fd.effects.ParameterError("elbow", parameter="stiffness", factor=1.4) for _ in range(right))
     )
     (number,) = (n for n in start.factors if (n.of, n.parameter) == ("elbow", "stiffness"))
     bent = dataclasses.replace(start, factors={**start.factors, number: 1.0 / 1.4})
-    begun = []
-
-    def noted(*arguments: Any) -> Fit:
-        begun.append(arguments[0])
-        return linearised(*arguments)
-
-    monkeypatch.setattr(estimate, "linearised", noted)
-    made = fit(bent, space)
-    assert begun[0].factors == (bent if right else bent.tolerated()).factors
-    assert made.hypothesis.factors[number] == pytest.approx(1.0 / 1.4 if right else 1.0, rel=1e-3)
+    assert _begun(bent, space).hypothesis.factors == (bent if right else bent.tolerated()).factors
+    assert fit(bent, space).hypothesis.factors[number] == pytest.approx(1.0 / 1.4 if right else 1.0, rel=1e-3)
 
 
 def test_what_is_left_at_a_place_is_known_without_its_slopes() -> None:

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,11 +12,12 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.gaps import window_noise
-from flexdyn.diagnose.experiment import design as experiment
 from flexdyn.diagnose.experiment import rehearsal
-from flexdyn.diagnose.experiment.design import CLEAR, with_experiment
+from flexdyn.diagnose.experiment.apart import Known
+from flexdyn.diagnose.experiment.design import AMPLE, CLEAR, _rehearsed, with_experiment
 from flexdyn.diagnose.experiment.moves import moves
 from flexdyn.diagnose.experiment.reach import Reach
+from flexdyn.diagnose.experiment.rehearsal import Bench
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.workspace import workspace
@@ -194,18 +192,19 @@ def test_an_experiment_is_locked_and_survives_a_trip_to_another_process() -> Non
             each.left[0] = 1.0
 
 
-def test_motions_after_one_that_is_ample_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    """They run side by side: whatever order they come to an end in, the same ones are kept."""
-    apart = {"a": 0.0, "b": 2.0 * experiment.AMPLE, "c": 0.0, "d": 2.0 * experiment.AMPLE}
-
-    def rehearse(name: str) -> SimpleNamespace:
-        time.sleep(0.02 if name == "b" else 0.0)
-        if name == "a":
-            raise SimulationError("stopped", reason="stopped", t=0.0)
-        return SimpleNamespace(name=name, apart=lambda: apart[name])
-
-    monkeypatch.setattr(experiment, "_shown", lambda _, made: made)
-    bench: Any = SimpleNamespace(rehearse=rehearse)
-    moves: Any = ["a", "c", "b", "d"]
-    kept: Any = experiment._rehearsed(bench, moves)
-    assert [each.name for each in kept] == ["c", "b"]
+def test_motions_after_one_that_is_ample_are_left_out(tmp_path: Path) -> None:
+    """They run side by side, and the same ones are kept as one after the other; one that stops is passed over."""
+    question = Question(tmp_path, [at_one_speed(COULOMB)])
+    equations, known = question.space.equations, tuple(Known.of(question.explained(law)) for law in (COULOMB, VISCOUS))
+    reach = Reach.of(equations)
+    bench = Bench(question.space, window_noise(question.noise), known, reach)
+    made = moves(reach, 0, equations.true, reach.poses[0])
+    slow = [move for move in made if bench.rehearse(move).apart() < 1.0]
+    telling = [move for move in made if bench.rehearse(move).apart() > 2.0 * AMPLE]
+    assert len(slow) > 1
+    assert len(telling) > 1
+    thrown = dataclasses.replace(slow[0], push=np.full_like(slow[0].push, 1e300))
+    with pytest.raises(SimulationError, match="not finite"):
+        bench.rehearse(thrown)
+    kept = _rehearsed(bench, [thrown, slow[0], telling[0], slow[1], telling[1]])
+    assert [each.move.words for each in kept] == [slow[0].words, telling[0].words]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import warnings
 from pathlib import Path
 
@@ -15,6 +14,8 @@ from flexdyn.errors import InputError
 from flexdyn.plots.thinning import broken, outline
 from flexdyn.records import Recording, RecordingWarning
 from flexdyn.records.signals.gaps import apart_at_gaps, in_gaps
+from tests.diagnose import slides
+from tests.diagnose.stopped import taken_by_a_diagnosis
 
 RATE = 100.0
 WHOLE = np.arange(1000) / RATE
@@ -91,14 +92,16 @@ def test_curves_break_off() -> None:
     assert (x[at - 1], x[at + 1]) == (39.999, 60.0)
 
 
-def test_a_diagnosis_takes_the_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_diagnosis_takes_the_pieces(tmp_path: Path) -> None:
     """As recordings of their own; pieces shorter than a second are left out, which is said."""
-    module = importlib.import_module("flexdyn.diagnose.decision.run")
-    seen: list[tuple[Recording, ...]] = []
-    monkeypatch.setattr(module, "_diagnosed", lambda model, fit, check, *more: seen.extend([fit, check]))
-    fd.diagnose(fd.load_model("scara_two_link"), fit=swing(), check=swing(WHOLE))
-    assert [(each.t[0], each.t[-1], each.name) for each in seen[0]] == [(0.0, 3.99, "log"), (6.5, 9.99, "log")]
-    assert seen[1] == (swing(WHOLE),)
+    whole = slides.recording(lambda v: 0.0, seconds=8.0)
+
+    def rows(keep: np.ndarray, name: str) -> Recording:
+        channels = {key: x[keep] for key, x in whole.channels.items()}
+        return Recording(whole.t[keep], channels, meta=whole.meta, name=name)
+
+    log, check = rows((whole.t < 4.0) | (whole.t >= 4.5), "log"), rows(whole.t >= 0.0, "check")
+    assert taken_by_a_diagnosis(slides.model(tmp_path), log, check) == [("log", 0.0, 2000), ("log", 4.5, 1750)]
     short = swing(WHOLE[(WHOLE < 4.0) | (WHOLE >= 9.5)])
     with pytest.warns(RecordingWarning, match=r"log: 1 of 2 pieces between gaps are shorter than 1 s and left out"):
         assert [each.duration for each in apart_at_gaps([short])] == [3.99]

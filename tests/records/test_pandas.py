@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +14,8 @@ import flexdyn as fd
 from flexdyn.errors import InputError
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recording, as_recordings
+from tests.diagnose import slides
+from tests.diagnose.stopped import taken_by_a_diagnosis
 
 T = np.array([0.1, 0.2, 0.3])
 REC = Recording(
@@ -136,16 +137,19 @@ def test_functions_take_paths_and_frames(tmp_path: Path) -> None:
     assert len(set(points)) == 1
 
 
-def test_a_diagnosis_takes_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One path or several, for fit and check; what is handed on are the recordings."""
-    fd.write_recording(REC, tmp_path / "a.h5")
-    seen: list[tuple[Recording, ...]] = []
-    run_module = importlib.import_module("flexdyn.diagnose.decision.run")
-    monkeypatch.setattr(run_module, "_diagnosed", lambda model, fit, check, *more: seen.extend([fit, check]))
-    fd.diagnose(fd.load_model("scara_two_link"), fit=tmp_path / "a.h5", check=[REC.to_pandas(), str(tmp_path / "a.h5")])
-    assert seen == [(REC,), (REC, REC)]
+def test_a_diagnosis_takes_paths_and_frames(tmp_path: Path) -> None:
+    """One path or several, for fit and check, are the recordings in them."""
+    model, rec = slides.model(tmp_path), slides.recording(lambda v: 0.0, seconds=4.0)
+    fd.write_recording(rec, tmp_path / "a.h5")
+    given = [rec.to_pandas(), str(tmp_path / "a.h5")]
+    assert taken_by_a_diagnosis(model, tmp_path / "a.h5", given) == [("a", 0.0, 2000)]
+    taken = taken_by_a_diagnosis(model, given, rec)
+    assert [(begin, samples) for _, begin, samples in taken] == [(0.0, 2000), (0.0, 2000)]
+    assert taken[1][0] == "a"
+    with pytest.raises(InputError, match=r"check\[1\]: neither a run nor a recording"):
+        fd.diagnose(model, rec, check=[rec, 3])
     with pytest.raises(InputError, match=r"fit\[1\]: neither a run nor a recording"):
-        fd.diagnose(fd.load_model("scara_two_link"), fit=[REC, 3])
+        fd.diagnose(model, fit=[rec, 3])
 
 
 def test_importing_flexdyn_does_not_import_pandas() -> None:

@@ -7,7 +7,6 @@ import sqlite3
 import struct
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags import rosbag1
 from rosbags.interfaces import Nodetype
+from rosbags.rosbag2.storage_mcap import ChunkInfo
 
 from flexdyn.errors import InputError
 from flexdyn.records import read_recording
@@ -139,9 +139,8 @@ def test_messages_and_files_that_unpack_to_more(tmp_path: Path) -> None:
 def test_an_index_that_lies(tmp_path: Path) -> None:
     """Chunks named twice, chunks that are not there, and too many unpacked at one time."""
 
-    def info(offset: int, begin: int, end: int, plain: int) -> SimpleNamespace:
-        sizes = {"compression": "", "compressed_size": plain, "uncompressed_size": plain}
-        return SimpleNamespace(chunk_start_offset=offset, message_start_time=begin, message_end_time=end, **sizes)
+    def info(offset: int, begin: int, end: int, plain: int) -> ChunkInfo:
+        return ChunkInfo(begin, end, offset, plain, {}, 0, "", plain, plain, {})
 
     chunks = {offset: Chunk(offset, "", 2**29, 2**29) for offset in range(8)}
     check_index([info(offset, offset, offset, 2**29) for offset in range(8)], chunks)

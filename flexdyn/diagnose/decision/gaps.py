@@ -50,18 +50,9 @@ class Shots:
         """Whether the corrected model's positions are as near as the given one's, over the usual window.
 
         The gap does not tell: it is in units of what a model expects, and a joint that sticks is expected to move not
-        at all. Root mean squares of every channel's median window are compared, by their geometric mean.
+        at all.
         """
-        before, after = (
-            np.array(
-                [
-                    np.nanmedian(np.sqrt((shot.residual[:, :, k] ** 2).mean(axis=1)))
-                    for k in range(shot.residual.shape[2])
-                ]
-            )
-            for shot in (self.before, self.after)
-        )
-        return bool(np.log(np.maximum(after, 1e-300) / np.maximum(before, 1e-300)).mean() <= 1e-9)
+        return nearer(self.before.residual, self.after.residual)
 
     def position(self, joint: str) -> tuple[float, ...]:
         """Error of a joint's measured positions, root mean square, of the three models."""
@@ -80,6 +71,18 @@ class Shots:
     def _own(self, joint: str) -> list[int]:
         """Channels of a joint."""
         return [k for k, name in enumerate(self.after.windows.channels) if name.partition(".")[2] == joint]
+
+
+def nearer(before: Array, after: Array) -> bool:
+    """Whether residuals are not larger than others: every channel's median window, by the channels' geometric mean.
+
+    Args:
+        before: of the one model (windows, rows, channels).
+        after: of the other.
+    """
+    sizes = (np.nanmedian(np.sqrt((each**2).mean(axis=1)), axis=0) for each in (before, after))
+    one, other = (np.log(np.maximum(each, 1e-300)) for each in sizes)
+    return bool((other - one).mean() <= 1e-9)
 
 
 def windows_of(

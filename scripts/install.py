@@ -1,0 +1,99 @@
+"""Install flexdyn from this checkout into the environment that runs this script, unless it is there already.
+
+A stamp in the environment holds a digest of the sources, one of the package as pip recorded it, and the extras.
+It is removed before every installation and written after it, so an installation that was interrupted is done again,
+and so is one after pip installed another state by hand.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+SOURCES = ("pyproject.toml", "flexdyn", "robots", "scripts/flexdyn_program")
+"""What the package is built from; README and licence only go into its description."""
+LEFT_OUT = {"__pycache__", ".so", ".pyc"}
+"""What a build or an import leaves among the sources: names of folders, ends of files."""
+BOTH_HOLD = {"all"}
+"""The extras `test` and `docs` contain this one, so it is there after either."""
+
+
+def source_digest(root: Path) -> str:
+    """A digest of the names and bytes of all files that the package is built from."""
+    digest = hashlib.sha256()
+    for path in _files(root):
+        content = path.read_bytes()
+        digest.update(f"{path.relative_to(root).as_posix()}\0{len(content)}\0".encode())
+        digest.update(content)
+    return digest.hexdigest()
+
+
+def installed_digest(site: Path) -> str | None:
+    """A digest of pip's list of the installed files, which holds theirs; None where flexdyn is not installed."""
+    records = sorted(site.glob("flexdyn-*.dist-info/RECORD"))
+    if not records or not (site / "flexdyn" / "__init__.py").is_file():
+        return None
+    return hashlib.sha256(b"".join(each.read_bytes() for each in records)).hexdigest()
+
+
+def missing_extras(stamp: Path, sources: str, site: Path, wanted: set[str]) -> set[str] | None:
+    """The wanted extras that are not installed; None where the package itself is not there or of another state."""
+    try:
+        noted = json.loads(stamp.read_text(encoding="utf-8"))
+        same = noted["sources"] == sources and noted["installed"] == installed_digest(site)
+        return wanted - set(noted["extras"]) if same else None
+    except (OSError, ValueError, TypeError, KeyError):
+        return None  # no stamp, or not one of ours
+
+
+def write_stamp(stamp: Path, sources: str, site: Path, extras: set[str]) -> None:
+    """Note what is installed now."""
+    noted = {"sources": sources, "installed": installed_digest(site), "extras": sorted(extras)}
+    stamp.write_text(json.dumps(noted), encoding="utf-8")
+
+
+def main(root: Path, site: Path, stamp: Path, extras: str, pip: Sequence[str]) -> int:
+    """Install where it is needed; pip's exit code, 0 where nothing was to be done.
+
+    Args:
+        root: folder of the checkout.
+        site: folder of installed packages.
+        stamp: file that notes what is installed.
+        extras: names of extras, with commas between.
+        pip: the command that runs pip.
+    """
+    wanted = set(extras.split(","))
+    sources = source_digest(root)
+    missing = missing_extras(stamp, sources, site, wanted)
+    if missing is not None and not missing:
+        print(f"flexdyn[{extras}] in .venv is up to date.")
+        return 0
+    # Extras of the same state stay noted: test.sh and docs.sh want different ones in turn.
+    known = set() if missing is None else set(json.loads(stamp.read_text(encoding="utf-8"))["extras"])
+    stamp.unlink(missing_ok=True)
+    print(f"Installing flexdyn[{extras}] into .venv (the core is compiled: a minute or two) ...", flush=True)
+    install = [*pip, "install", "--quiet", "--disable-pip-version-check", f".[{extras}]"]
+    code = subprocess.run(install, cwd=root, check=False).returncode
+    if code == 0:
+        write_stamp(stamp, sources, site, known | wanted | BOTH_HOLD)
+    return code
+
+
+def _files(root: Path) -> Iterator[Path]:
+    """The files of `SOURCES`, sorted; links to elsewhere are not followed."""
+    for name in SOURCES:
+        start = root / name
+        for path in [start] if start.is_file() else sorted(start.rglob("*")):
+            left_out = path.suffix in LEFT_OUT or LEFT_OUT & set(path.relative_to(root).parts)
+            if path.is_file() and not path.is_symlink() and not left_out:
+                yield path
+
+
+if __name__ == "__main__":
+    SITE, STAMP = Path(sysconfig.get_path("platlib")), Path(sys.prefix) / "flexdyn-installed.json"
+    sys.exit(main(Path(__file__).parents[1], SITE, STAMP, sys.argv[1], [sys.executable, "-m", "pip"]))
