@@ -108,7 +108,7 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
-    least = {c: 0.0 if each >= ESTABLISHED else SMALLEST for c, each in seen.items()}
+    least = {c: 0.0 if each > 1.0 else SMALLEST for c, each in by_windows.items()}  # more than all that is left
     large = tuple(
         each
         for each in kept

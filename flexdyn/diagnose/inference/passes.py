@@ -22,6 +22,7 @@ from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
@@ -116,7 +117,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         last = settled or k == PASSES - 1
         if last:
             space.known = {}
-            best = explore(space, [best])
+            best = among_rivals(space, explore(space, [best]))
             there = hypothesis_of(space, best, here, whole=True)
         beliefs = columns.beliefs(there.effects)
         for _ in range(WEIGHTINGS):

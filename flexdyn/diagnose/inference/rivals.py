@@ -1,0 +1,43 @@
+"""Rivals at numbers that suit them: a grid is coarser than what the best structure's own numbers were refined to."""
+
+from __future__ import annotations
+
+from flexdyn.diagnose.hypothesis.proposal import Point
+from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.inference.refinement import refined
+from flexdyn.diagnose.inference.search import Scan, explore
+from flexdyn.diagnose.inference.space import Space, Structure
+
+
+def among_rivals(space: Space, best: Structure) -> Structure:
+    """Compare the best structure with rivals of each of its effects, their nonlinear parameters refined.
+
+    The same law at other places begins at the numbers that the effect has.
+
+    Returns:
+        the most likely structure.
+    """
+    for c, p in sorted(best):
+        _grow_alike(space, space.candidates[c], _numbers(space.candidates[c], p))
+    scan = Scan(space)
+    for each in sorted(best):
+        rest = best - {each}
+        points = (point for _, point in scan.additions(rest) if point[0] != each[0])
+        rival = next((point for point in points if space.candidates[point[0]].choices > 1), None)
+        if rival is not None:
+            refined(space, rest | {rival})
+    return best if space.best() == best else explore(space, [space.best()])
+
+
+def _numbers(candidate: Candidate, p: int) -> Point:
+    """Nonlinear parameters of a candidate, wherever they come from."""
+    if candidate.stands is None or candidate.proposal is None:
+        return candidate.points[p]
+    return tuple(float(getattr(candidate.stands, axis)) for axis in candidate.proposal.axes)
+
+
+def _grow_alike(space: Space, mine: Candidate, point: Point) -> None:
+    """Give the same law at other places a grid point."""
+    for c, other in enumerate(space.candidates):
+        if point and other is not mine and other.kind == mine.kind and other.stands is None:
+            space.grow(c, point)
