@@ -8,7 +8,6 @@ import pytest
 
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name, names
-from flexdyn.diagnose.inference.passes import undecided
 from flexdyn.diagnose.inference.space import Structure
 
 
@@ -123,11 +122,3 @@ def test_a_law_that_contains_another_is_its_rival_at_another_linearisation() -> 
     (name,) = names(_masses({(1,): 1.0}).mixed([frozenset({2})]), frozenset({1}))
     assert (name.candidate, name.rivals) == (1, (2,))
     assert name.probability == pytest.approx(1.0)
-
-
-def test_structures_of_a_cycle_count() -> None:
-    """Those since the last one was compared before; if it never was, all but the one at the file's numbers."""
-    a, b, c = (frozenset({(name,)}) for name in "abc")
-    assert undecided([a, b, c], b) == (c,)
-    assert undecided([a, b], b) == ()
-    assert undecided([a, b, c], frozenset()) == (b, c)

@@ -55,7 +55,8 @@ class Posterior:
         noise: of the channels.
         settled: whether the last pass changed nothing.
         known: log posteriors of the structures that were compared, not normalised.
-        earlier: kinds and places of the best structures at other linearisations, where these do not agree.
+        earlier: kinds and places of the best structures at the linearisations before the last, but for that at the
+            file's numbers, where the search did not settle.
         expected: kinds of effects that the user expects of this drive.
     """
 
@@ -110,9 +111,8 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         best = _compared(space, stands)
         there = hypothesis_of(space, _strong(space, best, stands, STRONG ** (k + 1)), here)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
-        unchanged = _nonlinear(space, best) == _nonlinear(space, stands)
-        settled = unchanged or places in compared
-        earlier = () if unchanged else undecided(compared, places)
+        settled = _nonlinear(space, best) == _nonlinear(space, stands) or places in compared
+        earlier = () if settled else tuple(compared[1:])
         compared.append(places)
         last = settled or k == PASSES - 1
         if last:
@@ -131,11 +131,6 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
             break
         here = fitted.hypothesis
     return Posterior(space, best, fitted, noise, settled, space.known, earlier=earlier)
-
-
-def undecided(compared: list[Places], here: Places) -> tuple[Places, ...]:
-    """Earlier structures that count like the last one: those of a cycle; all but the first, if there is none."""
-    return tuple(compared[(compared.index(here) if here in compared else 0) + 1 :])
 
 
 def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
