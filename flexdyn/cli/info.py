@@ -153,7 +153,7 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
         "velocity_limit": float(robot.velocity_limit[j]),
         "effort_limit": float(robot.effort_limit[j]),
         "elastic": drive.elastic,
-        **drive.to_dict(),
+        **drive.values(),
         "reflected_inertia": J,
         "q": q,
         "inertia": inertia,

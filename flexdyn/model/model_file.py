@@ -11,13 +11,14 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.files import exists, is_file, write_text
 from flexdyn.io.yaml import check_keys, dump_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.link_numbers import links_entry
 from flexdyn.model.setting_checks import check_tolerance_paths, plain_command
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.names import shipped_dir
 
 FORMAT = 1
 ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
-TOP_KEYS = ("flexdyn", "robot", "joints", "initial", "tolerance", "effects", "command")
+TOP_KEYS = ("flexdyn", "robot", "joints", "links", "initial", "tolerance", "effects", "command")
 ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "urdf_dynamics", "rotor_coupling")
 
 
@@ -79,7 +80,7 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
     if not isinstance(effects, list):
         raise InputError("a list of effects is needed", key="effects", value=effects)
     settings = {key: entry[key] for key in ("gravity", "urdf_dynamics", "rotor_coupling") if entry.get(key) is not None}
-    settings |= {key: content[key] for key in ("initial", "tolerance", "command") if content.get(key) is not None}
+    settings |= {key: content[key] for key in ("links", "initial", "tolerance", "command") if content.get(key) is not None}
     model = FlexibleJointModel(_robot(entry, folder), content.get("joints"), effects, name=name, **settings)
     check_tolerance_paths(content.get("tolerance"), model.joint_names, model.robot.frame_names, model.effects)
     return model
@@ -132,6 +133,8 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
         "tolerance": tolerance,
         "effects": [effect.to_dict() for effect in model.effects],
     }
+    if model.links:
+        content["links"] = links_entry(model.links)
     return content if model.command is None else content | {"command": plain_command(model.command)}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,7 @@ import pinocchio as pin
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.joints import Joint
-from flexdyn.robot.links import Link, spatial_inertia
+from flexdyn.robot.links import Inertial, Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
 from flexdyn.robot.tree import Floats, FramePlacement, Tree, locked, spatial
 
@@ -230,6 +230,45 @@ class Robot(Public):
         Raises:
             InputError: no such link, one without mass, or one that stands still.
         """
+        return self._with_inertial(link, lambda given: given.scaled(mass, com, inertia))
+
+    def with_link_inertia(self, link: str, moment: float) -> Robot:
+        """The robot with another inertia of one link: the same about every axis through its centre of mass.
+
+        Args:
+            link: its name.
+            moment: in place of what its <inertial> says [kg m^2].
+
+        Returns:
+            A new robot; only the link's inertia differs, and its source is None: no file describes it.
+
+        Raises:
+            InputError: no such link, one without mass, or one that stands still.
+        """
+        return self._with_inertial(link, lambda given: given.round(moment))
+
+    def link_size(self, link: str) -> tuple[float, float]:
+        """Mass of a link [kg], and its length: to its centre of mass or to its farthest joint, whichever is more [m].
+
+        Args:
+            link: its name.
+
+        Raises:
+            InputError: no such link, one without mass, or one that stands still.
+        """
+        self._with_inertial(link, lambda given: given)  # refuses what has no size
+        given = next(entry.inertial for entry in self._links if entry.name == link)
+        points = [joint.xyz for joint in self._joints if joint.parent == link]
+        xyz, mass = ((0.0, 0.0, 0.0), 0.0) if given is None else (given.xyz, given.mass)
+        return mass, max(float(np.linalg.norm(point)) for point in (xyz, *points))
+
+    def visual_model(self) -> pin.GeometryModel:
+        """The shapes of the robot on the joints of pin_model; meshes are read now. Empty for a pin.Model source."""
+        from flexdyn.robot.geometry import visual_model
+
+        return visual_model(self._model, self._links, self._joints)
+
+    def _with_inertial(self, link: str, change: Callable[[Inertial], Inertial]) -> Robot:
         place = {entry.name: k for k, entry in enumerate(self._links)}.get(link)
         if place is None:
             names = [entry.name for entry in self._links if entry.inertial is not None]
@@ -240,7 +279,7 @@ class Robot(Public):
         if given is None or given.mass == 0.0 or frame.joint < 0:
             problem = "the link has no mass" if frame.joint >= 0 else "the link stands still: its mass moves nothing"
             raise InputError(problem, key="link", value=link)
-        true = given.scaled(mass, com, inertia)
+        true = change(given)
         mounted = pin.SE3(frame.rotation, frame.translation)
         parts = [mounted.act(spatial_inertia(body)) for body in (given, true)]
         tree = self.tree.with_body_changed(frame.joint, *parts)
@@ -249,12 +288,6 @@ class Robot(Public):
         model.inertias[j + 1] = spatial(float(tree.mass[j]), tree.com[j], tree.inertia[j])
         links = (*self._links[:place], replace(self._links[place], inertial=true), *self._links[place + 1 :])
         return replace(self, source=None, tree=tree, _model=model, _links=links)
-
-    def visual_model(self) -> pin.GeometryModel:
-        """The shapes of the robot on the joints of pin_model; meshes are read now. Empty for a pin.Model source."""
-        from flexdyn.robot.geometry import visual_model
-
-        return visual_model(self._model, self._links, self._joints)
 
     def _last_frame(self, joint: int) -> str:
         mounted = [entry for entry in self._model.frames if entry.parentJoint == joint + 1]

@@ -33,8 +33,9 @@ def build_plant(model: FlexibleJointModel) -> _core.Plant:
     Models with the same numbers share one, whatever their first states are.
 
     Raises:
-        InputError: a rigid joint that moves no inertia at all.
+        InputError: a rigid joint that moves no inertia at all, or a number that is unknown.
     """
+    model.check_known()
     true = model.resolved()
     links = build_links(true)
     _check_inertia(true, links)
@@ -80,6 +81,7 @@ def rotor_spin(model: FlexibleJointModel) -> Array:
 
 def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
     """The compiled link side: M(q), h(q, v), with payloads, and J of rigid joints as armature."""
+    model.check_known()
     true = model.resolved()
     return _links(_tree_of(true), true.gravity)
 
@@ -109,6 +111,7 @@ class LinkSide:
     """
 
     def __init__(self, model: FlexibleJointModel) -> None:
+        model.check_known()
         true = model.resolved()
         self._tree, self._gravity = _tree_of(true), true.gravity
         self.n = model.n
