@@ -274,7 +274,8 @@ class FlexibleJointModel(Public):
     @cached_property
     def _resolved(self) -> FlexibleJointModel:
         acting = [effect for effect in self.effects if not effect.is_neutral]
-        if not self.links and not any(isinstance(effect, ParameterError | JointElasticity) for effect in acting):
+        told = any(not number.is_unknown for number in self.links.values())
+        if not told and not any(isinstance(effect, ParameterError | JointElasticity) for effect in acting):
             return self
         true = folded(robot_with_links(self.robot, self.links), self.joints, self.effects)
         joints = {name: dict(numbers) for name, numbers in true.joints.items()}

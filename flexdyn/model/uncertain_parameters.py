@@ -17,6 +17,8 @@ from flexdyn.model.link_numbers import robot_with_links
 OF_JOINT = ("rotor_inertia", "stiffness", "damping")
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 DEFAULT_TOLERANCE = 0.05
+OPEN = 10.0
+"""A relative tolerance from which a number counts as not known [1]."""
 NOTHING = 1e-12
 """Change of inertias, by their size, that is rounding."""
 
@@ -38,6 +40,11 @@ class FileNumber:
     value: float
     tolerance: float
     joint: str | None
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it was not known: its tolerance is that much larger than the value that a diagnosis starts from."""
+        return self.tolerance >= OPEN
 
     def error(self, factor: float) -> ParameterError:
         """The effect that says ``true = factor*given``."""

@@ -19,14 +19,12 @@ ROTOR_START, ROTOR_SPREAD = 0.3, 10.0
 """Of an unknown rotor inertia, reflected, as shares of what the joint turns: most gears match the two within 10."""
 DAMPING_START, DAMPING_SPREAD = 0.05, 1.0
 """Of an unknown damping, as shares of the critical one of the joint's spring."""
-LINK_START, LINK_SPREAD = 0.1, 1.0
+LINK_START, LINK_SPREAD = 0.05, 1.0
 """Of an unknown inertia of a link, as shares of mass times length squared: a slender rod has a twelfth of it."""
 SHORTEST = 0.05
 """Least length of a link [m]."""
 POSES = 64
 """Positions over which the inertia that a joint turns is averaged."""
-WIDE = 10.0
-"""A relative tolerance from which a number counts as not known [1]."""
 
 
 def with_guesses(model: FlexibleJointModel) -> FlexibleJointModel:
