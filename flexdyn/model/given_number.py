@@ -22,8 +22,8 @@ class GivenNumber:
 
     Attributes:
         value: in its unit; 0 where it is unknown.
-        tolerance: absolute, one standard deviation, in the same unit; infinite: the number is unknown; None: the relative
-            tolerance of the model holds.
+        tolerance: absolute, one standard deviation, in the same unit; infinite: the number is unknown; None: the
+            relative tolerance of the model holds.
     """
 
     value: float

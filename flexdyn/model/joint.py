@@ -19,7 +19,8 @@ class Joint:
     ``{"value": 0.0, "tolerance": 2e-5}``. Rotor inertia and damping may be ``"unknown"``: a diagnosis estimates them.
 
     Args:
-        gear_ratio: N = motor angle / link angle [1]; on a prismatic joint [rad/m]; negative: the motor turns the other way.
+        gear_ratio: N = motor angle / link angle [1]; on a prismatic joint [rad/m]; negative where the motor turns the
+            other way.
         rotor_inertia: on the motor side [kg m^2]; J = gear_ratio^2 rotor_inertia.
         stiffness: K [N m/rad or N/m]; infinite: a rigid joint.
         damping: D across the transmission [N m s/rad or N s/m]; a rigid joint has none to act on.
@@ -54,7 +55,7 @@ class Joint:
             if value < 0 or math.isinf(value):
                 raise InputError("it must be finite and at least 0", key=name, value=value)
         if self.elastic and self.rotor_inertia == 0 and not self.given("rotor_inertia").is_unknown:
-            remedy = "give the rotor's inertia in kg m^2 on the motor side, or unknown; or stiffness .inf: a rigid joint"
+            remedy = "give the rotor's inertia in kg m^2 on the motor side, or stiffness .inf for a rigid joint"
             raise InputError("an elastic joint needs it above 0", key="rotor_inertia", remedy=remedy)
         if self.rotor_inertia > 0 and not 0 < self.reflected_inertia < math.inf:
             problem = "gear_ratio^2 rotor_inertia is beyond what a float can hold"
@@ -151,7 +152,8 @@ def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[s
             resolved[name] = Joint(**(shared | own))
         except InputError as error:
             # A number stands where it was given; one that is missing is missed at the joint itself.
-            inherited = name not in entries or (error.key in shared and error.key not in own)
+            number = str(error.key).partition(".")[0]
+            inherited = name not in entries or (number in shared and number not in own)
             raise error.at(key=f"joints.{'*' if inherited else name}") from None
     return resolved
 

@@ -80,7 +80,8 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
     if not isinstance(effects, list):
         raise InputError("a list of effects is needed", key="effects", value=effects)
     settings = {key: entry[key] for key in ("gravity", "urdf_dynamics", "rotor_coupling") if entry.get(key) is not None}
-    settings |= {key: content[key] for key in ("links", "initial", "tolerance", "command") if content.get(key) is not None}
+    others = ("links", "initial", "tolerance", "command")
+    settings |= {key: content[key] for key in others if content.get(key) is not None}
     model = FlexibleJointModel(_robot(entry, folder), content.get("joints"), effects, name=name, **settings)
     check_tolerance_paths(content.get("tolerance"), model.joint_names, model.robot.frame_names, model.effects)
     return model

@@ -15,8 +15,9 @@ from flexdyn.simulation.plant import LinkSide
 
 START = 0.01
 """Where a number that is given as 0 starts, as a share of its absolute tolerance [1]."""
-ROTOR_START, ROTOR_SPREAD = 0.3, 10.0
-"""Of an unknown rotor inertia, reflected, as shares of what the joint turns: most gears match the two within 10."""
+ROTOR_START, ROTOR_SPREAD = 1.0, 100.0
+"""Of an unknown rotor inertia, reflected, as shares of what the joint turns: gears make the two alike,
+and of small links on high gears a rotor is a hundred times as much at most."""
 DAMPING_START, DAMPING_SPREAD = 0.05, 1.0
 """Of an unknown damping, as shares of the critical one of the joint's spring."""
 LINK_START, LINK_SPREAD = 0.05, 1.0
