@@ -96,6 +96,9 @@ class FlexibleJointModel(Public):
         )
         self.urdf_dynamics = one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
         self.rotor_coupling = one_of("robot.rotor_coupling", rotor_coupling, ("reduced", "full"))
+        if robot.axes and rotor_coupling == "full":
+            remedy = "write reduced: where the rotors of coupled axes ride, nothing says"
+            raise InputError("no rotor coupling with axes", key="robot.rotor_coupling", value="full", remedy=remedy)
         self.gravity = gravity_checked(gravity)
         self.initial = initial_checked({} if initial is None else initial, robot.joint_names)
         self.tolerance = tolerance_checked(tolerance)
@@ -125,7 +128,8 @@ class FlexibleJointModel(Public):
         if not isinstance(other, FlexibleJointModel):
             return NotImplemented
         mine, its = self.robot, other.robot
-        same_robot = mine is its or (mine.source is not None and (mine.source, mine.lock) == (its.source, its.lock))
+        known = mine.source is not None
+        same_robot = mine is its or (known and (mine.source, mine.lock, mine.axes) == (its.source, its.lock, its.axes))
         return same_robot and self._content() == other._content()
 
     def __hash__(self) -> int:

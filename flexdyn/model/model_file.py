@@ -14,12 +14,13 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.link_numbers import links_entry
 from flexdyn.model.setting_checks import check_tolerance_paths, plain_command
 from flexdyn.robot import Robot, load_robot, robot_names
+from flexdyn.robot.axes import plain_axes
 from flexdyn.robot.names import shipped_dir
 
 FORMAT = 1
 ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
 TOP_KEYS = ("flexdyn", "robot", "joints", "links", "initial", "tolerance", "effects", "command")
-ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "urdf_dynamics", "rotor_coupling")
+ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "axes", "urdf_dynamics", "rotor_coupling")
 
 
 def shipped_models() -> tuple[str, ...]:
@@ -124,6 +125,8 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
     robot["gravity"] = list(model.gravity)
     if model.robot.lock:
         robot["lock"] = dict(model.robot.lock)
+    if model.robot.axes:
+        robot["axes"] = plain_axes(model.robot.axes)
     robot |= {"urdf_dynamics": model.urdf_dynamics, "rotor_coupling": model.rotor_coupling}
     tolerance = dict(model.tolerance) if isinstance(model.tolerance, Mapping) else model.tolerance
     content = {
@@ -190,8 +193,12 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
         if not exists(directory):
             raise InputError("no such folder", key=f"robot.package_dirs[{i}]", value=str(directory))
     try:
-        return load_robot(source, package_dirs=package_dirs, lock=entry.get("lock"))
+        robot = load_robot(source, package_dirs=package_dirs, lock=entry.get("lock"))
+        ignored = entry.get("urdf_dynamics") == "ignore"
+        return robot if entry.get("axes") is None else robot.with_axes(entry["axes"], ignore_dynamics=ignored)
     except InputError as error:
+        if str(error.key).startswith("robot.axes"):
+            raise
         if error.file or error.key == "robot":
             raise (error if error.file else InputError(error.problem, **error.data | {"key": "robot.urdf"})) from None
         raise error.at(key="robot") from None

@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.notebook import Public, card, table
+from flexdyn.robot.axes import Axes, with_axes
 from flexdyn.robot.joints import Joint
 from flexdyn.robot.links import Inertial, Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
@@ -49,6 +50,7 @@ class Robot(Public):
         effort_limit: shape (n,) [N m or N]; inf where unlimited.
         damping: viscous coefficient of the URDF's <dynamics>, shape (n,) [N m s/rad or N s/m], followers' included.
         friction: Coulomb level of the URDF's <dynamics>, shape (n,) [N m or N], followers' included.
+        axes: of coupled drives, in the place of the joints that they name: axis -> {joint: coefficient}.
         followers: mimic joints: (leader, multiplier, offset), q_follower = multiplier q_leader + offset.
         tree: the arrays of the kinematic tree, followers included.
 
@@ -76,6 +78,7 @@ class Robot(Public):
     _model: pin.Model
     _links: tuple[Link, ...] = field(default=())
     _joints: tuple[Joint, ...] = field(default=())
+    axes: Axes = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Copy and lock arrays and tables."""
@@ -87,7 +90,7 @@ class Robot(Public):
     def __reduce__(self) -> tuple[Any, ...]:
         """Unpickle through the constructor, so that arrays and tables are locked again."""
         values = (getattr(self, entry.name) for entry in fields(self))
-        return (type(self), tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values))
+        return (type(self), tuple(_plain(value) for value in values))
 
     def __repr__(self) -> str:
         """Name and joints."""
@@ -160,7 +163,9 @@ class Robot(Public):
         if joint in self.followers:
             remedy = f"name its leader '{self.followers[joint][0]}'"
             raise InputError("the joint mimics another", key="joint", value=joint, remedy=remedy)
-        raise InputError("no such joint", key="joint", value=joint, remedy=did_you_mean(joint, self.joint_names))
+        moved_by = [axis for axis, entry in self.axes.items() if joint in entry]
+        remedy = f"it is moved by {' and '.join(moved_by)}" if moved_by else did_you_mean(joint, self.joint_names)
+        raise InputError("no such joint", key="joint", value=joint, remedy=remedy)
 
     def angle_unit(self, joint: str | int) -> str:
         """Unit of a joint's position: "rad" or "m"."""
@@ -214,6 +219,28 @@ class Robot(Public):
             remedy = f"one number for each of {', '.join(self.joint_names)}"
             raise InputError("wrong shape", key="q", value=positions.shape, remedy=remedy)
         return np.asarray(positions @ self.tree.gain.T + self.tree.offset)
+
+    def with_axes(self, axes: Axes, *, ignore_dynamics: bool = False) -> Robot:
+        """The robot in the coordinates of drives that move several joints together.
+
+        Every axis takes the place of a joint: ``p = A q``, and the torques of the joints are ``A^T tau``. Gears,
+        rotors, springs, friction and ripple of a drive act on its axis. `expand` gives positions of the joints again.
+
+        Args:
+            axes: axis -> {joint: coefficient}, as many axes as joints in them; coefficients of mixed kinds are in
+                rad/m or m/rad.
+            ignore_dynamics: drop <dynamics> of the joints that are replaced, which is refused otherwise.
+
+        Raises:
+            InputError: axes that are not invertible or do not fit.
+
+        Example:
+            >>> arm = fd.load_robot("scara_two_link")
+            >>> belt = arm.with_axes({"shoulder": {"shoulder": 1.0}, "motor": {"shoulder": 1.0, "elbow": 1.0}})
+            >>> belt.joint_names, belt.expand([0.5, 0.7])  # the second motor stands on the base
+            (('shoulder', 'motor'), array([0.5, 0.2]))
+        """
+        return with_axes(self, axes, ignore_dynamics=ignore_dynamics)
 
     def with_link_scaled(self, link: str, *, mass: float = 1.0, com: float = 1.0, inertia: float = 1.0) -> Robot:
         """The robot with numbers of one link's <inertial> multiplied.
@@ -293,3 +320,8 @@ class Robot(Public):
         mounted = [entry for entry in self._model.frames if entry.parentJoint == joint + 1]
         bodies = [entry.name for entry in mounted if entry.type == pin.FrameType.BODY]
         return str(bodies[-1] if bodies else self._model.names[joint + 1])
+
+
+def _plain(value: Any) -> Any:
+    """Read-only mappings as plain ones, which pickle."""
+    return {key: _plain(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value

@@ -188,6 +188,8 @@ def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tup
     for payload in payloads:
         frame = robot.tip if payload.frame is None else payload.frame
         tree = tree.with_point_mass(robot.frame(frame), payload.mass)
+    for axis in robot.axes:
+        tree = tree.with_rotor(robot.joint_index(axis), prismatic=robot.angle_unit(axis) == "m")
     if not any(rigid_inertia):
         return tree
     armature = tree.armature.copy()
@@ -197,7 +199,7 @@ def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tup
 
 
 def _own_row(tree: Tree, joint: int) -> int:
-    """The joint of the tree that is the independent joint itself and not one that mimics it."""
+    """The joint of the tree that is the independent joint itself and not one that mimics it; of an axis its rotor."""
     unit = np.zeros(tree.gain.shape[1])
     unit[joint] = 1.0
     same = (tree.gain == unit).all(axis=1) & (tree.offset == 0.0)
