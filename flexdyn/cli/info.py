@@ -21,6 +21,7 @@ from flexdyn.effects import Effect, JointEffect, Payload, unit_for
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots import SUFFIXES, draw_frequencies
+from flexdyn.robot.axes import plain_axes
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -86,7 +87,7 @@ def info(
         show_json(document)
         return
     show(_head(document), _limits(document), _drives(document))
-    for extra in (_followers(document), _effects(document)):
+    for extra in (_axes(document), _followers(document), _effects(document)):
         if extra is not None:
             show(extra)
     if modes:
@@ -133,6 +134,7 @@ def describe(found: Target, q: Mapping[str, float]) -> dict[str, Any]:
         "joints": [_joint(model, j, at[name], float(M[j, j])) for j, name in enumerate(model.joint_names)],
         "mass_matrix": M,
         "followers": {name: list(entry) for name, entry in robot.followers.items()},
+        "axes": plain_axes(robot.axes),
         "lock": robot.lock,
         "effects": [_effect(model, effect, f"effects[{i}]") for i, effect in enumerate(model.effects)]
         + [_effect(model, effect, "URDF") for effect in model.urdf_effects],
@@ -245,6 +247,14 @@ def _drives(document: Mapping[str, Any]) -> Any:
         right=columns[2:],
         legend=DRIVES,
     )
+
+
+def _axes(document: Mapping[str, Any]) -> Any:
+    rows = [
+        (axis, " + ".join(f"{number(value)} {joint}" for joint, value in entry.items()))
+        for axis, entry in document["axes"].items()
+    ]
+    return table("Axes of coupled drives", ("axis", "is"), rows) if rows else None
 
 
 def _followers(document: Mapping[str, Any]) -> Any:

@@ -135,10 +135,10 @@ def test_dry_friction_of_a_motor_holds_its_axis_and_not_a_joint(solver: fd.solve
     assert np.ptp(run.model.robot.expand(run.q), axis=0).min() > 0.1
 
 
-def test_friction_of_a_shared_motor_is_what_coupled_wrists_are_identified_with() -> None:
-    """A second motor on the base: friction F6 sign(q5' + q6') and f6 (q5' + q6') on both joints.
+def test_friction_of_a_motor_acts_on_all_joints_that_it_moves() -> None:
+    """A second motor on the base, by a belt: F sign(q1' + q2') and f (q1' + q2') act on both joints.
 
-    The coupling of joints 5 and 6 of the Staubli TX40 (Gautier, Vandanjon and Presse 1994; Gautier and Briot 2014).
+    The motor's angle is q1 + q2, so that its friction has the power F |q1' + q2'| + f (q1' + q2')^2.
     """
     level, coefficient = 0.4, 0.3
     axes = {"five": {"shoulder": 1.0}, "six": {"shoulder": 1.0, "elbow": 1.0}}
@@ -152,8 +152,8 @@ def test_friction_of_a_shared_motor_is_what_coupled_wrists_are_identified_with()
     q, v = np.array([0.3, 0.5]), np.array([0.8, -1.3])
     start = {"q0": B @ q, "v0": B @ v, "duration": 1e-4, "solver": EXACT}
     before, after = (fd.simulate(bare.replace(effects=each), **start) for each in ([], effects))
-    M, _ = TwoLink().inertias(q[1]), None
-    inertia = np.array([[M[0], M[2]], [M[2], M[1]]]) + 0.05 * np.ones((2, 2))
+    d11, d22, d12, _ = TwoLink().inertias(q[1])
+    inertia = np.array([[d11, d12], [d12, d22]]) + 0.05 * np.ones((2, 2))
     change = np.linalg.solve(B, after.v[-1] - before.v[-1]) / 1e-4
     speed = v.sum()
     torque = level * np.sign(speed) + coefficient * speed
@@ -176,8 +176,8 @@ WRIST = """<robot name="wrist"><link name="base"/>
 <link name="b"><inertial><origin xyz="0.06 0 0.15"/><mass value="0.8"/>
 <inertia ixx="0.006" iyy="0.007" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="pitch" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 1 0"/></joint>
-<joint name="roll" type="continuous"><parent link="a"/><child link="b"/><origin xyz="0 0 0.1"/><axis xyz="0 0 1"/></joint>
-</robot>"""
+<joint name="roll" type="continuous"><parent link="a"/><child link="b"/><origin xyz="0 0 0.1"/>
+<axis xyz="0 0 1"/></joint></robot>"""
 
 
 def test_a_differential_wrist_moves_as_mujocos(tmp_path_factory: pytest.TempPathFactory) -> None:

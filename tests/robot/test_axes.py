@@ -33,7 +33,7 @@ def arm(folder: Path, *, roll: str = "revolute", more: str = "") -> fd.Robot:
 
 
 def test_axes_stand_where_their_joints_stood(tmp_path: Path) -> None:
-    """p = A q: names, kinds, and the joints' positions again; limits of the joints bound no box in the axes."""
+    """Names, kinds and, by p = A q, the joints' positions again; limits of joints bound no box in the axes."""
     wrist = arm(tmp_path).with_axes(WRIST)
     assert wrist.joint_names == ("base", "left", "right")
     assert wrist.kinds == ("revolute",) * 3
