@@ -99,7 +99,7 @@ def _head(model: FlexibleJointModel, folder: Path) -> list[str]:
         "  # package_dirs: [meshes]  # folders of package:// meshes",
         f"  gravity: [{gravity}]  # m/s^2, in the axes of the base",
         f"  # lock: {{{first}: 0.0}}  # joints to remove, held at these positions",
-        "  # axes: {left: {pitch: 1.0, roll: 1.0}, right: {pitch: 1.0, roll: -1.0}}  # of drives that move several joints",
+        "  # axes: {left: {pitch: 1.0, roll: 1.0}, right: {pitch: 1.0, roll: -1.0}}  # of drives of several joints",
         f"  urdf_dynamics: {model.urdf_dynamics}  # or ignore: <dynamics> of the URDF, here {_dynamics(model)}",
         f"  rotor_coupling: {model.rotor_coupling}  # or full: rotors ride on links, their spin acts on them",
     ]

@@ -51,32 +51,31 @@ def with_axes(robot: Robot, entries: Any, *, ignore_dynamics: bool = False) -> R
     gain[:, places] = robot.tree.gain[:, places] @ np.linalg.inv(A)
     gain[np.abs(gain) < np.finfo(float).eps * np.abs(gain).max()] = 0.0
     names, kinds, continuous = list(robot.joint_names), list(robot.kinds), list(robot.continuous)
-    arrays = {
-        name: np.array(getattr(robot, name))
-        for name in ("lower", "upper", "velocity_limit", "effort_limit", "damping", "friction")
-    }
     for place, (axis, entry) in zip(places, axes.items(), strict=True):
-        names[place] = axis
-        kinds[place] = (
-            "prismatic"
-            if all(robot.kinds[robot.joint_index(joint)] == "prismatic" for joint in entry)
-            else ("revolute")
-        )
-        continuous[place] = kinds[place] == "revolute"
-        # The joints' limits bound a region that is no box in the axes.
-        arrays["lower"][place] = -np.inf
-        for name in ("upper", "velocity_limit", "effort_limit"):
-            arrays[name][place] = np.inf
-        arrays["damping"][place] = arrays["friction"][place] = 0.0
+        slides = all(robot.kinds[robot.joint_index(joint)] == "prismatic" for joint in entry)
+        names[place], kinds[place], continuous[place] = axis, "prismatic" if slides else "revolute", not slides
     return replace(
         robot,
         joint_names=tuple(names),
         kinds=tuple(kinds),
         continuous=tuple(continuous),
+        # The joints' limits bound a region that is no box in the axes.
+        lower=_filled(robot.lower, places, -np.inf),
+        upper=_filled(robot.upper, places, np.inf),
+        velocity_limit=_filled(robot.velocity_limit, places, np.inf),
+        effort_limit=_filled(robot.effort_limit, places, np.inf),
+        damping=_filled(robot.damping, places, 0.0),
+        friction=_filled(robot.friction, places, 0.0),
         tree=replace(robot.tree, gain=gain),
         axes=axes,
-        **arrays,
     )
+
+
+def _filled(values: NDArray[np.float64], places: list[int], value: float) -> NDArray[np.float64]:
+    """A copy with another value at some places."""
+    copy = np.array(values)
+    copy[places] = value
+    return copy
 
 
 def plain_axes(axes: Axes) -> dict[str, dict[str, float]]:

@@ -165,7 +165,7 @@ class Tree:
             A new tree.
         """
 
-        def more(array: Floats, row: Any) -> Floats:
+        def more(array: NDArray[Any], row: Any) -> NDArray[Any]:
             return np.concatenate([array, np.asarray(row, dtype=array.dtype)[None]])
 
         unit = np.zeros(self.n)

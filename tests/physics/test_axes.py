@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 A = np.array([[0.5, 0.5], [0.7, -0.4]])
 NAMES, JOINTS = ("left", "right"), ("shoulder", "elbow")
 AXES = {name: dict(zip(JOINTS, row, strict=True)) for name, row in zip(NAMES, A.tolist(), strict=True)}
-J, K, D, F = (np.array(pair) for pair in ((0.1, 0.2), (30.0, 20.0), (0.1, 0.2), (0.3, 0.15)))
+J, K, D, F = np.array([[0.1, 0.2], [30.0, 20.0], [0.1, 0.2], [0.3, 0.15]])
 TAU = np.array([1.0, 0.5])
 ARM = TwoLink(gravity=9.81)
 DOWN = [0.0, -9.81, 0.0]
@@ -33,7 +33,7 @@ DOWN = [0.0, -9.81, 0.0]
 def links(q: Array, v: Array) -> tuple[Array, Array]:
     """M and h in the coordinates of the joints."""
     d11, d22, d12, _ = ARM.inertias(q[1])
-    return np.array([[d11, d12], [d12, d22]]), np.array(ARM.bias(q, v))
+    return np.array([[d11, d12], [d12, d22]]), np.array(ARM.bias(q.tolist(), v.tolist()))
 
 
 def elastic(t: float, x: Array) -> Array:
@@ -126,7 +126,7 @@ def test_dry_friction_of_a_motor_holds_its_axis_and_not_a_joint(solver: fd.solve
         q, v = start + e * x[0], e * x[1]
         d11, d22, d12, _ = free.inertias(q[1])
         M = np.array([[d11, d12], [d12, d22]]) + A.T @ np.diag(J) @ A
-        return np.array([x[1], (TAU[0] - F[0] * x[1] - e @ np.array(free.bias(q, v))) / (e @ M @ e)])
+        return np.array([x[1], (TAU[0] - F[0] * x[1] - e @ np.array(free.bias(q.tolist(), v.tolist()))) / (e @ M @ e)])
 
     truth = solve_ivp(one, (0.0, 1.0), [0.2, 0.0], "DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
     assert (run.v[:, 1] == 0.0).all()
