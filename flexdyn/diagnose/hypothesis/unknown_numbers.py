@@ -16,8 +16,10 @@ from flexdyn.simulation.plant import LinkSide
 START = 0.01
 """Where a number that is given as 0 starts, as a share of its absolute tolerance [1]."""
 ROTOR_START, ROTOR_SPREAD = 1.0, 100.0
-"""Of an unknown rotor inertia, reflected, as shares of what the joint turns: gears make the two alike,
-and of small links on high gears a rotor is a hundred times as much at most."""
+"""Of an unknown rotor inertia, reflected, as shares of what the joint's links have about it.
+
+Gears are chosen so that the two are alike; behind the high gear of a small link the rotor has up to a hundred times as
+much."""
 DAMPING_START, DAMPING_SPREAD = 0.05, 1.0
 """Of an unknown damping, as shares of the critical one of the joint's spring."""
 LINK_START, LINK_SPREAD = 0.05, 1.0
