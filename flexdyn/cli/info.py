@@ -77,7 +77,8 @@ def info(
     picture = _picture(modes, path, output)
     found = find(target)
     pose = by_joint("--q", q or (), found.model.joint_names)
-    document = describe(found, pose)
+    with naming({"q": "--q"}, file=target, files={}):
+        document = describe(found, pose)
     if modes:
         with naming({"q": "--q"}, file=target, files={}):
             document["modes"] = cli_modes.describe(found.model, pose)

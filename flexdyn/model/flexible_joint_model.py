@@ -234,7 +234,7 @@ class FlexibleJointModel(Public):
             for number in ("rotor_inertia", *(["damping"] if self.elastic[self.index(name)] else [])):
                 if joint.given(number).is_unknown:
                     turns = self.robot.kinds[self.index(name)] == "revolute"
-                    unit = "kg m^2, on the motor side," if number != "damping" else "N m s/rad" if turns else "N s/m"
+                    unit = "kg m^2 on the motor side" if number != "damping" else "N m s/rad" if turns else "N s/m"
                     raise refusal(f"joints.{name}.{number}", unit)
         for name in unknown_links(self.links):
             raise refusal(f"links.{name}.inertia", "kg m^2")

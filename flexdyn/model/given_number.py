@@ -81,5 +81,5 @@ def refusal(key: str, unit: str) -> InputError:
         key: where the number stands.
         unit: of the number.
     """
-    remedy = f"write a number in {unit} there, or estimate it from a recording: flexdyn diagnose"
+    remedy = f"write it in {unit}, or estimate it from a recording with flexdyn diagnose"
     return InputError("the number is unknown, and nothing can be computed without it", key=key, remedy=remedy)

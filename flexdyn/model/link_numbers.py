@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
@@ -61,8 +62,13 @@ def unknown_links(links: Links) -> dict[str, Any]:
 
 
 def robot_with_links(robot: Robot, links: Links) -> Robot:
-    """The robot with the inertias that are known in place of its own."""
-    for link, number in links.items():
-        if not number.is_unknown:
-            robot = robot.with_link_inertia(link, number.value)
+    """The robot with the inertias that are known in place of its own; the same one for the same inertias."""
+    known = tuple((link, number.value) for link, number in links.items() if not number.is_unknown)
+    return _with_inertias(robot, known)
+
+
+@lru_cache(maxsize=16)
+def _with_inertias(robot: Robot, known: tuple[tuple[str, float], ...]) -> Robot:
+    for link, moment in known:
+        robot = robot.with_link_inertia(link, moment)
     return robot
