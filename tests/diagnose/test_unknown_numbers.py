@@ -12,6 +12,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
+from flexdyn.diagnose.report.calibrated import estimate
 from flexdyn.model.uncertain_parameters import file_numbers
 
 MASS, REACH, LEVEL, RATIO, RATE, INSIDE = 1.5, 0.2, 0.6, 50.0, 200, 40
@@ -141,3 +142,25 @@ def test_nothing_says_how_large_a_rotor_may_be(tmp_path: Path) -> None:
     model = fd.FlexibleJointModel(fd.load_robot(tmp_path / "point.urdf"), {"hinge": {"rotor_inertia": "unknown"}})
     with pytest.raises(fd.InputError, match=r"joints.hinge.rotor_inertia: its links move no inertia; give .* tol"):
         with_guesses(model)
+
+
+@pytest.mark.slow
+def test_rotors_and_dampings_of_elastic_joints() -> None:
+    """All four of a two-link arm within 3 standard deviations, beside friction that is named."""
+    known = {"gear_ratio": 1.0, "stiffness": 900.0, "damping": 1.5, "rotor_inertia": 0.3}
+    arm = fd.load_model("scara_two_link").replace(joints={"*": known}, effects=[], tolerance=0.03)
+    t = np.linspace(0.0, 5.0, 1001)
+    sway = np.stack([0.6 * np.cos(1.1 * t) + 0.2 * np.cos(5 * t), 0.5 * np.cos(1.4 * t) + 0.1 * np.sin(7 * t)], axis=1)
+    truth = arm.replace(effects=[fd.effects.CoulombFriction("elbow", side="motor", level=0.6)])
+    run = fd.simulate(truth, fd.PD(fd.Samples(t, sway, "cubic"), kp=400, kd=20), q0=sway[0], rate=200)
+    noise, log, sigma = np.random.default_rng(0), run.to_recording(), {"q": 2e-6, "theta": 2e-6, "tau": 0.02}
+    names = [f"{signal}.{joint}" for signal in sigma for joint in arm.joint_names]
+    seen = {name: log[name] + noise.normal(0.0, sigma[name.split(".")[0]], run.t.size) for name in names}
+    unknown = arm.replace(joints={"*": {"rotor_inertia": "unknown", "damping": "unknown"}})
+    found = fd.diagnose(unknown, [fd.Recording(run.t, seen)], progress=False)
+    assert [(each.suspect.effect, each.suspect.joint) for each in found.findings] == [("coulomb_friction", "elbow")]
+    entries = [each for each in found.calibration if each.parameter in ("rotor_inertia", "damping")]
+    assert len(entries) == 4
+    for entry in entries:
+        number = estimate(found.model, entry)
+        assert abs(number.value - known[entry.parameter]) < 3.0 * number.std < 0.1 * number.value

@@ -135,6 +135,22 @@ def test_dry_friction_of_a_motor_holds_its_axis_and_not_a_joint(solver: fd.solve
     assert np.ptp(run.model.robot.expand(run.q), axis=0).min() > 0.1
 
 
+def test_solvers_agree_on_stick_and_slip_of_the_motors() -> None:
+    """Torques that swing, dry friction of both motors, one of them elastic: axes come to rest to the last bit."""
+    t = np.linspace(0.0, 2.0, 401)
+    swing = fd.Samples(t, np.stack([2.5 * np.sin(4.0 * t), 2.0 * np.cos(3.0 * t)], axis=1), "cubic")
+    dry = [fd.effects.CoulombFriction(name, side="motor", level=0.5) for name in NAMES]
+    arm = model(*viscous(), *dry, spring=True, gravity=[0.0, 0.0, 0.0]).replace(joints={"left": {"stiffness": np.inf}})
+    solvers = (EXACT, fd.solvers.Rosenbrock(rtol=1e-9, atol=1e-11), fd.solvers.TimeStepping(step=2e-4))
+    exact, stiff, stepped = (fd.simulate(arm, swing, duration=2.0, solver=solver) for solver in solvers)
+    for run in (exact, stiff, stepped):
+        assert run.energy.closes
+        assert ((run.omega == 0.0).mean(axis=0) > 0.02).all()
+    assert np.ptp(exact.theta, axis=0).min() > 0.1
+    np.testing.assert_allclose(stiff.theta, exact.theta, atol=1e-6)
+    np.testing.assert_allclose(stepped.theta, exact.theta, atol=2e-3)
+
+
 def test_friction_of_a_motor_acts_on_all_joints_that_it_moves() -> None:
     """A second motor on the base, by a belt: F sign(q1' + q2') and f (q1' + q2') act on both joints.
 
