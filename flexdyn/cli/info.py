@@ -21,6 +21,7 @@ from flexdyn.effects import Effect, JointEffect, Payload, unit_for
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots import SUFFIXES, draw_frequencies
+from flexdyn.robot.axes import plain_axes
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -76,7 +77,8 @@ def info(
     picture = _picture(modes, path, output)
     found = find(target)
     pose = by_joint("--q", q or (), found.model.joint_names)
-    document = describe(found, pose)
+    with naming({"q": "--q"}, file=target, files={}):
+        document = describe(found, pose)
     if modes:
         with naming({"q": "--q"}, file=target, files={}):
             document["modes"] = cli_modes.describe(found.model, pose)
@@ -86,7 +88,7 @@ def info(
         show_json(document)
         return
     show(_head(document), _limits(document), _drives(document))
-    for extra in (_followers(document), _effects(document)):
+    for extra in (_axes(document), _followers(document), _effects(document)):
         if extra is not None:
             show(extra)
     if modes:
@@ -133,6 +135,7 @@ def describe(found: Target, q: Mapping[str, float]) -> dict[str, Any]:
         "joints": [_joint(model, j, at[name], float(M[j, j])) for j, name in enumerate(model.joint_names)],
         "mass_matrix": M,
         "followers": {name: list(entry) for name, entry in robot.followers.items()},
+        "axes": plain_axes(robot.axes),
         "lock": robot.lock,
         "effects": [_effect(model, effect, f"effects[{i}]") for i, effect in enumerate(model.effects)]
         + [_effect(model, effect, "URDF") for effect in model.urdf_effects],
@@ -153,7 +156,7 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
         "velocity_limit": float(robot.velocity_limit[j]),
         "effort_limit": float(robot.effort_limit[j]),
         "elastic": drive.elastic,
-        **drive.to_dict(),
+        **drive.values(),
         "reflected_inertia": J,
         "q": q,
         "inertia": inertia,
@@ -245,6 +248,14 @@ def _drives(document: Mapping[str, Any]) -> Any:
         right=columns[2:],
         legend=DRIVES,
     )
+
+
+def _axes(document: Mapping[str, Any]) -> Any:
+    rows = [
+        (axis, " + ".join(f"{number(value)} {joint}" for joint, value in entry.items()))
+        for axis, entry in document["axes"].items()
+    ]
+    return table("Axes of coupled drives", ("axis", "is"), rows) if rows else None
 
 
 def _followers(document: Mapping[str, Any]) -> Any:

@@ -99,6 +99,7 @@ def _head(model: FlexibleJointModel, folder: Path) -> list[str]:
         "  # package_dirs: [meshes]  # folders of package:// meshes",
         f"  gravity: [{gravity}]  # m/s^2, in the axes of the base",
         f"  # lock: {{{first}: 0.0}}  # joints to remove, held at these positions",
+        "  # axes: {left: {pitch: 1.0, roll: 1.0}, right: {pitch: 1.0, roll: -1.0}}  # of drives of several joints",
         f"  urdf_dynamics: {model.urdf_dynamics}  # or ignore: <dynamics> of the URDF, here {_dynamics(model)}",
         f"  rotor_coupling: {model.rotor_coupling}  # or full: rotors ride on links, their spin acts on them",
     ]
@@ -140,7 +141,7 @@ def _joint(model: FlexibleJointModel, j: int, name: str, inertia: float) -> list
     return [
         f"  {quoted(name)}:  # {kind}, {span}{outside}; M_ii = {number(inertia)} {mass} at q = 0",
         f"    gear_ratio: {drive.gear_ratio!r}  # motor angle / joint {turned}",
-        f"    rotor_inertia: {drive.rotor_inertia!r}  # kg m^2, motor side",
+        f"    rotor_inertia: {drive.rotor_inertia!r}  # kg m^2, motor side; or unknown: a diagnosis estimates it",
         f"    stiffness: .inf  # {torque}/{unit}; 10 Hz with the rotor held would be {_stiffness(inertia)}",
         f"    damping: {drive.damping!r}  # {torque} s/{unit}, across the transmission",
     ]

@@ -73,7 +73,7 @@ def _check_softening(name: str, joint: Joint) -> None:
     if joint.elastic:
         remedy = f"change joints.{name}.stiffness, or use hardening_spring"
         raise InputError("joint_elasticity needs a rigid joint", key="joint", value=name, remedy=remedy)
-    if joint.rotor_inertia == 0:
+    if joint.rotor_inertia == 0 and not joint.given("rotor_inertia").is_unknown:
         remedy = f"give joints.{name}.rotor_inertia in kg m^2 on the motor side"
         raise InputError("joint_elasticity needs a rotor that has inertia", key="joint", value=name, remedy=remedy)
 

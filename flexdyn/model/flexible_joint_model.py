@@ -21,7 +21,9 @@ from flexdyn.effects import (
 from flexdyn.errors import InputError
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.effect_checks import fitted
+from flexdyn.model.given_number import GivenNumber, refusal
 from flexdyn.model.joint import Joint, resolve_joints
+from flexdyn.model.link_numbers import link_inertias, links_entry, robot_with_links, unknown_links
 from flexdyn.model.resolved_parameters import folded
 from flexdyn.model.setting_checks import command_checked, gravity_checked, initial_checked, one_of, tolerance_checked
 from flexdyn.robot import Robot
@@ -44,11 +46,14 @@ class FlexibleJointModel(Public):
 
     Args:
         robot: from `load_robot`.
-        joints: joint name -> `Joint` or mapping of its numbers; ``"*"`` stands for joints not named.
+        joints: joint name -> `Joint` or mapping of its numbers; ``"*"`` stands for joints not named. A number may be
+            ``"unknown"`` or have an absolute tolerance, see `Joint`.
         effects: any number of them; several of one kind add up.
         initial: ``{"q": {"elbow": 1.57}}``; also v, theta, omega [rad, rad/s]. Default 0, theta = q, omega = v.
         tolerance: how well the numbers are known, relative, 1 sigma; a mapping sets it per number by its dotted path
             (``{"*": 0.05, "joints.elbow.stiffness": 0.2}``).
+        links: link name -> ``{"inertia": moment}`` [kg m^2], the same about every axis through the centre of mass, in
+            place of what the URDF says, which is often 0; it may be ``"unknown"`` or have an absolute tolerance.
         gravity: [m/s^2] in the axes of the base.
         urdf_dynamics: ``use`` turns the URDF's <dynamics damping friction> into link-side effects; ``ignore``.
         rotor_coupling: ``reduced``: rotors act on their own joint only; ``full``: they ride on their parent links, turn
@@ -70,11 +75,12 @@ class FlexibleJointModel(Public):
     def __init__(
         self,
         robot: Robot,
-        joints: Mapping[str, Joint | Mapping[str, float]] | None = None,
+        joints: Mapping[str, Joint | Mapping[str, Any]] | None = None,
         effects: Iterable[Effect | Mapping[str, Any]] = (),
         *,
         initial: Mapping[str, Mapping[str, float]] | None = None,
         tolerance: float | Mapping[str, float] = 0.05,
+        links: Mapping[str, Mapping[str, Any]] | None = None,
         gravity: Sequence[float] = EARTH,
         urdf_dynamics: str = "use",
         rotor_coupling: str = "reduced",
@@ -90,10 +96,14 @@ class FlexibleJointModel(Public):
         )
         self.urdf_dynamics = one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
         self.rotor_coupling = one_of("robot.rotor_coupling", rotor_coupling, ("reduced", "full"))
+        if robot.axes and rotor_coupling == "full":
+            remedy = "write reduced: where the rotors of coupled axes ride, nothing says"
+            raise InputError("no rotor coupling with axes", key="robot.rotor_coupling", value="full", remedy=remedy)
         self.gravity = gravity_checked(gravity)
         self.initial = initial_checked({} if initial is None else initial, robot.joint_names)
         self.tolerance = tolerance_checked(tolerance)
         self.command = command_checked(command, robot.joint_names)
+        self.links: Mapping[str, GivenNumber] = link_inertias({} if links is None else links, robot)
         self.effects: tuple[Effect, ...] = fitted(robot, self.joints, effects)
         self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
         self.__dict__["_locked"] = True
@@ -118,7 +128,8 @@ class FlexibleJointModel(Public):
         if not isinstance(other, FlexibleJointModel):
             return NotImplemented
         mine, its = self.robot, other.robot
-        same_robot = mine is its or (mine.source is not None and (mine.source, mine.lock) == (its.source, its.lock))
+        known = mine.source is not None
+        same_robot = mine is its or (known and (mine.source, mine.lock, mine.axes) == (its.source, its.lock, its.axes))
         return same_robot and self._content() == other._content()
 
     def __hash__(self) -> int:
@@ -213,6 +224,21 @@ class FlexibleJointModel(Public):
         """
         return self._resolved
 
+    def check_known(self) -> None:
+        """Refuse a number that is unknown: whatever computes with the model needs all of them.
+
+        Raises:
+            InputError: a number is unknown; it says how to give it.
+        """
+        for name, joint in self.joints.items():
+            for number in ("rotor_inertia", *(["damping"] if self.elastic[self.index(name)] else [])):
+                if joint.given(number).is_unknown:
+                    turns = self.robot.kinds[self.index(name)] == "revolute"
+                    unit = "kg m^2 on the motor side" if number != "damping" else "N m s/rad" if turns else "N s/m"
+                    raise refusal(f"joints.{name}.{number}", unit)
+        for name in unknown_links(self.links):
+            raise refusal(f"links.{name}.inertia", "kg m^2")
+
     def rigid(self) -> FlexibleJointModel:
         """The same arm without elasticity: every joint rigid, J added to M, effects that need a spring left out."""
         true = self.resolved()
@@ -244,7 +270,7 @@ class FlexibleJointModel(Public):
 
     def _settings(self) -> dict[str, Any]:
         keys = ("initial", "tolerance", "gravity", "urdf_dynamics", "rotor_coupling", "command", "name")
-        return {key: _thawed(getattr(self, key)) for key in keys}
+        return {key: _thawed(getattr(self, key)) for key in keys} | {"links": links_entry(self.links)}
 
     def _content(self) -> tuple[Any, ...]:
         return dict(self.joints), self.effects, self._settings()
@@ -252,11 +278,13 @@ class FlexibleJointModel(Public):
     @cached_property
     def _resolved(self) -> FlexibleJointModel:
         acting = [effect for effect in self.effects if not effect.is_neutral]
-        if not any(isinstance(effect, ParameterError | JointElasticity) for effect in acting):
+        told = any(not number.is_unknown for number in self.links.values())
+        if not told and not any(isinstance(effect, ParameterError | JointElasticity) for effect in acting):
             return self
-        true = folded(self.robot, self.joints, self.effects)
+        true = folded(robot_with_links(self.robot, self.links), self.joints, self.effects)
         joints = {name: dict(numbers) for name, numbers in true.joints.items()}
-        return FlexibleJointModel(true.robot, joints, true.effects, **self._settings())
+        settings = self._settings() | {"links": unknown_links(self.links)}
+        return FlexibleJointModel(true.robot, joints, true.effects, **settings)
 
 
 def _rebuild(robot: Robot, joints: Any, effects: Any, settings: dict[str, Any]) -> FlexibleJointModel:

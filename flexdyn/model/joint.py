@@ -7,19 +7,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.model.given_number import UNKNOWN, GivenNumber, given_number
 
 
 @dataclass(frozen=True, kw_only=True)
 class Joint:
     """The drive of one joint; everything but rotor_inertia is on the link side of the gear.
 
+    Every number but the gear ratio may be given with an absolute tolerance, one standard deviation in its own unit:
+    ``{"value": 0.0, "tolerance": 2e-5}``. Rotor inertia and damping may be ``"unknown"``: a diagnosis estimates them.
+
     Args:
-        gear_ratio: N = motor angle / link angle [1]; on a prismatic joint [rad/m].
+        gear_ratio: N = motor angle / link angle [1]; on a prismatic joint [rad/m]; negative where the motor turns the
+            other way.
         rotor_inertia: on the motor side [kg m^2]; J = gear_ratio^2 rotor_inertia.
         stiffness: K [N m/rad or N/m]; infinite: a rigid joint.
         damping: D across the transmission [N m s/rad or N s/m]; a rigid joint has none to act on.
+        tolerances: absolute ones by name of the number; infinite: the number is unknown. Read from the numbers.
 
     Raises:
         InputError: a number that is missing its sense: negative inertia, zero stiffness, an elastic joint whose rotor
@@ -35,22 +40,21 @@ class Joint:
     rotor_inertia: float = 0.0
     stiffness: float = math.inf
     damping: float = 0.0
+    tolerances: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         """Check every number."""
-        for name in NUMBERS:
-            value = getattr(self, name)
-            number = as_number(value)
-            if math.isnan(number):
-                raise InputError("a number is needed", key=name, value=value)
-            object.__setattr__(self, name, number)
-        self._above_zero("gear_ratio", self.gear_ratio, finite=True)
-        self._above_zero("stiffness", self.stiffness, finite=False)
+        self._read()
+        if self.gear_ratio == 0 or math.isinf(self.gear_ratio):
+            raise InputError("it must be finite and not 0", key="gear_ratio", value=self.gear_ratio)
+        if self.stiffness <= 0:
+            remedy = "use .inf for a rigid joint"
+            raise InputError("it must be above 0", key="stiffness", value=self.stiffness, remedy=remedy)
         for name in ("rotor_inertia", "damping"):
             value = getattr(self, name)
             if value < 0 or math.isinf(value):
                 raise InputError("it must be finite and at least 0", key=name, value=value)
-        if self.elastic and self.rotor_inertia == 0:
+        if self.elastic and self.rotor_inertia == 0 and not self.given("rotor_inertia").is_unknown:
             remedy = "give the rotor's inertia in kg m^2 on the motor side, or stiffness .inf for a rigid joint"
             raise InputError("an elastic joint needs it above 0", key="rotor_inertia", remedy=remedy)
         if self.rotor_inertia > 0 and not 0 < self.reflected_inertia < math.inf:
@@ -67,9 +71,17 @@ class Joint:
         """J = gear_ratio^2 rotor_inertia [kg m^2 or kg]."""
         return self.gear_ratio * self.gear_ratio * self.rotor_inertia
 
-    def to_dict(self) -> dict[str, float]:
+    def given(self, name: str) -> GivenNumber:
+        """A number with its absolute tolerance, where it has one."""
+        return GivenNumber(getattr(self, name), dict(self.tolerances).get(name))
+
+    def to_dict(self) -> dict[str, Any]:
         """As a model file writes it."""
-        return {name: getattr(self, name) for name in NUMBERS}
+        return {name: self.given(name).entry() for name in NUMBERS}
+
+    def values(self) -> dict[str, Any]:
+        """Every number without its tolerance; ``unknown`` where it is."""
+        return {name: UNKNOWN if self.given(name).is_unknown else getattr(self, name) for name in NUMBERS}
 
     @staticmethod
     def numbers(entry: Any) -> dict[str, Any]:
@@ -89,14 +101,28 @@ class Joint:
                 raise InputError("a joint has no such key", key=str(key), remedy=did_you_mean(str(key), NUMBERS))
         return {str(key): value for key, value in entry.items()}
 
-    def _above_zero(self, name: str, value: float, *, finite: bool) -> None:
-        if value <= 0 or (finite and math.isinf(value)):
-            remedy = "" if finite else "use .inf for a rigid joint"
-            raise InputError("it must be above 0", key=name, value=value, remedy=remedy)
+    def _read(self) -> None:
+        """Take values and absolute tolerances from what was given."""
+        tolerances = dict(self.tolerances)
+        for name in NUMBERS:
+            number = given_number(getattr(self, name), name)
+            if number.value != 0.0 and tolerances.get(name) == math.inf:
+                del tolerances[name]  # it was unknown and is given now
+            if number.tolerance is not None:
+                if name == "gear_ratio" or (number.is_unknown and name == "stiffness"):
+                    raise InputError("it must be a number", key=name, value=number.entry(), remedy=ALWAYS_KNOWN[name])
+                tolerances[name] = number.tolerance
+            object.__setattr__(self, name, number.value)
+        object.__setattr__(self, "tolerances", tuple(sorted(tolerances.items())))
 
 
-NUMBERS = tuple(field.name for field in fields(Joint))
+NUMBERS = tuple(field.name for field in fields(Joint) if field.name != "tolerances")
 """Names of a joint's numbers."""
+ALWAYS_KNOWN = {
+    "gear_ratio": "all signals are reflected, so a wrong one shows in the rotor's inertia: make rotor_inertia unknown",
+    "stiffness": "leave it out: a diagnosis finds the elasticity of a rigid joint, with its stiffness",
+}
+"""Why a number may not be unknown."""
 
 
 def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Joint]:
@@ -126,7 +152,8 @@ def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[s
             resolved[name] = Joint(**(shared | own))
         except InputError as error:
             # A number stands where it was given; one that is missing is missed at the joint itself.
-            inherited = name not in entries or (error.key in shared and error.key not in own)
+            number = str(error.key).partition(".")[0]
+            inherited = name not in entries or (number in shared and number not in own)
             raise error.at(key=f"joints.{'*' if inherited else name}") from None
     return resolved
 

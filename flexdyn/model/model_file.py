@@ -11,14 +11,16 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.files import exists, is_file, write_text
 from flexdyn.io.yaml import check_keys, dump_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.link_numbers import links_entry
 from flexdyn.model.setting_checks import check_tolerance_paths, plain_command
 from flexdyn.robot import Robot, load_robot, robot_names
+from flexdyn.robot.axes import plain_axes
 from flexdyn.robot.names import shipped_dir
 
 FORMAT = 1
 ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
-TOP_KEYS = ("flexdyn", "robot", "joints", "initial", "tolerance", "effects", "command")
-ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "urdf_dynamics", "rotor_coupling")
+TOP_KEYS = ("flexdyn", "robot", "joints", "links", "initial", "tolerance", "effects", "command")
+ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "axes", "urdf_dynamics", "rotor_coupling")
 
 
 def shipped_models() -> tuple[str, ...]:
@@ -79,7 +81,8 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
     if not isinstance(effects, list):
         raise InputError("a list of effects is needed", key="effects", value=effects)
     settings = {key: entry[key] for key in ("gravity", "urdf_dynamics", "rotor_coupling") if entry.get(key) is not None}
-    settings |= {key: content[key] for key in ("initial", "tolerance", "command") if content.get(key) is not None}
+    others = ("links", "initial", "tolerance", "command")
+    settings |= {key: content[key] for key in others if content.get(key) is not None}
     model = FlexibleJointModel(_robot(entry, folder), content.get("joints"), effects, name=name, **settings)
     check_tolerance_paths(content.get("tolerance"), model.joint_names, model.robot.frame_names, model.effects)
     return model
@@ -122,6 +125,8 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
     robot["gravity"] = list(model.gravity)
     if model.robot.lock:
         robot["lock"] = dict(model.robot.lock)
+    if model.robot.axes:
+        robot["axes"] = plain_axes(model.robot.axes)
     robot |= {"urdf_dynamics": model.urdf_dynamics, "rotor_coupling": model.rotor_coupling}
     tolerance = dict(model.tolerance) if isinstance(model.tolerance, Mapping) else model.tolerance
     content = {
@@ -132,6 +137,8 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
         "tolerance": tolerance,
         "effects": [effect.to_dict() for effect in model.effects],
     }
+    if model.links:
+        content["links"] = links_entry(model.links)
     return content if model.command is None else content | {"command": plain_command(model.command)}
 
 
@@ -186,8 +193,12 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
         if not exists(directory):
             raise InputError("no such folder", key=f"robot.package_dirs[{i}]", value=str(directory))
     try:
-        return load_robot(source, package_dirs=package_dirs, lock=entry.get("lock"))
+        robot = load_robot(source, package_dirs=package_dirs, lock=entry.get("lock"))
+        ignored = entry.get("urdf_dynamics") == "ignore"
+        return robot if entry.get("axes") is None else robot.with_axes(entry["axes"], ignore_dynamics=ignored)
     except InputError as error:
+        if str(error.key).startswith("robot.axes"):
+            raise
         if error.file or error.key == "robot":
             raise (error if error.file else InputError(error.problem, **error.data | {"key": "robot.urdf"})) from None
         raise error.at(key="robot") from None

@@ -12,6 +12,7 @@ import numpy as np
 from flexdyn.effects import Effect, JointElasticity, ParameterError
 from flexdyn.effects.model_error import effect_place
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.model.given_number import UNKNOWN
 from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot
 
@@ -31,7 +32,7 @@ class Folded:
     """
 
     robot: Robot
-    joints: Mapping[str, Mapping[str, float]]
+    joints: Mapping[str, Mapping[str, Any]]
     effects: tuple[Effect, ...]
 
 
@@ -46,7 +47,7 @@ def folded(robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect])
     Raises:
         InputError: a number that is not there or that the factor makes senseless; its key is ``effects[i]``.
     """
-    numbers = {name: joint.to_dict() for name, joint in joints.items()}
+    numbers = {name: joint.values() for name, joint in joints.items()}
     true = list(effects)
     for i, error in enumerate(effects):
         if not isinstance(error, ParameterError) or error.is_neutral:
@@ -83,7 +84,7 @@ def _fold_effect(effects: list[Effect], error: ParameterError) -> None:
     effects[place] = type(target).from_dict(entry)
 
 
-def _fold_joint(robot: Robot, numbers: dict[str, dict[str, float]], error: ParameterError) -> Robot:
+def _fold_joint(robot: Robot, numbers: dict[str, dict[str, Any]], error: ParameterError) -> Robot:
     if error.of not in numbers:
         remedy = did_you_mean(error.of, [*numbers, *robot.frame_names])
         raise InputError("no such joint, link or effect", key="of", value=error.of, remedy=remedy)
@@ -95,6 +96,8 @@ def _fold_joint(robot: Robot, numbers: dict[str, dict[str, float]], error: Param
         changed: dict[str, Any] = {attribute: values, "source": None}
         return dataclasses.replace(robot, **changed)
     given = numbers[error.of][error.parameter]
+    if given == UNKNOWN:
+        raise InputError("the number is unknown: no factor can change it", key="parameter", value=error.parameter)
     if math.isinf(given):
         raise InputError("the joint is rigid: it has no stiffness", key="parameter", value=error.parameter)
     numbers[error.of][error.parameter] = given * error.factor

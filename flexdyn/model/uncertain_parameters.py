@@ -11,10 +11,14 @@ import numpy as np
 from flexdyn.effects import Effect, JointElasticity, ParameterError, Payload, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.given_number import GivenNumber
+from flexdyn.model.link_numbers import robot_with_links
 
 OF_JOINT = ("rotor_inertia", "stiffness", "damping")
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 DEFAULT_TOLERANCE = 0.05
+OPEN = 10.0
+"""A relative tolerance from which a number counts as not known [1]."""
 NOTHING = 1e-12
 """Change of inertias, by their size, that is rounding."""
 
@@ -27,7 +31,7 @@ class FileNumber:
         of: joint, link or ``effects[i]`` that it belongs to.
         parameter: its name, as `ParameterError` takes it.
         value: as given.
-        tolerance: how well it is known, relative, 1 sigma.
+        tolerance: how well it is known, relative, 1 sigma; of an absolute one its share of the value.
         joint: that it acts on; None for a link's.
     """
 
@@ -36,6 +40,11 @@ class FileNumber:
     value: float
     tolerance: float
     joint: str | None
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it was not known: its tolerance is that much larger than the value that a diagnosis starts from."""
+        return self.tolerance >= OPEN
 
     def error(self, factor: float) -> ParameterError:
         """The effect that says ``true = factor*given``."""
@@ -64,12 +73,13 @@ def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
         for parameter in OF_JOINT:
             path = f"joints.{name}.{parameter}"
             tolerance = _tolerance(model, path, f"joints.*.{parameter}")
-            yield FileNumber(name, parameter, getattr(joint, parameter), tolerance, name)
+            given = joint.given(parameter)
+            yield FileNumber(name, parameter, given.value, _relative(given, tolerance), name)
 
 
 def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
     """Of those that change what the arm needs: not where the centre of mass of a link is that stands at its origin."""
-    robot = model.robot
+    robot = robot_with_links(model.robot, model.links)
     own = robot.tree.inertial_parameters
     for frame in robot.frame_names:
         for parameter, word in OF_LINK.items():
@@ -78,7 +88,10 @@ def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
             except InputError:
                 break
             if np.abs(other.tree.inertial_parameters - own).max() > NOTHING * np.abs(own).max():
-                yield FileNumber(frame, parameter, 1.0, _tolerance(model, f"links.{frame}.{word}"), None)
+                tolerance = _tolerance(model, f"links.{frame}.{word}")
+                if parameter == "link_inertia" and frame in model.links:
+                    tolerance = _relative(model.links[frame], tolerance)
+                yield FileNumber(frame, parameter, 1.0, tolerance, None)
 
 
 def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
@@ -89,6 +102,11 @@ def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
             place = f"effects[{i}]"
             tolerance = _tolerance(model, f"{place}.{field.name}")
             yield FileNumber(place, field.name, getattr(effect, field.name), tolerance, getattr(effect, "joint", None))
+
+
+def _relative(given: GivenNumber, otherwise: float) -> float:
+    """Tolerance of a number as a share of its value."""
+    return otherwise if given.tolerance is None or given.value == 0.0 else given.tolerance / abs(given.value)
 
 
 def _tolerance(model: FlexibleJointModel, *paths: str) -> float:

@@ -26,6 +26,10 @@ class Inertial:
         xyz, moments = tuple(com * value for value in self.xyz), tuple(inertia * value for value in self.moments)
         return Inertial(mass * self.mass, xyz, self.rpy, moments)
 
+    def round(self, moment: float) -> Inertial:
+        """With the same moment of inertia about every axis through the centre of mass [kg m^2]."""
+        return Inertial(self.mass, self.xyz, self.rpy, (moment, 0.0, 0.0, moment, 0.0, moment))
+
 
 @dataclass(frozen=True)
 class Link:

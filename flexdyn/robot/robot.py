@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,8 +14,9 @@ import pinocchio as pin
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.notebook import Public, card, table
+from flexdyn.robot.axes import Axes, with_axes
 from flexdyn.robot.joints import Joint
-from flexdyn.robot.links import Link, spatial_inertia
+from flexdyn.robot.links import Inertial, Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
 from flexdyn.robot.tree import Floats, FramePlacement, Tree, locked, spatial
 
@@ -49,6 +50,7 @@ class Robot(Public):
         effort_limit: shape (n,) [N m or N]; inf where unlimited.
         damping: viscous coefficient of the URDF's <dynamics>, shape (n,) [N m s/rad or N s/m], followers' included.
         friction: Coulomb level of the URDF's <dynamics>, shape (n,) [N m or N], followers' included.
+        axes: of coupled drives, in the place of the joints that they name: axis -> {joint: coefficient}.
         followers: mimic joints: (leader, multiplier, offset), q_follower = multiplier q_leader + offset.
         tree: the arrays of the kinematic tree, followers included.
 
@@ -76,6 +78,7 @@ class Robot(Public):
     _model: pin.Model
     _links: tuple[Link, ...] = field(default=())
     _joints: tuple[Joint, ...] = field(default=())
+    axes: Axes = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Copy and lock arrays and tables."""
@@ -87,7 +90,7 @@ class Robot(Public):
     def __reduce__(self) -> tuple[Any, ...]:
         """Unpickle through the constructor, so that arrays and tables are locked again."""
         values = (getattr(self, entry.name) for entry in fields(self))
-        return (type(self), tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values))
+        return (type(self), tuple(_plain(value) for value in values))
 
     def __repr__(self) -> str:
         """Name and joints."""
@@ -160,7 +163,9 @@ class Robot(Public):
         if joint in self.followers:
             remedy = f"name its leader '{self.followers[joint][0]}'"
             raise InputError("the joint mimics another", key="joint", value=joint, remedy=remedy)
-        raise InputError("no such joint", key="joint", value=joint, remedy=did_you_mean(joint, self.joint_names))
+        moved_by = [axis for axis, entry in self.axes.items() if joint in entry]
+        remedy = f"it is moved by {' and '.join(moved_by)}" if moved_by else did_you_mean(joint, self.joint_names)
+        raise InputError("no such joint", key="joint", value=joint, remedy=remedy)
 
     def angle_unit(self, joint: str | int) -> str:
         """Unit of a joint's position: "rad" or "m"."""
@@ -215,6 +220,28 @@ class Robot(Public):
             raise InputError("wrong shape", key="q", value=positions.shape, remedy=remedy)
         return np.asarray(positions @ self.tree.gain.T + self.tree.offset)
 
+    def with_axes(self, axes: Axes, *, ignore_dynamics: bool = False) -> Robot:
+        """The robot in the coordinates of drives that move several joints together.
+
+        Every axis takes the place of a joint: ``p = A q``, and the torques of the joints are ``A^T tau``. Gears,
+        rotors, springs, friction and ripple of a drive act on its axis. `expand` gives positions of the joints again.
+
+        Args:
+            axes: axis -> {joint: coefficient}, as many axes as joints in them; coefficients of mixed kinds are in
+                rad/m or m/rad.
+            ignore_dynamics: drop <dynamics> of the joints that are replaced, which is refused otherwise.
+
+        Raises:
+            InputError: axes that are not invertible or do not fit.
+
+        Example:
+            >>> arm = fd.load_robot("scara_two_link")
+            >>> belt = arm.with_axes({"shoulder": {"shoulder": 1.0}, "motor": {"shoulder": 1.0, "elbow": 1.0}})
+            >>> belt.joint_names, belt.expand([0.5, 0.7])  # the second motor stands on the base
+            (('shoulder', 'motor'), array([0.5, 0.2]))
+        """
+        return with_axes(self, axes, ignore_dynamics=ignore_dynamics)
+
     def with_link_scaled(self, link: str, *, mass: float = 1.0, com: float = 1.0, inertia: float = 1.0) -> Robot:
         """The robot with numbers of one link's <inertial> multiplied.
 
@@ -230,6 +257,45 @@ class Robot(Public):
         Raises:
             InputError: no such link, one without mass, or one that stands still.
         """
+        return self._with_inertial(link, lambda given: given.scaled(mass, com, inertia))
+
+    def with_link_inertia(self, link: str, moment: float) -> Robot:
+        """The robot with another inertia of one link: the same about every axis through its centre of mass.
+
+        Args:
+            link: its name.
+            moment: in place of what its <inertial> says [kg m^2].
+
+        Returns:
+            A new robot; only the link's inertia differs, and its source is None: no file describes it.
+
+        Raises:
+            InputError: no such link, one without mass, or one that stands still.
+        """
+        return self._with_inertial(link, lambda given: given.round(moment))
+
+    def link_size(self, link: str) -> tuple[float, float]:
+        """Mass of a link [kg], and its length: to its centre of mass or to its farthest joint, whichever is more [m].
+
+        Args:
+            link: its name.
+
+        Raises:
+            InputError: no such link, one without mass, or one that stands still.
+        """
+        self._with_inertial(link, lambda given: given)  # refuses what has no size
+        given = next(entry.inertial for entry in self._links if entry.name == link)
+        points = [joint.xyz for joint in self._joints if joint.parent == link]
+        xyz, mass = ((0.0, 0.0, 0.0), 0.0) if given is None else (given.xyz, given.mass)
+        return mass, max(float(np.linalg.norm(point)) for point in (xyz, *points))
+
+    def visual_model(self) -> pin.GeometryModel:
+        """The shapes of the robot on the joints of pin_model; meshes are read now. Empty for a pin.Model source."""
+        from flexdyn.robot.geometry import visual_model
+
+        return visual_model(self._model, self._links, self._joints)
+
+    def _with_inertial(self, link: str, change: Callable[[Inertial], Inertial]) -> Robot:
         place = {entry.name: k for k, entry in enumerate(self._links)}.get(link)
         if place is None:
             names = [entry.name for entry in self._links if entry.inertial is not None]
@@ -240,7 +306,7 @@ class Robot(Public):
         if given is None or given.mass == 0.0 or frame.joint < 0:
             problem = "the link has no mass" if frame.joint >= 0 else "the link stands still: its mass moves nothing"
             raise InputError(problem, key="link", value=link)
-        true = given.scaled(mass, com, inertia)
+        true = change(given)
         mounted = pin.SE3(frame.rotation, frame.translation)
         parts = [mounted.act(spatial_inertia(body)) for body in (given, true)]
         tree = self.tree.with_body_changed(frame.joint, *parts)
@@ -250,13 +316,12 @@ class Robot(Public):
         links = (*self._links[:place], replace(self._links[place], inertial=true), *self._links[place + 1 :])
         return replace(self, source=None, tree=tree, _model=model, _links=links)
 
-    def visual_model(self) -> pin.GeometryModel:
-        """The shapes of the robot on the joints of pin_model; meshes are read now. Empty for a pin.Model source."""
-        from flexdyn.robot.geometry import visual_model
-
-        return visual_model(self._model, self._links, self._joints)
-
     def _last_frame(self, joint: int) -> str:
         mounted = [entry for entry in self._model.frames if entry.parentJoint == joint + 1]
         bodies = [entry.name for entry in mounted if entry.type == pin.FrameType.BODY]
         return str(bodies[-1] if bodies else self._model.names[joint + 1])
+
+
+def _plain(value: Any) -> Any:
+    """Read-only mappings as plain ones, which pickle."""
+    return {key: _plain(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value

@@ -152,6 +152,38 @@ class Tree:
         masses[j], coms[j], inertias[j] = total, com, inertia
         return replace(self, mass=masses, com=coms, inertia=inertias)
 
+    def with_rotor(self, joint: int, *, prismatic: bool) -> Tree:
+        """The tree with a joint more, on the base, that has no body: it follows an independent joint as it is.
+
+        Armature on it is inertia of that joint alone. An axis of coupled drives has no joint of its own in the tree.
+
+        Args:
+            joint: the independent one.
+            prismatic: whether it slides.
+
+        Returns:
+            A new tree.
+        """
+
+        def more(array: NDArray[Any], row: Any) -> NDArray[Any]:
+            return np.concatenate([array, np.asarray(row, dtype=array.dtype)[None]])
+
+        unit = np.zeros(self.n)
+        unit[joint] = 1.0
+        return Tree(
+            parent=more(self.parent, -1),
+            prismatic=more(self.prismatic, prismatic),
+            axis=more(self.axis, [0.0, 0.0, 1.0]),
+            rotation=more(self.rotation, np.eye(3)),
+            translation=more(self.translation, np.zeros(3)),
+            mass=more(self.mass, 0.0),
+            com=more(self.com, np.zeros(3)),
+            inertia=more(self.inertia, np.zeros((3, 3))),
+            armature=more(self.armature, 0.0),
+            gain=more(self.gain, unit),
+            offset=more(self.offset, 0.0),
+        )
+
     def with_body_changed(self, joint: int, given: pin.Inertia, true: pin.Inertia) -> Tree:
         """The tree with one of the parts of a body exchanged.
 

@@ -154,7 +154,7 @@ class Variants:
 
 def _numbers(joint: Joint, columns: Mapping[str, Array]) -> dict[str, Any]:
     """Of a drive, those that differ as columns."""
-    return {**joint.to_dict(), **columns}
+    return {**joint.values(), **columns}
 
 
 def _is_plain(effect: Effect) -> bool:

@@ -33,8 +33,9 @@ def build_plant(model: FlexibleJointModel) -> _core.Plant:
     Models with the same numbers share one, whatever their first states are.
 
     Raises:
-        InputError: a rigid joint that moves no inertia at all.
+        InputError: a rigid joint that moves no inertia at all, or a number that is unknown.
     """
+    model.check_known()
     true = model.resolved()
     links = build_links(true)
     _check_inertia(true, links)
@@ -80,6 +81,7 @@ def rotor_spin(model: FlexibleJointModel) -> Array:
 
 def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
     """The compiled link side: M(q), h(q, v), with payloads, and J of rigid joints as armature."""
+    model.check_known()
     true = model.resolved()
     return _links(_tree_of(true), true.gravity)
 
@@ -109,6 +111,7 @@ class LinkSide:
     """
 
     def __init__(self, model: FlexibleJointModel) -> None:
+        model.check_known()
         true = model.resolved()
         self._tree, self._gravity = _tree_of(true), true.gravity
         self.n = model.n
@@ -185,6 +188,8 @@ def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tup
     for payload in payloads:
         frame = robot.tip if payload.frame is None else payload.frame
         tree = tree.with_point_mass(robot.frame(frame), payload.mass)
+    for axis in robot.axes:
+        tree = tree.with_rotor(robot.joint_index(axis), prismatic=robot.angle_unit(axis) == "m")
     if not any(rigid_inertia):
         return tree
     armature = tree.armature.copy()
@@ -194,7 +199,7 @@ def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tup
 
 
 def _own_row(tree: Tree, joint: int) -> int:
-    """The joint of the tree that is the independent joint itself and not one that mimics it."""
+    """The joint of the tree that is the independent joint itself and not one that mimics it; of an axis its rotor."""
     unit = np.zeros(tree.gain.shape[1])
     unit[joint] = 1.0
     same = (tree.gain == unit).all(axis=1) & (tree.offset == 0.0)

@@ -46,7 +46,14 @@ FIT |= {"bic": NUMBER, "correlations": list}
 SHARES = {"calibration": NUMBER, "findings": list, "left": NUMBER, "noise": NUMBER}
 ENTRIES: dict[str, dict[str, Any]] = {
     "findings": SUSPECT | {"probability": NUMBER, "evidence": dict, "indistinguishable_from": list, "experiment": str},
-    "calibration": {"of": str, "parameter": str, "factor": NUMBER, "std": NUMBER, "tolerance": NUMBER},
+    "calibration": {
+        "of": str,
+        "parameter": str,
+        "factor": NUMBER,
+        "std": NUMBER,
+        "tolerance": NUMBER,
+        "estimate": dict,
+    },
     "where": {"joint": str, "side": str, "share": NUMBER, "regime": str},
     "left": {"joint": str, "share_of_torque": NUMBER, "correlation_time": NUMBER, "depends_on": list},
     "structures": {"effects": list, "probability": NUMBER, "log_evidence": NUMBER},

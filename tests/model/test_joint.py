@@ -39,9 +39,9 @@ def test_any_real_number_is_a_number(kind: Any) -> None:
 @pytest.mark.parametrize(
     ("numbers", "words"),
     [
-        ({"gear_ratio": 0.0}, "gear_ratio: it must be above 0"),
-        ({"gear_ratio": -1.0}, "gear_ratio: it must be above 0"),
-        ({"gear_ratio": math.inf}, "gear_ratio: it must be above 0"),
+        ({"gear_ratio": 0.0}, "gear_ratio: it must be finite and not 0"),
+        ({"gear_ratio": math.inf}, "gear_ratio: it must be finite and not 0"),
+        ({"gear_ratio": -math.inf}, "gear_ratio: it must be finite and not 0"),
         ({"rotor_inertia": -1e-4}, "rotor_inertia: it must be finite and at least 0"),
         ({"rotor_inertia": math.inf}, "rotor_inertia: it must be finite"),
         ({"rotor_inertia": 10**400}, "rotor_inertia: it must be finite"),

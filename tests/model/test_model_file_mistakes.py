@@ -84,7 +84,7 @@ MISTAKES = [
     ),
     ("rotor_inertia: 1.0e-4", "rotor_inertia: .inf", "joints.shoulder.rotor_inertia: it must be finite"),
     ("damping: 4.0", "damping: -4", "joints.shoulder.damping: it must be finite and at least 0, got -4.0"),
-    ("gear_ratio: 100.0", "gear_ratio: 0", "joints.*.gear_ratio: it must be above 0"),
+    ("gear_ratio: 100.0", "gear_ratio: 0", "joints.*.gear_ratio: it must be finite and not 0"),
     ("initial: {q:", "initial: {p:", "initial.p: no such signal"),
     ("{elbow: 1.5708}", "{elbw: 1.5708}", "initial.q.elbw: the robot has no such joint; did you mean 'elbow'?"),
     ("{elbow: 1.5708}", "{elbow: bent}", "initial.q.elbow: a finite number is needed, got 'bent'"),

@@ -12,8 +12,13 @@ from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.report.calibrated import estimate
+from flexdyn.diagnose.report.digits import estimate_text
+from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.words import effect_name, number_phrase
 
+UNHELD = 0.5
+"""Share of its prior's standard deviation from which that of a number says that the data do not tell it [1]."""
 FARTHEST = 3
 """Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""
 
@@ -21,7 +26,20 @@ FARTHEST = 3
 def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
     """A sentence each: missing encoders, users' laws that fail, times of torques, a search that did not settle."""
     failed = own_effects(compared.space.library.equations)[1]
-    return (*_of_channels(compared), *failed, *_of_torques(found), *_of_search(compared))
+    return (*_of_channels(compared), *failed, *_of_torques(found), *_of_unknown(found), *_of_search(compared))
+
+
+def _of_unknown(found: Corrected) -> Iterator[str]:
+    """Numbers that were not known, with their intervals."""
+    model, std = found.hypothesis.given, found.fitted.factor_std()
+    for number, factor in found.hypothesis.factors.items():
+        if number.is_open:
+            name = number_phrase(model, number.of, number.parameter)
+            entry = Calibration(number.of, number.parameter, factor, std[number], number.tolerance)
+            if std[number] > UNHELD * number.tolerance:
+                yield f"The {name} was not known, and these data do not tell it."
+            else:
+                yield f"The {name} was not known: it is estimated as {estimate_text(estimate(model, entry))} (95 %)."
 
 
 def _of_torques(found: Corrected) -> Iterator[str]:

@@ -12,6 +12,7 @@ from flexdyn.diagnose.decision.bar import shown
 from flexdyn.diagnose.decision.held_out import recorded_noise
 from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.equations.sanity import check_recordings
+from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.progress import Course, know, tell
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
@@ -39,7 +40,7 @@ def diagnose(
     """Find where a model and measurements disagree, name the missing effects, and add them.
 
     Args:
-        model: as it is believed to be, with its tolerance.
+        model: as it is believed to be, with its tolerance; numbers that are unknown are estimated.
         fit: recordings to learn from: one or several, each a `Recording`, a run, a path or a pandas.DataFrame. Pieces
             between gaps in time count as recordings of their own.
         check: test data, given likewise, which only the final figures and the verdict read; none: the last fifth of
@@ -76,7 +77,7 @@ def diagnose(
     import scipy.linalg  # noqa: F401
     from threadpoolctl import threadpool_limits
 
-    course = Course()
+    model, course = with_guesses(model), Course()
     # Threads of the linear algebra share a sum out by their number and round it otherwise: the last digit of every
     # figure, and a choice between structures that are equally likely, would depend on the machine.
     expected = _in_catalogue(expect)

@@ -26,6 +26,7 @@ from flexdyn.diagnose.equations.mistakes import (
 from flexdyn.diagnose.equations.noise import encoder_noise
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.uncertain_parameters import file_numbers
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -49,6 +50,7 @@ LOOSE = 0.5
 """Less than this of its variance is worth a note."""
 SIZE = 0.1
 """Of two mistakes the better has torques of the right size: what a factor of e costs in share [1]."""
+UNCHECKED = "Units and signs of the torques were not checked, as numbers of the model are not known."
 ALSO = 5.0
 """A mistake believed leaves this much less than the recording as it is given."""
 
@@ -75,6 +77,8 @@ def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> t
         _check_encoders(true, each)
     _check_torques(true, data)
     _check_motion(true, data)
+    if any(number.is_open for number in file_numbers(model)):
+        return (UNCHECKED, *_passive(true, data))
     links = LinkSide(true)
     notes = [note for each in data for note in _check_equations(true, links, each)]
     return (*notes, *_passive(true, data))

@@ -97,7 +97,7 @@ class Extent:
             seconds=max(float(m.t[-1] - m.t[0]) for m in equations.motions),
             low=float(q.min()),
             high=float(q.max()),
-            ratio=float(equations.true.joints[equations.true.joint_names[j]].gear_ratio),
+            ratio=abs(float(equations.true.joints[equations.true.joint_names[j]].gear_ratio)),
             turns=equations.true.robot.kinds[j] != "prismatic",
         )
 

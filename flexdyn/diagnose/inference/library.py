@@ -19,7 +19,17 @@ from flexdyn.diagnose.hypothesis.linear import tangent_scale
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.catalogue import columns_of
-from flexdyn.diagnose.inference.priors import ANGLES, BY_NATURE, CERTAIN, FIXED, FREED, LOOSE, SHARE, SMALLEST
+from flexdyn.diagnose.inference.priors import (
+    ANGLES,
+    BY_NATURE,
+    CERTAIN,
+    FIXED,
+    FREED,
+    LOOSE,
+    SHARE,
+    SMALLEST,
+    TOO_WIDE,
+)
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
 
@@ -78,7 +88,9 @@ class Library:
 
     def freed(self, k: int) -> Column:
         """One number of the file, not held by its tolerance."""
-        return Column(self.numbers[:, [k]], np.array([FREED]), np.zeros(1), np.zeros(1, bool), np.ones(1))
+        tolerance = list(self.start.factors)[k].tolerance
+        std = FREED if tolerance < FREED else TOO_WIDE * tolerance
+        return Column(self.numbers[:, [k]], np.array([std]), np.zeros(1), np.zeros(1, bool), np.ones(1))
 
     def columns(self, proposal: Proposal, point: Point) -> Column | None:
         """Of a proposal at a grid point; None where it does nothing there, or nothing finite."""

@@ -6,6 +6,8 @@ SHARE = 0.3
 """Prior standard deviation of an effect's torque, as a share of the joint's root mean square torque."""
 FREED = 1.0
 """Prior standard deviation of the factor of a number whose tolerance is wrong [1]."""
+TOO_WIDE = 10.0
+"""The same in tolerances, where the tolerance itself is wider than `FREED`."""
 ANGLES = {
     "kinematic_error": "amplitude",
     "encoder_eccentricity": "amplitude",

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from html import escape
 
-from flexdyn.diagnose.report.digits import counted, interval_text, relative, unit_text, value_text
+from flexdyn.diagnose.report.digits import counted, interval_text, relative, rounded, unit_text, value_text
 from flexdyn.diagnose.report.html import folded, section, soft, table
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.result import Diagnosis
@@ -66,19 +66,33 @@ def _row(diagnosis: Diagnosis, entry: Calibration) -> list[str]:
     name = number_phrase(diagnosis.model, entry.of, entry.parameter)
     held = entry.tolerance <= 0.0 or entry.std < LIMIT * entry.tolerance
     value, unit = given_number(diagnosis.model, entry.of, entry.parameter)
-    number = Number(entry.factor * value, entry.std * value, unit)
+    number = estimate(diagnosis.model, entry)
     known = held and math.isfinite(number.std)
-    tolerance = f'<span class="soft">{100.0 * entry.tolerance:.3g} %</span>'
+    absolute = f"{rounded(entry.tolerance * value, 2)} {unit_text(unit)}"
+    width = absolute if entry.is_open else f"{100.0 * entry.tolerance:.3g} %"
+    tolerance = f'<span class="soft">{escape(width)}</span>'
     given = f"{value_text(value, 0.0)} {unit_text(unit)}".strip() if unit != FACTOR else "factor 1"
+    given = "not known" if entry.is_open else given
     return [
         f"{escape(name)} {tolerance}",
         escape(given),
         value_text(number.value, number.std) if known else "not held by these data",
         value_text(number.std, number.std) if known else "",
         interval_text(replace(number, unit="1")) if known else "",
-        relative(entry.factor),
+        "" if entry.is_open else relative(entry.factor),
         _picture(entry),
     ]
+
+
+def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
+    """A calibrated number in its unit.
+
+    Args:
+        model: corrected, see `given_number`.
+        entry: its factor.
+    """
+    value, unit = given_number(model, entry.of, entry.parameter)
+    return Number(entry.factor * value, entry.std * value, unit)
 
 
 def given_number(model: FlexibleJointModel, of: str, parameter: str) -> tuple[float, str]:
@@ -104,6 +118,8 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
                 return float(getattr(effect, parameter)), unit_for(str(entry.metadata["unit"]), prismatic=slides)
     if of in model.joint_names and parameter in UNITS:
         return float(getattr(model.joints[of], parameter)), UNITS[parameter][model.robot.angle_unit(of) == "m"]
+    if of in model.links and parameter == "link_inertia":
+        return model.links[of].value, UNITS["rotor_inertia"][0]
     return math.nan, FACTOR
 
 

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.diagnose.report.measures import Gap, JointError, Source
+from flexdyn.diagnose.report.calibrated import estimate
+from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Source
 from flexdyn.diagnose.report.record import Statistics
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import model_sentence, stopped_sentence
-from flexdyn.diagnose.report.suspects import Considered, Finding, Structure, Suspect
+from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Structure, Suspect
 
 SCHEMA = "flexdyn.diagnosis/2"
 CONSIDERED = 40
@@ -28,7 +29,7 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "verdict": diagnosis.verdict,
         "stopped_at": diagnosis.stopped_at or None,
         "findings": [_finding(entry) for entry in diagnosis.findings],
-        "calibration": [vars(entry).copy() for entry in diagnosis.calibration],
+        "calibration": [_calibrated(diagnosis, entry) for entry in diagnosis.calibration],
         "gap": {"fit": _gap(diagnosis.gap_fit), "test": _gap(diagnosis.gap_test)},
         "errors": {joint: _error(entry) for joint, entry in diagnosis.errors.items()},
         "where": [vars(entry).copy() for entry in diagnosis.where],
@@ -59,11 +60,16 @@ def _finding(entry: Finding) -> dict[str, Any]:
     }
 
 
+def _calibrated(diagnosis: Diagnosis, entry: Calibration) -> dict[str, Any]:
+    return {**vars(entry), "estimate": _number(estimate(diagnosis.model, entry))}
+
+
+def _number(number: Number) -> dict[str, Any]:
+    return {"value": number.value, "std": number.std, "interval": list(number.interval), "unit": number.unit}
+
+
 def _suspect(entry: Suspect) -> dict[str, Any]:
-    numbers = {
-        name: {"value": number.value, "std": number.std, "interval": list(number.interval), "unit": number.unit}
-        for name, number in entry.parameters.items()
-    }
+    numbers = {name: _number(number) for name, number in entry.parameters.items()}
     return {"effect": entry.effect, "joint": entry.joint, "side": entry.side, **entry.place, "parameters": numbers}
 
 

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from flexdyn.model.uncertain_parameters import OPEN
+
 Role = Literal["fit", "test"]
 
 
@@ -27,6 +29,11 @@ class Calibration:
     factor: float
     std: float
     tolerance: float
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it was not known, see `FileNumber.is_open`."""
+        return self.tolerance >= OPEN
 
 
 @dataclass(frozen=True)

@@ -36,12 +36,15 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
     Raises:
         InputError: the robot has no URDF: it came from a pin.Model.
     """
+    model, links = _links_folded(model)
     of_urdf = [effect for effect in model.effects if _is_of_urdf(effect)]
     inside = [replace(effect, factor=1.0) if _is_of_urdf(effect) else effect for effect in model.effects]
     true = model.replace(effects=inside).resolved()
     kept = [effect for effect in true.effects if not isinstance(effect, ParameterError)]
     tolerance = _tolerance(model)
     content = model_to_dict(true.replace(effects=kept, tolerance=tolerance), folder)
+    if links:
+        content["links"] = links
     files = {}
     wrong = [effect for effect in of_urdf if not effect.is_neutral]
     if wrong:
@@ -53,6 +56,23 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
             content["effects"] += [effect.to_dict() for effect in wrong]
     title = "".join(letter if letter.isprintable() else " " for letter in model.name)
     return {MODEL: HEAD.format(title) + dump_yaml(content), **files}
+
+
+def _links_folded(model: FlexibleJointModel) -> tuple[FlexibleJointModel, dict[str, Any]]:
+    """The model without inertias of links of its own, and these as they are true: its URDF does not have them."""
+    errors = [e for e in model.effects if isinstance(e, ParameterError)]
+    factors = _factors(errors, {"link_inertia": "inertia"})
+    true = {
+        link: {"inertia": factors.get(link, {}).get("inertia", 1.0) * number.value}
+        for link, number in model.links.items()
+    }
+    effects = [
+        replace(effect, factor=1.0)
+        if isinstance(effect, ParameterError) and effect.parameter == "link_inertia" and effect.of in true
+        else effect
+        for effect in model.effects
+    ]
+    return model.replace(effects=effects, links=None), true
 
 
 def _is_of_urdf(effect: Effect) -> TypeGuard[ParameterError]:

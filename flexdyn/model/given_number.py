@@ -1,0 +1,85 @@
+"""A number of a model file as it may be written: a value, ``unknown``, or a value with an absolute tolerance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from flexdyn.checks import as_number
+from flexdyn.errors import InputError, did_you_mean
+
+UNKNOWN = "unknown"
+"""How a model file says that nobody knows a number."""
+KEYS = ("value", "tolerance")
+WRITE_UNKNOWN = "write unknown for a number that nobody knows"
+
+
+@dataclass(frozen=True)
+class GivenNumber:
+    """A number with what is known of it.
+
+    Attributes:
+        value: in its unit; 0 where it is unknown.
+        tolerance: absolute, one standard deviation, in the same unit; infinite: the number is unknown; None: the
+            relative tolerance of the model holds.
+    """
+
+    value: float
+    tolerance: float | None = None
+
+    @property
+    def is_unknown(self) -> bool:
+        """Whether nobody knows it."""
+        return self.tolerance == math.inf
+
+    def entry(self) -> Any:
+        """As a model file writes it."""
+        if self.tolerance is None:
+            return self.value
+        return UNKNOWN if self.is_unknown else {"value": self.value, "tolerance": self.tolerance}
+
+
+def given_number(entry: Any, key: str) -> GivenNumber:
+    """Read an entry of a model file.
+
+    Args:
+        entry: a number, ``unknown`` or ``{value: 0.0, tolerance: 0.02}``.
+        key: where it stands.
+
+    Raises:
+        InputError: none of them.
+    """
+    if isinstance(entry, str) and entry == UNKNOWN:
+        return GivenNumber(0.0, math.inf)
+    if not isinstance(entry, Mapping):
+        number = as_number(entry)
+        if math.isnan(number):
+            raise InputError("a number is needed", key=key, value=entry, remedy=WRITE_UNKNOWN if entry is None else "")
+        return GivenNumber(number)
+    for name in entry:
+        if name not in KEYS:
+            raise InputError("there is no such key", key=f"{key}.{name}", remedy=did_you_mean(str(name), KEYS))
+    for name in KEYS:
+        if name not in entry:
+            raise InputError("it is missing", key=f"{key}.{name}", remedy="write {value: 0.0, tolerance: 0.02}")
+    value, tolerance = as_number(entry["value"]), as_number(entry["tolerance"])
+    if not math.isfinite(value):
+        remedy = f"{WRITE_UNKNOWN}, in place of the mapping"
+        raise InputError("a finite number is needed", key=f"{key}.value", value=entry["value"], remedy=remedy)
+    if not 0.0 < tolerance < math.inf:
+        remedy = f"it is absolute, one standard deviation; {WRITE_UNKNOWN}"
+        raise InputError("a number above 0 is needed", key=f"{key}.tolerance", value=entry["tolerance"], remedy=remedy)
+    return GivenNumber(value, tolerance)
+
+
+def refusal(key: str, unit: str) -> InputError:
+    """What a simulation says of an unknown number.
+
+    Args:
+        key: where the number stands.
+        unit: of the number.
+    """
+    remedy = f"write it in {unit}, or estimate it from a recording with flexdyn diagnose"
+    return InputError("the number is unknown, and nothing can be computed without it", key=key, remedy=remedy)

@@ -1,0 +1,136 @@
+"""Axes of coupled drives, as in differential wrists and belt-driven elbows: the arm in coordinates of its motors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.checks import as_number
+from flexdyn.errors import InputError, did_you_mean
+
+if TYPE_CHECKING:
+    from flexdyn.robot.robot import Robot
+
+Axes = Mapping[str, Mapping[str, float]]
+SINGULAR = 1e12
+"""Condition number from which a matrix has no inverse."""
+KEY = "robot.axes"
+
+
+def with_axes(robot: Robot, entries: Any, *, ignore_dynamics: bool = False) -> Robot:
+    """A robot whose coupled joints are replaced by the axes of their drives.
+
+    With A the matrix of the axes and q_joints the positions of the joints that they name: ``p = A q_joints``, and by
+    the power that both have ``tau_joints = A^T tau``. The axes take the places of the joints in q.
+
+    Args:
+        robot: without axes.
+        entries: axis -> {joint: coefficient}, as many axes as joints in them.
+        ignore_dynamics: whether <dynamics> of the joints that are replaced is dropped.
+
+    Raises:
+        InputError: a joint that is not there, a name that is taken, a matrix that has no inverse, or <dynamics> of a
+            joint that is replaced.
+    """
+    axes = _checked(robot, entries)
+    if not axes:
+        return robot
+    replaced = [joint for joint in robot.joint_names if any(joint in entry for entry in axes.values())]
+    A = _matrix(axes, replaced)
+    _check_names(robot, axes, replaced)
+    places = [robot.joint_names.index(joint) for joint in replaced]
+    if not ignore_dynamics:
+        _check_dynamics(robot, places)
+    gain = np.array(robot.tree.gain)
+    gain[:, places] = robot.tree.gain[:, places] @ np.linalg.inv(A)
+    gain[np.abs(gain) < np.finfo(float).eps * np.abs(gain).max()] = 0.0
+    names, kinds, continuous = list(robot.joint_names), list(robot.kinds), list(robot.continuous)
+    for place, (axis, entry) in zip(places, axes.items(), strict=True):
+        slides = all(robot.kinds[robot.joint_index(joint)] == "prismatic" for joint in entry)
+        names[place], kinds[place], continuous[place] = axis, "prismatic" if slides else "revolute", not slides
+    return replace(
+        robot,
+        joint_names=tuple(names),
+        kinds=tuple(kinds),
+        continuous=tuple(continuous),
+        # The joints' limits bound a region that is no box in the axes.
+        lower=_filled(robot.lower, places, -np.inf),
+        upper=_filled(robot.upper, places, np.inf),
+        velocity_limit=_filled(robot.velocity_limit, places, np.inf),
+        effort_limit=_filled(robot.effort_limit, places, np.inf),
+        damping=_filled(robot.damping, places, 0.0),
+        friction=_filled(robot.friction, places, 0.0),
+        tree=replace(robot.tree, gain=gain),
+        axes=axes,
+    )
+
+
+def _filled(values: NDArray[np.float64], places: list[int], value: float) -> NDArray[np.float64]:
+    """A copy with another value at some places."""
+    copy = np.array(values)
+    copy[places] = value
+    return copy
+
+
+def plain_axes(axes: Axes) -> dict[str, dict[str, float]]:
+    """As a model file writes them."""
+    return {axis: dict(entry) for axis, entry in axes.items()}
+
+
+def _checked(robot: Robot, entries: Any) -> Axes:
+    """Axes with finite coefficients of joints that are there, read-only."""
+    shape = "write {left: {pitch: 1.0, roll: 1.0}, right: {pitch: 1.0, roll: -1.0}}"
+    if not isinstance(entries, Mapping):
+        raise InputError("axes are a mapping by name", key=KEY, value=entries, remedy=shape)
+    if robot.axes:
+        raise InputError("the robot has axes already", key=KEY, remedy="give all of them at once")
+    found = {}
+    for axis, entry in entries.items():
+        if not isinstance(entry, Mapping) or not entry:
+            raise InputError("an axis is a mapping of its joints", key=f"{KEY}.{axis}", value=entry, remedy=shape)
+        for joint, value in entry.items():
+            if joint not in robot.joint_names:
+                remedy = did_you_mean(str(joint), robot.joint_names)
+                raise InputError("the robot has no such joint", key=f"{KEY}.{axis}.{joint}", remedy=remedy)
+            if not math.isfinite(as_number(value)):
+                remedy = "it says how far the axis turns with this joint"
+                raise InputError("a finite number is needed", key=f"{KEY}.{axis}.{joint}", value=value, remedy=remedy)
+        found[str(axis)] = MappingProxyType({str(joint): float(value) for joint, value in entry.items()})
+    return MappingProxyType(found)
+
+
+def _matrix(axes: Axes, replaced: list[str]) -> NDArray[np.float64]:
+    """A of ``p = A q_joints`` (k, k)."""
+    if len(axes) != len(replaced):
+        value = f"{len(axes)} axes of {len(replaced)} joints"
+        remedy = "give as many axes as joints in them: a joint with a motor of its own as {axis: {joint: 1.0}}"
+        raise InputError("the matrix of the axes is not square", key=KEY, value=value, remedy=remedy)
+    A = np.array([[entry.get(joint, 0.0) for joint in replaced] for entry in axes.values()])
+    if not np.linalg.cond(A) < SINGULAR:
+        remedy = "the axes must tell every position of the joints"
+        raise InputError("the matrix of the axes has no inverse", key=KEY, value=A.tolist(), remedy=remedy)
+    return A
+
+
+def _check_names(robot: Robot, axes: Axes, replaced: list[str]) -> None:
+    """An axis may have the name of a joint that it replaces, and of no other."""
+    taken = {*robot.joint_names, *robot.followers} - set(replaced)
+    for axis in axes:
+        if axis in taken or "." in axis or not axis:
+            remedy = "take a name that no other joint has, without a dot"
+            raise InputError("the name is taken or no name", key=KEY, value=axis, remedy=remedy)
+
+
+def _check_dynamics(robot: Robot, places: list[int]) -> None:
+    """Friction in bearings of coupled joints acts on all their axes at once, which no effect here does."""
+    for place in places:
+        if robot.damping[place] > 0.0 or robot.friction[place] > 0.0:
+            joint = robot.joint_names[place]
+            remedy = "set robot.urdf_dynamics: ignore, and give friction of the drives as effects of the axes"
+            raise InputError(f"<dynamics> of {joint} acts on several axes", key=KEY, remedy=remedy)

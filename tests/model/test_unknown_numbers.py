@@ -1,0 +1,144 @@
+"""Numbers that are unknown or known to an absolute tolerance: read, written, refused where one is needed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.model.uncertain_parameters import file_numbers
+from tests.arms import repickled
+
+ARM = """<robot name="rod"><link name="base"/>
+<link name="rod"><inertial><origin xyz="0.3 0 0"/><mass value="2"/>
+<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+<joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 0 1"/></joint></robot>"""
+UNKNOWN = {"hinge": {"rotor_inertia": "unknown"}}
+
+
+def rod(folder: Path, joints: Any = None, **settings: Any) -> fd.FlexibleJointModel:
+    """A point mass of 2 kg at 0.3 m on a hinge: its URDF gives no inertia."""
+    path = folder / "rod.urdf"
+    path.write_text(ARM, encoding="utf-8")
+    return fd.FlexibleJointModel(fd.load_robot(path), joints, **settings)
+
+
+def test_what_is_unknown_is_written_and_read_again(tmp_path: Path) -> None:
+    """A model file holds the word, and the tolerance, as they were given; pickles and copies too."""
+    joints = {"hinge": {"gear_ratio": -50.0, "rotor_inertia": "unknown", "damping": {"value": 0.0, "tolerance": 0.2}}}
+    model = rod(tmp_path, joints, links={"rod": {"inertia": {"value": 0.01, "tolerance": 0.02}}})
+    fd.save_model(model, tmp_path / "model.yaml")
+    again = fd.load_model(tmp_path / "model.yaml").replace(name=model.name)
+    assert again == model == repickled(model) == model.replace(joints={"hinge": {"gear_ratio": -50.0}})
+    assert again.joints["hinge"].given("rotor_inertia").is_unknown
+    assert again.joints["hinge"].given("damping").tolerance == 0.2
+    text = (tmp_path / "model.yaml").read_text(encoding="utf-8")
+    assert "rotor_inertia: unknown" in text
+    assert "links:" in text
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda model: fd.simulate(model, duration=0.1),
+        fd.LinkSide,
+        fd.modes,
+    ],
+)
+def test_nothing_is_computed_without_the_number(tmp_path: Path, use: Callable[[Any], Any]) -> None:
+    """One line with the key, the unit and how to estimate it; a number given after all is taken."""
+    model = rod(tmp_path, {"hinge": {"rotor_inertia": "unknown", "stiffness": 100.0}})
+    words = r"^joints.hinge.rotor_inertia: the number is unknown.*kg m\^2.*flexdyn diagnose$"
+    with pytest.raises(fd.InputError, match=words):
+        use(model)
+    use(model.replace(joints={"hinge": {"rotor_inertia": 0.1}}))
+    with pytest.raises(fd.InputError, match=r"^links.rod.inertia: the number is unknown"):
+        use(model.replace(joints={"hinge": {"rotor_inertia": 0.1}}, links={"rod": {"inertia": "unknown"}}))
+
+
+def test_an_inertia_of_a_link_stands_in_place_of_the_urdfs(tmp_path: Path) -> None:
+    """M = m r^2 + I about the hinge; the resolved model has it in its robot."""
+    model = rod(tmp_path, links={"rod": {"inertia": 0.05}})
+    assert fd.LinkSide(model).mass_matrix([0.0])[0, 0] == pytest.approx(2.0 * 0.3**2 + 0.05, rel=1e-14)
+    assert not model.resolved().links
+    error = fd.effects.ParameterError("rod", parameter="link_inertia", factor=2.0)
+    heavier = model.replace(effects=[error])
+    assert fd.LinkSide(heavier).mass_matrix([0.0])[0, 0] == pytest.approx(2.0 * 0.3**2 + 0.1, rel=1e-14)
+
+
+def test_an_absolute_tolerance_is_the_one_that_holds(tmp_path: Path) -> None:
+    """As a share of the value, and before a relative one of the same number."""
+    joints = {"hinge": {"rotor_inertia": {"value": 0.1, "tolerance": 0.02}}}
+    links = {"rod": {"inertia": {"value": 0.05, "tolerance": 0.1}}}
+    model = rod(tmp_path, joints, links=links, tolerance={"*": 0.03, "joints.hinge.rotor_inertia": 0.5})
+    found = {(number.of, number.parameter): number.tolerance for number in file_numbers(model)}
+    assert found["hinge", "rotor_inertia"] == pytest.approx(0.2)
+    assert found["rod", "link_inertia"] == pytest.approx(2.0)
+    assert found["rod", "link_mass"] == 0.03
+
+
+@pytest.mark.parametrize(
+    ("joint", "words"),
+    [
+        ({"stiffness": "unknown"}, "joints.hinge.stiffness: it must be a number, got 'unknown'; leave it out"),
+        ({"gear_ratio": "unknown"}, "joints.hinge.gear_ratio: it must be a number, got 'unknown'; all signals"),
+        ({"gear_ratio": {"value": 5, "tolerance": 1}}, "joints.hinge.gear_ratio: it must be a number"),
+        ({"rotor_inertia": "unknwon"}, "joints.hinge.rotor_inertia: a number is needed, got 'unknwon'"),
+        ({"rotor_inertia": {"value": 0.0}}, "joints.hinge.rotor_inertia.tolerance: it is missing; write {value"),
+        ({"rotor_inertia": {"tolerance": 1.0}}, "joints.hinge.rotor_inertia.value: it is missing"),
+        ({"rotor_inertia": {"value": 0, "tolerence": 1}}, "joints.hinge.rotor_inertia.tolerence: there is no such key"),
+        ({"rotor_inertia": {"value": 0, "tolerance": 0}}, "joints.hinge.rotor_inertia.tolerance: a number above 0"),
+        ({"rotor_inertia": {"value": math.inf, "tolerance": 1}}, "joints.hinge.rotor_inertia.value: a finite number"),
+        ({"rotor_inertia": {"value": -1, "tolerance": 1}}, "joints.hinge.rotor_inertia: it must be finite and at"),
+        (
+            {"stiffness": 10.0, "rotor_inertia": {"value": 0, "tolerance": 1}},
+            "joints.hinge.rotor_inertia: an elastic joint needs it above 0; give the rotor's inertia",
+        ),
+    ],
+)
+def test_a_number_that_is_neither_is_refused(tmp_path: Path, joint: Any, words: str) -> None:
+    """One line with its key and what would be right."""
+    with pytest.raises(fd.InputError) as caught:
+        rod(tmp_path, {"hinge": joint})
+    assert str(caught.value).startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("links", "words"),
+    [
+        ([], "links: links are a mapping by name"),
+        ({"rod": 0.1}, "links.rod: a link's inertia is needed, got 0.1; write {inertia: 0.01}"),
+        ({"rod": {"inertia": 0.1, "mass": 2.0}}, "links.rod.mass: a link has no such key"),
+        ({"rodd": {"inertia": 0.1}}, "links.rodd: no such link; did you mean 'rod'?"),
+        ({"base": {"inertia": 0.1}}, "links.base: the link stands still"),
+        ({"rod": {"inertia": -0.1}}, "links.rod.inertia: it must be finite and at least 0, got -0.1"),
+        ({"rod": {"inertia": None}}, "links.rod.inertia: a number is needed; write unknown"),
+    ],
+)
+def test_a_link_that_cannot_have_it_is_refused(tmp_path: Path, links: Any, words: str) -> None:
+    """One line with its key and what would be right."""
+    with pytest.raises(fd.InputError) as caught:
+        rod(tmp_path, links=links)
+    assert str(caught.value).startswith(words)
+
+
+def test_no_factor_changes_what_is_unknown(tmp_path: Path) -> None:
+    """A parameter error multiplies a number that is there."""
+    error = fd.effects.ParameterError("hinge", parameter="rotor_inertia", factor=2.0)
+    with pytest.raises(fd.InputError, match=r"effects\[0\].parameter: the number is unknown"):
+        rod(tmp_path, UNKNOWN, effects=[error])
+
+
+def test_a_motor_that_turns_the_other_way(tmp_path: Path) -> None:
+    """Everything is reflected: a negative gear ratio changes nothing but the rotor's spin, which has its sign."""
+    numbers = {"rotor_inertia": 1e-3, "stiffness": 40.0, "damping": 0.1}
+    there, back = (rod(tmp_path, {"hinge": {**numbers, "gear_ratio": ratio}}) for ratio in (20.0, -20.0))
+    runs = [fd.simulate(model, [0.5], duration=0.5) for model in (there, back)]
+    assert np.array_equal(runs[0].q, runs[1].q)
+    assert np.array_equal(runs[0].theta, runs[1].theta)
+    assert back.joints["hinge"].reflected_inertia == there.joints["hinge"].reflected_inertia
