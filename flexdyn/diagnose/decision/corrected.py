@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -23,7 +24,6 @@ from flexdyn.diagnose.inference.passes import Posterior, identity
 from flexdyn.diagnose.inference.priors import SMALLEST
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.diagnose.report.suspects import ESTABLISHED
 from flexdyn.effects import Effect, JointEffect, JointElasticity
 
 Array = NDArray[np.float64]
@@ -101,11 +101,12 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     share = shares(space, found.best)
     own = {c: genuine(space.candidates[c], each, found.expected) for c, each in share.items()}
-    sure = [c for c in there if masses.of_any([c]) >= ESTABLISHED]
+    may = functools.partial(_may_stand_in, space, masses)
+    sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
     by_windows = {c: share_in_windows(c) for c in sure} if share_in_windows else {}
     seen = {c: genuine(space.candidates[c], each, found.expected) for c, each in by_windows.items()}
     own = {c: max(each, seen.get(c, 0.0)) for c, each in own.items()}
-    named = names(masses, best, own, there, lambda c: _may_stand_in(space, masses, c))
+    named = names(masses, best, own, there, may)
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
     least = {c: 0.0 if each > 1.0 else SMALLEST for c, each in by_windows.items()}  # more than all that is left
