@@ -179,7 +179,7 @@ def _command(model: FlexibleJointModel) -> list[str]:
         "# What flexdyn simulate does with this file alone; without it, and without --command, there is no torque:",
         "# command:",
         "#   pd:  # tracking; or torques: {t: [0, 1], ...}",
-        f"#     reference: {{t: [0, 1, 2], {names[0]}: [{start:.4g}, {goal:.4g}, {start:.4g}]}}  # s, {unit}; others stay",
+        f"#     reference: {{t: [0, 1, 2], {names[0]}: [{start:.4g}, {goal:.4g}, {start:.4g}]}}  # {unit}; others stay",
         f"#     kp: {{{kp}}}  # {torque}/{unit}, by M_ii for {BANDWIDTH:g} Hz",
         f"#     kd: {{{kd}}}  # {torque} s/{unit}",
     ]

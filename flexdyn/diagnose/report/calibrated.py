@@ -68,7 +68,7 @@ def _row(diagnosis: Diagnosis, entry: Calibration) -> list[str]:
     value, unit = given_number(diagnosis.model, entry.of, entry.parameter)
     number = Number(entry.factor * value, entry.std * value, unit)
     known = held and math.isfinite(number.std)
-    tolerance = f'<span class="soft">{100.0 * entry.tolerance:.3g} %</span>'
+    tolerance = f'<span class="soft">{100.0 * entry.tolerance:.3g}&nbsp;%</span>'
     given = f"{value_text(value, 0.0)} {unit_text(unit)}".strip() if unit != FACTOR else "factor 1"
     return [
         f"{escape(name)} {tolerance}",
