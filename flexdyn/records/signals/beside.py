@@ -67,9 +67,9 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
 
 def _on_the_clock_of(first: Recording, other: Recording) -> tuple[FloatArray, str]:
     """Times of a recording on the clock of another, and in words why they are."""
-    starts = [each.meta.get(START) for each in (first, other)]
-    if all(isinstance(start, int) for start in starts):
-        late = (starts[1] - starts[0]) / 1e9
+    began, later = (each.meta.get(START) for each in (first, other))
+    if isinstance(began, int) and isinstance(later, int):
+        late = (later - began) / 1e9
         return np.asarray(other.t + late), f"by the time of day: it started {late:.6g} s later"
     return other.t, "both clocks are taken to be one"
 
