@@ -96,6 +96,7 @@ def diagnose(
         try:
             return beside(lambda: _diagnosed(model, fit, check, expected, began, said), course, show)
         except KeyboardInterrupt:
+            course.stop.set()
             raise Interrupted(_known(model, course, began)) from None
 
 
