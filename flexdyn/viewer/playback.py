@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from flexdyn.errors import InputError
 from flexdyn.io.files import write_text
 from flexdyn.viewer import sources
+from flexdyn.viewer.inline import Inline
 from flexdyn.viewer.show import show
 from flexdyn.viewer.sources import Model, Source
 
@@ -117,6 +118,24 @@ def play(
     if not (hasattr(sys, "ps1") or sys.flags.interactive) if block is None else block:
         playback.wait()
     return playback
+
+
+def inline(run: Source, compare: Source | None = None, *, command: Any = None, height: int = 560) -> Inline:
+    """The page of a motion for a notebook, which shows what a cell ends with.
+
+    Args:
+        run: as `play` takes it.
+        compare: likewise.
+        command: likewise.
+        height: of the frame [px].
+
+    Raises:
+        InputError: as `play`.
+        SimulationError: the rigid arm could not be simulated.
+    """
+    shown = sources.first(run, None)
+    ghost = None if compare is None else sources.second(compare, None, shown, command)
+    return Inline(show(shown.model, shown.motion, ghost), height)
 
 
 def _has_screen() -> bool:
