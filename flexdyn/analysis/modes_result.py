@@ -8,7 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.io.notebook import card, table
+
 Array = NDArray[np.float64]
+MOST = 8
+"""Frequencies that the short form lists."""
 _ARRAYS = ("q", "frequencies", "damping_ratios", "link_shapes", "rotor_shapes", "poles", "anti_resonances")
 
 
@@ -84,6 +88,32 @@ class Modes:
         ]
 
     def __repr__(self) -> str:
+        """How many there are of each kind, and their frequencies; `print` gives the whole table."""
+        told = []
+        for kind in dict.fromkeys(self.kinds):
+            rows = [k for k, each in enumerate(self.kinds) if each == kind]
+            hertz = [f"{self.frequencies[k]:.4g}" for k in rows if self.frequencies[k] > 0.0]
+            at = f" at {', '.join(hertz[:MOST])}{', ...' if len(hertz) > MOST else ''} Hz" if hertz else ""
+            told.append(f"{len(rows)} {kind}{at}")
+        return f"<Modes of {self.name}, rotors {self.rotors}: {'; '.join(told)}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a row for each mode, its shape in the columns of the joints."""
+        at = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.q, strict=True))
+        rows = []
+        for row in self.rows():
+            ratio = "-" if row["damping_ratio"] is None else f"{row['damping_ratio']:.2%}"
+            head: tuple[Any, ...] = (row["mode"], row["frequency"], ratio, row["kind"])
+            for part in ("link",) if self.rotors == "held" else ("link", "rotor"):
+                rows.append((*head, part, *(f"{value:.3f}" for value in row[part].values())))
+                head = ("", "", "", "")
+        heads = ("mode", "Hz", "damping", "kind", "part", *self.joint_names)
+        zeros = tuple(f"anti-resonances of {joint}: {_hertz(each)}" for joint, each in self._zeros())
+        return card(
+            f"Modes of {self.name}", {"rotors": self.rotors, "at": at}, table(heads, rows, len(rows)), notes=zeros
+        )
+
+    def __str__(self) -> str:
         """A table: a line a mode, then a line of anti-resonances for each motor."""
         width = max(10, *(len(name) + 2 for name in self.joint_names))
         at = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.q, strict=True))

@@ -15,9 +15,9 @@ from typer.core import TyperCommand
 
 from flexdyn.cli import completion
 from flexdyn.cli.failures import Interrupted
-from flexdyn.cli.options import JsonOption, naming, output_folder
+from flexdyn.cli.options import JsonOption, naming, output_folder, span_of
 from flexdyn.cli.output import note, show, show_json
-from flexdyn.cli.recordings import load_each
+from flexdyn.cli.recordings import load_each, parts_of, trimmed
 from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError, MissingExtra
 
@@ -73,7 +73,9 @@ def diagnose(
             metavar="MODEL", help="A model file, or the name of a shipped model.", autocompletion=completion.models
         ),
     ],
-    fit: Annotated[list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain.")],
+    fit: Annotated[
+        list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain; a.csv+b.csv: side by side.")
+    ],
     check: Annotated[
         list[Path] | None,
         typer.Option(
@@ -88,6 +90,22 @@ def diagnose(
             "--map",
             metavar="MAP",
             help="A channel map (YAML) of every recording; or one for each, in their order, FIT before CHECK.",
+        ),
+    ] = None,
+    trim: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--trim",
+            metavar="START:END",
+            help="Use this span of every recording, in s; or one for each, in their order.",
+        ),
+    ] = None,
+    hold_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--hold-out",
+            metavar="START:END",
+            help="A block of the recordings of FIT that is kept apart as test data, in s. May be given again.",
         ),
     ] = None,
     expect: Annotated[
@@ -124,15 +142,16 @@ def diagnose(
     _check_pictures()
     arm = model_file(model)
     _check_targets(arm, targets)
-    loaded = load_each([*fit, *checks], maps or ())
+    blocks = [_block(text) for text in hold_out or ()]
+    loaded = trimmed(load_each([*fit, *checks], maps or ()), trim or ())
     recordings = [loaded[: len(fit)], loaded[len(fit) :]]
     from flexdyn.diagnose import diagnose as run
 
     done = _record(model, fit, checks, maps or ())
     try:
-        options = {"fit": "FIT", "check": CHECK, "expect": "--expect"}
+        options = {"fit": "FIT", "check": CHECK, "expect": "--expect", "hold_out": "--hold-out"}
         with naming(options, file=_named(fit), files={}):
-            diagnosis = run(arm, *recordings, expect=expect or ())
+            diagnosis = run(arm, *recordings, hold_out=blocks, expect=expect or ())
     except Partial as stop:
         if stop.diagnosis is not None:
             replace(stop.diagnosis, verdict="interrupted", record=done()).save(folder)
@@ -150,13 +169,21 @@ def diagnose(
         show(*diagnosis_text(diagnosis, folder), *told.values())
 
 
+def _block(text: str) -> tuple[float, float]:
+    """A block that is kept apart: both ends are needed."""
+    first, last = span_of("--hold-out", text)
+    if first is None or last is None:
+        raise InputError("a block has a first and a last time", key="--hold-out", value=text, remedy="give both, in s")
+    return first, last
+
+
 def _record(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequence[Path]) -> Callable[[], Record]:
     """What is told of the command and its files once it is done; files as they are now, before anything is read."""
     from flexdyn.diagnose.report.record import File, record
 
     uses = [(Path(model), "model"), *((path, "fit") for path in fit), *((path, "test") for path in check)]
     uses += [(each, "channel map") for each in maps]
-    files = [File.of(path, use) for path, use in uses]
+    files = [File.of(part, use) for path, use in uses for part in parts_of(path)]
     return lambda: record(shlex.join(["flexdyn", *sys.argv[1:]]), files)
 
 

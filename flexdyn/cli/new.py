@@ -25,6 +25,8 @@ from flexdyn.robot import load_robot
 from flexdyn.simulation.plant import LinkSide
 
 _PLAIN = re.compile(r"(\.\.?/)*[A-Za-z_/][A-Za-z0-9_./-]*")
+BANDWIDTH = 2.0
+"""Of the motion that is suggested [Hz]."""
 _WORDS = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 
 
@@ -68,7 +70,7 @@ def model_text(model: FlexibleJointModel, folder: Path) -> str:
         model: the plain model of a robot.
         folder: in which the file will stand; paths are relative to it.
     """
-    return "\n".join([*_head(model, folder), *_joints(model), *_tail(model), *_effects(model)]) + "\n"
+    return "\n".join([*_head(model, folder), *_joints(model), *_tail(model), *_command(model), *_effects(model)]) + "\n"
 
 
 def quoted(text: str) -> str:
@@ -157,6 +159,30 @@ def _tail(model: FlexibleJointModel) -> list[str]:
     return [
         f"initial: {{}}  # first state, for example {{q: {{{first}: 0.1}}}}; also v, theta, omega",
         f"tolerance: {model.tolerance!r}  # how well the numbers are known: relative, 1 sigma",
+    ]
+
+
+def _command(model: FlexibleJointModel) -> list[str]:
+    """A motion to uncomment: the first joint there and back, under gains that suit what each joint turns."""
+    robot, names = model.robot, list(map(quoted, model.joint_names))
+    M = LinkSide(model).mass_matrix([0.0] * model.n)
+    low, high = float(robot.lower[0]), float(robot.upper[0])
+    span = min(high - low, 2.0)
+    start = 0.0 if low <= 0.0 < high else low + 0.25 * span
+    goal = start + 0.25 * min(span, high - start)
+    unit, torque = robot.angle_unit(0), robot.torque_unit(0)
+    turn = math.tau * BANDWIDTH
+    kp, kd = (
+        ", ".join(f"{name}: {float(f'{factor * M[j, j]:.2g}'):g}" for j, name in enumerate(names))
+        for factor in (turn**2, 1.4 * turn)
+    )
+    return [
+        "# What flexdyn simulate does with this file alone; without it, and without --command, there is no torque:",
+        "# command:",
+        "#   pd:  # tracking; or torques: {t: [0, 1], ...}",
+        f"#     reference: {{t: [0, 1, 2], {names[0]}: [{start:.4g}, {goal:.4g}, {start:.4g}]}}  # {unit}; others stay",
+        f"#     kp: {{{kp}}}  # {torque}/{unit}, by M_ii for {BANDWIDTH:g} Hz",
+        f"#     kd: {{{kd}}}  # {torque} s/{unit}",
     ]
 
 

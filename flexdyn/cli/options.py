@@ -72,6 +72,23 @@ def decimal(key: str, text: str) -> float:
     return value
 
 
+def span_of(option: str, text: str) -> tuple[float | None, float | None]:
+    """First and last time [s] out of ``START:END``; either may be left out.
+
+    Raises:
+        InputError: it is none.
+    """
+    first, sign, last = text.partition(":")
+    if not sign or ":" in last or not (first.strip() or last.strip()):
+        raise InputError(
+            "a span of time is needed", key=option, value=text, remedy="give START:END in s, such as 0.5:12"
+        )
+    start, end = (decimal(option, end) if end.strip() else None for end in (first, last))
+    if start is not None and end is not None and not start < end:
+        raise InputError("the span ends before it begins", key=option, value=text, remedy="give START:END in s")
+    return start, end
+
+
 def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inputs: Sequence[Path | None] = ()) -> Path:
     """The file to write, found fit before any work is done.
 

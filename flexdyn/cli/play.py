@@ -16,7 +16,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.files import is_recording
 
-NAMES = {"magnify": "--magnify"}
+NAMES = {"magnify": "--magnify", "command": "--command"}
 
 
 def play(
@@ -35,9 +35,18 @@ def play(
     rigid: Annotated[
         bool,
         typer.Option(
-            "--rigid", metavar="", help="In place of OTHER: the same arm without elasticity under the tau of RUN."
+            "--rigid",
+            metavar="",
+            help="In place of OTHER: the same arm without elasticity, replaying the tau of RUN in open loop.",
         ),
     ] = False,
+    command: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="With --rigid: what drives that arm instead, such as the controller of RUN (YAML).",
+        ),
+    ] = None,
     html: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write one HTML file that plays offline, and serve nothing.")
     ] = None,
@@ -59,13 +68,16 @@ def play(
     if rigid and other is not None:
         problem = "there is one translucent arm: OTHER or the rigid one"
         raise InputError(problem, key="--rigid", value=str(other), remedy="leave one of them out")
+    if command is not None and not rigid:
+        raise InputError("a command is for the rigid arm alone", key="--command", remedy="give --rigid too")
     factor = None if magnify is None else decimal("--magnify", magnify)
     arm = None if model is None else find(model).model
-    with naming(NAMES | ({"compare": "--rigid"} if rigid else {}), file=run, files={"compare": other}):
+    with naming(NAMES | ({"compare": "--rigid"} if rigid else {}), file=run, files={"compare": other, "pd": command}):
         playback = watch(
             _source(run, map if other is None else None),
             RIGID if rigid else None if other is None else load(other, map=map),
             model=arm,
+            command=command,
             html=html,
             magnify=factor,
             open_browser=not no_open,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
+from flexdyn.cli.options import span_of
 from flexdyn.cli.output import console
 from flexdyn.errors import InputError
-from flexdyn.records import Recording, read_recording
+from flexdyn.records import Recording, RecordingWarning, read_recording
 
 LARGE = 50e6
 """Bytes from which reading a file shows how far it is."""
@@ -30,14 +32,69 @@ def load_each(paths: Sequence[Path], maps: Sequence[Path]) -> list[Recording]:
     return [load(path, map=map) for path, map in zip(paths, each, strict=True)]
 
 
-def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Recording:
-    """Read a recording.
+def trimmed(recordings: Sequence[Recording], spans: Sequence[str]) -> list[Recording]:
+    """Spans of recordings: one for all of them, or one for each.
 
     Args:
-        path: of the file.
-        map: path of a channel map; None: the file follows the convention ``t``, ``<signal>.<joint>`` by itself.
-        name: label; default: the file's name without suffix.
+        recordings: as they were read.
+        spans: none, one, or as many as recordings, ``START:END`` in s.
+
+    Raises:
+        InputError: another number of spans, or one in which a recording has no two samples.
     """
+    if len(spans) not in (0, 1, len(recordings)):
+        problem = f"{len(spans)} spans for {len(recordings)} recordings"
+        raise InputError(problem, key="--trim", remedy="give one for all, or one for each in their order")
+    if not spans:
+        return list(recordings)
+    each = [span_of("--trim", text) for text in spans] * (len(recordings) // len(spans))
+    found = []
+    for rec, span in zip(recordings, each, strict=True):
+        try:
+            found.append(rec.trim(*span))
+        except InputError as error:
+            raise InputError(
+                error.problem, file=rec.name, key="--trim", value=error.value, remedy=error.remedy
+            ) from None
+    return found
+
+
+def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Recording:
+    """Read a recording, or several files side by side as one: ``positions.csv+currents.csv``.
+
+    Args:
+        path: of the file; or of several, with a plus sign between them: the times are those of the first.
+        map: path of a channel map, of several likewise; None: the file follows the convention ``t``,
+            ``<signal>.<joint>`` by itself.
+        name: label; default: the file's name without suffix.
+
+    Raises:
+        InputError: a file or map that is wrong, another number of maps than files, or files that do not fit together.
+    """
+    files = parts_of(path)
+    if len(files) == 1:
+        return _load(path, map=map, name=name)
+    maps: list[Path | None] = [None] if map is None else list(parts_of(map))
+    if len(maps) not in (1, len(files)):
+        problem = f"{len(maps)} maps for {len(files)} files side by side"
+        raise InputError(problem, key="--map", value=str(map), remedy="give one for all, or one+one for each in order")
+    first, *others = (_load(file, map=each) for file, each in zip(files, maps * (len(files) // len(maps)), strict=True))
+    try:
+        made = first.beside(*others)
+    except InputError as error:
+        raise error.at(file=path) from None
+    for said in made.meta["notes"][-len(files) :]:
+        warnings.warn(f"{path}: {said}", RecordingWarning, stacklevel=2)
+    return made
+
+
+def parts_of(path: Path) -> tuple[Path, ...]:
+    """The files that stand side by side; one, where a file has a plus sign in its name or none is given."""
+    parts = tuple(Path(part) for part in str(path).split("+"))
+    return (path,) if len(parts) == 1 or path.exists() or not all(map(str, parts)) else parts
+
+
+def _load(path: Path, *, map: Path | None = None, name: str | None = None) -> Recording:
     err = console(stderr=True)
     if not err.is_terminal or not path.is_file() or path.stat().st_size < LARGE:
         return read_recording(path, map=map, name=name)

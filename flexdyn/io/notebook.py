@@ -34,14 +34,14 @@ def card(title: str, facts: Mapping[str, Any], *tables: str, notes: Iterable[str
     return f"<div>{''.join(f'<div>{line}</div>' for line in lines)}{''.join(tables)}{below}</div>"
 
 
-def table(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """An HTML table; of many rows the first."""
+def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST) -> str:
+    """An HTML table; of many rows the first `most`."""
     listed = [tuple(row) for row in rows]
     head = "".join(f"<th {_CELL}>{escape(text)}</th>" for text in heads)
     body = "".join(
-        f"<tr>{''.join(f'<td {_CELL}>{escape(_text(cell))}</td>' for cell in row)}</tr>" for row in listed[:MOST]
+        f"<tr>{''.join(f'<td {_CELL}>{escape(_text(cell))}</td>' for cell in row)}</tr>" for row in listed[:most]
     )
-    more = f"<div>and {len(listed) - MOST} more</div>" if len(listed) > MOST else ""
+    more = f"<div>and {len(listed) - most} more</div>" if len(listed) > most else ""
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}" if listed else ""
 
 

@@ -34,10 +34,21 @@ PAGE = """<!DOCTYPE html>
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src 'unsafe-inline';
  style-src 'unsafe-inline'; img-src data: blob:">
 <title>{title}</title>
-<style>body {{ margin: 0; background: white; }} #picture {{ min-width: {width}px; }}</style>
+<style>body {{ margin: 0; background: white; }} #picture {{ min-width: {width}px; }}
+@media print {{ .modebar {{ display: none; }} }}</style>
 </head><body>
 {picture}
+<script>{script}</script>
 </body></html>
+"""
+PRINT = """
+// On paper the picture is as wide as the sheet, and on one sheet where it can then still be read (sizes of A4 in px).
+addEventListener("beforeprint", () => {
+  const { width, height } = document.getElementById("picture").getBoundingClientRect();
+  const across = Math.min(1, 690 / width), whole = Math.min(across, 1000 / height);
+  document.body.style.zoom = whole > 0.4 ? whole : across;
+});
+addEventListener("afterprint", () => { document.body.style.zoom = ""; });
 """
 
 LEGEND = {"xanchor": "left", "yanchor": "top", "bgcolor": "rgba(0,0,0,0)", "borderwidth": 0, "tracegroupgap": 0}
@@ -54,7 +65,8 @@ def write_page(picture: Picture, file: Path) -> None:
     import plotly.io
 
     inner = plotly.io.to_html(figure, config=CONFIG, include_plotlyjs=True, full_html=False, div_id="picture")
-    page = PAGE.format(title=escape(picture.title), width=int(0.9 * DOT * picture.width), picture=inner)
+    width = int(0.9 * DOT * picture.width)
+    page = PAGE.format(title=escape(picture.title), width=width, picture=inner, script=PRINT)
     write_text(file, page)
 
 

@@ -13,7 +13,9 @@ import numpy.typing as npt
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.meta import as_plain, locked
+from flexdyn.records.signals.beside import beside
 from flexdyn.records.signals.cut import shifted, split, trimmed
+from flexdyn.records.signals.decimate import decimated
 from flexdyn.records.signals.derivatives import noise_of, smoothed
 from flexdyn.records.signals.gaps import gaps_of
 from flexdyn.records.signals.noise import Noise
@@ -263,6 +265,10 @@ class Recording(Public):
         """At a uniform rate [Hz] or at other times [s]; see `flexdyn.records.signals.resample.resampled`."""
         return resampled(self, rate=rate, times=times, method=method, filtered=filtered, longest_gap=longest_gap)
 
+    def decimate(self, factor: int) -> Recording:
+        """One sample of so many, behind a filter; see `flexdyn.records.signals.decimate.decimated`."""
+        return decimated(self, factor)
+
     def trim(self, start: float | None = None, end: float | None = None) -> Recording:
         """The samples from `start` to `end` [s], both included."""
         return trimmed(self, start, end)
@@ -274,6 +280,10 @@ class Recording(Public):
     def shifted(self, seconds: float | Mapping[str, float]) -> Recording:
         """The recording with that much added to its time [s], or single channels moved against the rest."""
         return shifted(self, seconds)
+
+    def beside(self, *others: Recording, method: str = "linear") -> Recording:
+        """With the channels of other recordings, at its own times; see `flexdyn.records.signals.beside.beside`."""
+        return beside(self, others, method)
 
     def smoothed(self, smoother: Smoother) -> Recording:
         """Every channel through one filter, where it fits; see `flexdyn.records.signals.derivatives.smoothed`."""

@@ -3,52 +3,96 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
 from flexdyn.records.column_names import split_unit
+from flexdyn.records.units import split_name
 
 _SIGNALS = {"angle": "q", "length": "q", "angular velocity": "v", "velocity": "v", "torque": "tau", "force": "tau"}
 _WORDS = {
     "q": r"pos|angle|winkel|\bist\b|actual|lage",
     "v": r"vel|speed|geschw|drehzahl",
-    "tau": r"torq|moment|effort|\btau|force|kraft",
+    "tau": r"torq|trq|moment|effort|\btau|force|kraft",
 }
 _ASKED = re.compile(r"soll|cmd|command|desired|target|ref|setpoint", re.IGNORECASE)
 """Words of columns that were asked for and not measured."""
 _PLAIN = re.compile(r"[A-Za-z_À-ÿ][\w À-ÿ./-]*")
-MOST = 3
-"""Channels in the suggestion."""
+MOST = 14
+"""Channels in the suggestion: position and torque of seven joints."""
+MOST_JOINTS = 7
+"""Columns of a matrix that are taken to be one joint each."""
 
 
-def remedy_without_time(names: Sequence[str]) -> str:
-    """What to do about a table without a column ``t``."""
+def remedy_without_time(names: Sequence[str], gaps: Collection[str] = ()) -> str:
+    """What to do about a table without a column ``t``.
+
+    Args:
+        names: of its columns.
+        gaps: columns in which cells are empty.
+    """
     alike = [name for name in names if _is_time(name)]
     rename = f"did you mean '{alike[0]}'? name it t" if alike else "name the column of time [s] t"
-    suggested = suggested_map(names)
+    suggested = suggested_map(names, gaps)
     if not suggested:
         return rename
     return f"{rename}, or say what the columns are in a channel map (--map), such as {suggested}"
 
 
-def suggested_map(names: Sequence[str]) -> str:
-    """A channel map in one line of YAML, in which JOINT stands for the joint's name; empty where nothing is known."""
+def suggested_map(names: Sequence[str], gaps: Collection[str] = ()) -> str:
+    """A channel map in one line of YAML, in which JOINT stands for the joint's name; empty where nothing is known.
+
+    Args:
+        names: of the columns.
+        gaps: columns in which cells are empty: the map repairs them.
+    """
     rest = [name for name in names if name and not _is_time(name)]
-    found: dict[str, str] = {}
+    found: dict[str, list[str]] = {}
     for name in rest:
         signal = _signal(name)
-        if signal and signal not in found and not _ASKED.search(name):
-            found[signal] = name
+        if signal and not _ASKED.search(name):
+            found.setdefault(signal, []).append(name)
     if not found:
         return ""
     clock = next((name for name in names if _is_time(name)), "")
     time = f"time: {_quoted(clock)}" if clock else "time: {rate: HERTZ}"
-    channels = ", ".join(f"{signal}.JOINT: {_quoted(name)}" for signal, name in list(found.items())[:MOST])
-    return f"{{flexdyn_map: 1, {time}, channels: {{{channels}}}}}"
+    entries = [
+        (f"{signal}.JOINT{k + 1 if len(columns) > 1 else ''}", name)
+        for signal, columns in found.items()
+        for k, name in enumerate(columns)
+    ][:MOST]
+    channels = ", ".join(f"{channel}: {_quoted(name)}" for channel, name in entries)
+    repair = ", repair: [fill_nan]" if any(name in gaps for _, name in entries) else ""
+    return f"{{flexdyn_map: 1, {time}, channels: {{{channels}}}{repair}}}"
+
+
+def columns_of_arrays(shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
+    """Columns that arrays hold, as MATLAB writes them: ``rec.t`` a vector, ``rec.pos(:,1)`` part of a matrix.
+
+    The longest side of the first vector, else of the first array, is that of the samples.
+
+    Args:
+        shapes: of the arrays by name.
+    """
+    vectors = [shape for shape in shapes.values() if sum(side > 1 for side in shape) == 1]
+    samples = max((vectors or list(shapes.values()) or [()])[0], default=0)
+    found = []
+    for name, shape in shapes.items():
+        if len(shape) != 2 or samples not in shape or samples < 2:
+            continue
+        count = min(shape)
+        if count == 1:
+            found.append(name)
+        elif count <= MOST_JOINTS:
+            place = "(:,{})" if shape[0] == samples else "({},:)"
+            found += [name + place.format(k + 1) for k in range(count)]
+    return found
 
 
 def _is_time(name: str) -> bool:
-    low = name.lower()
+    if split_name(name):
+        return False  # a joint may be called second
+    low = name.rpartition(".")[2].lower()
     return low.startswith(("time", "stamp", "sec", "zeit")) or low[:2].strip(" [(") == "t"
 
 
@@ -56,7 +100,12 @@ def _signal(name: str) -> str:
     bare, unit = split_unit(name)
     if unit and plain_unit(unit) in UNITS:
         return _SIGNALS.get(UNITS[plain_unit(unit)].quantity, "")
-    return next((signal for signal, words in _WORDS.items() if re.search(words, bare, re.IGNORECASE)), "")
+    # The field of a struct tells more than the struct's name: force_test.pos is a position.
+    for text in (bare.rpartition(".")[2], bare):
+        for signal, words in _WORDS.items():
+            if re.search(words, text, re.IGNORECASE):
+                return signal
+    return ""
 
 
 def _quoted(name: str) -> str:

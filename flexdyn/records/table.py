@@ -104,15 +104,19 @@ def check_name(name: str) -> None:
         raise InputError(problem, value=name, remedy="name channels <signal>.<joint>, such as q.elbow", channel=name)
 
 
-def check_time_named(names: Collection[str]) -> None:
+def check_time_named(names: Collection[str], gaps: Collection[str] = ()) -> None:
     """Refuse a table without a column ``t``, naming the column that looks like it.
+
+    Args:
+        names: of its columns.
+        gaps: columns in which cells are empty.
 
     Raises:
         InputError: there is no ``t``.
     """
     if "t" in names:
         return
-    raise InputError("no column t", key="t", remedy=remedy_without_time(list(names)), channel="t")
+    raise InputError("no column t", key="t", remedy=remedy_without_time(list(names), gaps), channel="t")
 
 
 def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> FloatArray:

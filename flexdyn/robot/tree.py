@@ -57,7 +57,7 @@ class FramePlacement:
         return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Tree:
     """m one-number joints, each with the body it moves, and how the n independent ones drive them.
 
@@ -99,6 +99,10 @@ class Tree:
     def __reduce__(self) -> tuple[Any, ...]:
         """Unpickle through the constructor, so that arrays are locked again."""
         return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
+
+    def __repr__(self) -> str:
+        """How many joints there are, in a line."""
+        return f"<Tree of {self.m} joints, {self.n} of them independent>"
 
     @property
     def m(self) -> int:

@@ -37,6 +37,7 @@ class Drive:
         initial: first state that a recording measured: signal -> joint -> value.
         samples: what an open-loop command plays, one column a joint; None for controllers and for no torque.
         notes: what the user should know of it, one sentence each.
+        controller: that closes the loop; None for torques over time.
     """
 
     command: _core.Command
@@ -44,6 +45,7 @@ class Drive:
     initial: Mapping[str, Mapping[str, float]]
     samples: Samples | None = None
     notes: tuple[str, ...] = ()
+    controller: PD | Servo | Controller | None = None
 
 
 def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) -> Drive:
@@ -73,7 +75,7 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
     if isinstance(command, Servo):
         return _servo(model, command)
     if isinstance(command, Controller):
-        return Drive(_core.controller(_caller(command), command.rate), None, {})
+        return Drive(_core.controller(_caller(command), command.rate), None, {}, controller=command)
     check_command(command)
     torques = per_joint("command", command, model.joint_names)
     end = 1.0 if duration is None else duration
@@ -216,7 +218,7 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         pd.feedback == "theta",
         pd.rate,
     )
-    return Drive(command, reference.duration, initial, notes=notes)
+    return Drive(command, reference.duration, initial, notes=notes, controller=pd)
 
 
 def _gaps(what: str, recording: Recording, done: str) -> tuple[str, ...]:
@@ -248,7 +250,8 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
         reference = recorded(reference, signal, model.joint_names)
     _check_reference("servo.reference", reference)
     controller = Controller(servo.law(reference, model.joint_names), servo.rate)
-    return Drive(_core.controller(_caller(controller), servo.rate), reference.duration, initial)
+    caller = _core.controller(_caller(controller), servo.rate)
+    return Drive(caller, reference.duration, initial, controller=servo)
 
 
 def _check_reference(key: str, reference: Any) -> None:

@@ -52,7 +52,8 @@ class Job:
         if report["reason"]:
             raise _failure(report, self.solver, self.model)
         stats = {key: int(report[key]) for key in ("steps", "rejected", "evaluations", "events")}
-        inputs = Inputs(self.x0, played(self.drive, report, self.model.n, self.duration), self.external, self.duration)
+        torques = played(self.drive, report, self.model.n, self.duration)
+        inputs = Inputs(self.x0, torques, self.external, self.duration, self.drive.controller)
         signals = (self.out[name] for name in ("t", "q", "v", "tau_applied"))
         notes = (*self.notes, *self.drive.notes, *map(str, exceeded(self.model.robot, *signals)))
         return Run(**self.out, model=self.model, solver=self.solver, notes=notes, stats=stats, inputs=inputs)

@@ -25,6 +25,7 @@ from flexdyn.simulation.solvers import Solver
 
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
+    from flexdyn.viewer.inline import Inline
 
 Array = NDArray[np.float64]
 
@@ -206,6 +207,20 @@ class Run(Public):
         from flexdyn.plots import plot
 
         return plot(self, path=path, **choice)
+
+    def show(self, compare: Any = None, **choice: Any) -> Inline:
+        """Play it within a notebook, as the last thing of a cell; `fd.play` opens the browser instead.
+
+        Args:
+            compare: what a translucent second arm does, as `fd.play` takes it, such as ``"rigid"``.
+            choice: ``command`` of the rigid arm; ``height`` of the frame [px], 560 if left out.
+
+        Returns:
+            What a notebook shows.
+        """
+        from flexdyn.viewer.playback import inline
+
+        return inline(self, compare, **choice)
 
 
 _PRISMATIC_UNITS = {"q": "m", "theta": "m", "v": "m/s", "omega": "m/s", "tau": "N", "tau_applied": "N", "tau_s": "N"}

@@ -8,10 +8,12 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from flexdyn.errors import InputError
 from flexdyn.io.files import write_text
 from flexdyn.viewer import sources
+from flexdyn.viewer.inline import Inline
 from flexdyn.viewer.show import show
 from flexdyn.viewer.sources import Model, Source
 
@@ -61,6 +63,7 @@ def play(
     compare: Source | None = None,
     *,
     model: Model | None = None,
+    command: Any = None,
     html: str | Path | None = None,
     magnify: float | None = None,
     open_browser: bool = True,
@@ -73,9 +76,12 @@ def play(
     Args:
         run: a run, a recording, the path of one, or a model, which is shown at its initial position.
         compare: what a translucent second arm does: another run of the arm, measured data, or ``"rigid"``: the arm
-            without elasticity (`FlexibleJointModel.rigid`), simulated from the same first q and v under the tau of the
-            run, held from sample to sample.
+            without elasticity (`FlexibleJointModel.rigid`), simulated from the same first q and v. A run's controller
+            runs on it too; else it replays the tau of the run, held from sample to sample, which the page says of a
+            recording, as a controller may have asked for that tau.
         model: of a recording that does not hold its own (CSV never does), or its path or name.
+        command: with ``"rigid"``: what drives that arm instead, as `simulate` takes it; for a recording, the controller
+            that it was made with.
         html: write the page there instead of serving it.
         magnify: factor of theta - q on the dials; default: 1, 2, 5, 10, ..., so that the largest shows well.
         open_browser: open the page in the user's browser.
@@ -94,7 +100,9 @@ def play(
         >>> playback = fd.play(run, compare="rigid", html="run.html")
     """
     shown = sources.first(run, model)
-    ghost = None if compare is None else sources.second(compare, model, shown)
+    if command is not None and compare is None:
+        raise InputError("there is no second arm to drive", key="command", remedy='give compare="rigid" too')
+    ghost = None if compare is None else sources.second(compare, model, shown, command)
     text = show(shown.model, shown.motion, ghost, magnify)
     if html is not None:
         write_text(Path(html), text)
@@ -110,6 +118,24 @@ def play(
     if not (hasattr(sys, "ps1") or sys.flags.interactive) if block is None else block:
         playback.wait()
     return playback
+
+
+def inline(run: Source, compare: Source | None = None, *, command: Any = None, height: int = 560) -> Inline:
+    """The page of a motion for a notebook, which shows what a cell ends with.
+
+    Args:
+        run: as `play` takes it.
+        compare: likewise.
+        command: likewise.
+        height: of the frame [px].
+
+    Raises:
+        InputError: as `play`.
+        SimulationError: the rigid arm could not be simulated.
+    """
+    shown = sources.first(run, None)
+    ghost = None if compare is None else sources.second(compare, None, shown, command)
+    return Inline(show(shown.model, shown.motion, ghost), height)
 
 
 def _has_screen() -> bool:

@@ -1,32 +1,39 @@
-"""The arm without elasticity beside the motion that is shown: what the springs make of the same torques."""
+"""The arm without elasticity beside the motion that is shown: what the springs make of the same command."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
-from flexdyn.control.commands import Samples
+from flexdyn.control.commands import PD, Controller, Samples
+from flexdyn.control.servo import Servo
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
+from flexdyn.simulation.command_input import first_state, resolve_command
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.viewer.motion import Motion, of_run
 
 RIGID = "rigid"
 """In place of what a motion is compared with: the same arm without elasticity."""
+OPEN_LOOP = "the rigid arm replays the recorded torques in open loop: no controller holds it on its path"
+LAW_AGAIN = "the controller's law is called a second time, for the rigid arm: one that remembers goes on from there"
 
 
 def without_elasticity(
-    source: Run | Recording | FlexibleJointModel, model: FlexibleJointModel, shown: Motion
+    source: Run | Recording | FlexibleJointModel, model: FlexibleJointModel, shown: Motion, command: Any = None
 ) -> Motion:
-    """What the arm does with rigid joints under the torques asked for, each held to the next sample.
+    """What the arm does with rigid joints, from where the motion starts, as fast where that is known.
 
-    It starts where the motion starts, as fast where that is known.
+    A run's controller runs on the rigid arm as well. Where there is none, or only a recording, the torques asked for
+    drive it, each held to the next sample.
 
     Args:
         source: a run or a recording.
         model: of its arm.
         shown: its motion.
+        command: that drives the rigid arm instead, such as the controller that a recording was made with.
 
     Raises:
         InputError: no torque of any joint, a single sample, or a model, which does not move.
@@ -35,19 +42,56 @@ def without_elasticity(
     if isinstance(source, FlexibleJointModel):
         remedy = "give a run or a recording"
         raise InputError("a model alone has no torques for a rigid arm", key="compare", remedy=remedy)
-    times, rigid = shown.t - shown.t[0], model.rigid()
-    if len(times) < 2:
+    if len(shown.t) < 2:
         raise InputError("one sample is no motion for a rigid arm", key="t", value=float(shown.t[0]))
+    given = resolve_command(command)
     if isinstance(source, Run):
-        run = simulate(rigid, Samples(source.t, source.tau), q0=source.q[0], v0=source.v[0], times=times)
-        notes: tuple[str, ...] = (
-            ("forces at frames are not applied to the rigid arm",) if source.inputs.external else ()
-        )
+        ghost, notes = _beside_run(source, given)
     else:
+        ghost, notes = _beside_recording(source, model, shown, given)
+    return replace(ghost, t=shown.t, notes=notes)
+
+
+def _beside_run(source: Run, given: Any) -> tuple[Motion, tuple[str, ...]]:
+    inputs, rigid = source.inputs, source.model.rigid()
+    command = inputs.controller if given is None else given
+    notes = ("forces at frames are not applied to the rigid arm",) if inputs.external else ()
+    if command is None:
+        # Torques are held from sample to sample, as a recording of the run has them.
+        held, times = Samples(source.t, source.tau), source.t - source.t[0]
+        return of_run(simulate(rigid, held, q0=source.q[0], v0=source.v[0], times=times)), notes
+    n, x0 = source.model.n, inputs.x0  # the run's start, which its first sample need not be
+    first = n + int(source.model.elastic.sum())
+    run = simulate(rigid, command, inputs.duration, q0=x0[:n], v0=x0[first : first + n], times=source.t)
+    return _labelled(run, command), (*notes, *_again(command))
+
+
+def _beside_recording(
+    source: Recording, model: FlexibleJointModel, shown: Motion, command: Any
+) -> tuple[Motion, tuple[str, ...]]:
+    rigid, times = model.rigid(), shown.t - shown.t[0]
+    if command is None:
         _check_torques(source, model)
-        run = simulate(rigid, source, q0=shown.q[0], times=times)
-        notes = _notes(source, model)
-    return replace(of_run(run), t=shown.t, notes=notes)
+        ghost = of_run(simulate(rigid, source, q0=shown.q[0], times=times))
+        return replace(ghost, label=f"{ghost.label}, in open loop"), (
+            OPEN_LOOP,
+            *_idle(source, model),
+            *_slow(source, model),
+        )
+    start = first_state(source, rigid)["v"] or None
+    run = simulate(rigid, command, float(times[-1]), q0=shown.q[0], v0=start, times=times)
+    return _labelled(run, command), _slow(source, model)
+
+
+def _labelled(run: Run, command: Any) -> Motion:
+    """The rigid arm's motion, called by what drives it."""
+    ghost = of_run(run)
+    closed = isinstance(command, PD | Servo | Controller)
+    return replace(ghost, label=f"{ghost.label}, under the controller") if closed else ghost
+
+
+def _again(command: Any) -> tuple[str, ...]:
+    return (LAW_AGAIN,) if isinstance(command, Controller) else ()
 
 
 def _check_torques(recording: Recording, model: FlexibleJointModel) -> None:
@@ -58,12 +102,14 @@ def _check_torques(recording: Recording, model: FlexibleJointModel) -> None:
         raise InputError("no tau of any joint of the arm", key="channels", value=has, remedy=remedy)
 
 
-def _notes(recording: Recording, model: FlexibleJointModel) -> tuple[str, ...]:
-    notes = []
+def _idle(recording: Recording, model: FlexibleJointModel) -> tuple[str, ...]:
+    """Joints that nothing drives."""
     idle = [joint for joint in model.joint_names if not recording.has("tau", joint)]
-    if idle:
-        notes.append(f"no tau in the recording, none on the rigid arm: {', '.join(idle)}")
+    return (f"no tau in the recording, none on the rigid arm: {', '.join(idle)}",) if idle else ()
+
+
+def _slow(recording: Recording, model: FlexibleJointModel) -> tuple[str, ...]:
+    """Joints whose first velocity nobody recorded."""
     unknown = [j for j in model.joint_names if not (recording.has("v", j) or recording.has("omega", j))]
-    if unknown:
-        notes.append(f"no velocity in the recording, the rigid arm starts with the model's: {', '.join(unknown)}")
-    return tuple(notes)
+    start = "no velocity in the recording, the rigid arm starts with the model's"
+    return (f"{start}: {', '.join(unknown)}",) if unknown else ()

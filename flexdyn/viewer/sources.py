@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -56,20 +57,24 @@ def first(source: Source, model: Model | None) -> Shown:
         return Shown(arm, _motion(given, arm, at_rest(arm)), given)
 
 
-def second(source: Source, model: Model | None, shown: Shown) -> Motion:
+def second(source: Source, model: Model | None, shown: Shown, command: Any = None) -> Motion:
     """What it is compared with.
 
     Args:
-        source: as of `first`; or ``"rigid"``: the arm shown without elasticity, under the same torques.
+        source: as of `first`; or ``"rigid"``: the arm shown without elasticity, under the same command.
         model: likewise; a recording without a model is taken to be of the arm shown.
         shown: what it is compared with.
+        command: that drives the arm without elasticity instead.
 
     Raises:
         InputError: likewise, it is of another arm, or what is shown has no torques for a rigid one.
         SimulationError: the rigid arm could not be simulated.
     """
     if isinstance(source, str) and source == RIGID:
-        return without_elasticity(shown.source, shown.model, shown.motion)
+        return without_elasticity(shown.source, shown.model, shown.motion, command)
+    if command is not None:
+        remedy = f"leave it out, or compare with {RIGID!r}"
+        raise InputError("a command is for the arm without elasticity alone", key="command", remedy=remedy)
     given, file = _read(source, "compare")
     with _naming(file, "compare"):
         other = _arm(given, model) or shown.model

@@ -177,10 +177,20 @@ def test_frequencies_over_a_path(tmp_path: Path) -> None:
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(found)).frequencies, found.frequencies)  # noqa: S301
 
 
+def test_modes_show_themselves_in_a_line_and_in_a_notebook() -> None:
+    """Of an arm of six joints as of one of two: `repr` is short, the notebook has every mode."""
+    found = analysis.modes(fd.load_model("ur5"), rotors="held")
+    assert repr(found).startswith("<Modes of ur5, rotors held: ")
+    assert repr(found).count("\n") == 0
+    html = analysis.modes(fd.load_model("ur5"))._repr_html_()
+    assert html.count("<tr>") == 1 + 2 * 12
+    assert "anti-resonances of wrist_3_joint" in html
+
+
 def test_modes_read_as_a_table_and_as_data() -> None:
     """A line a mode, rows that JSON takes, arrays that are locked, also after pickling."""
     found = analysis.modes(fd.load_model("scara_two_link"))
-    lines = repr(found).splitlines()
+    lines = str(found).splitlines()
     assert lines[0].startswith("scara_two_link: 4 modes at shoulder 0, elbow 1.571; rotors free")
     assert sum(line.split()[0].isdigit() for line in lines if line.strip()) == len(found) == 4
     assert lines[-1].startswith("anti-resonances of elbow: 0.8202, ")
@@ -188,7 +198,8 @@ def test_modes_read_as_a_table_and_as_data() -> None:
     assert rows[0]["damping_ratio"] is None
     assert rows[3]["frequency"] == found.frequencies[3]
     again = pickle.loads(pickle.dumps(found))  # noqa: S301
-    assert repr(again) == repr(found)
+    assert str(again) == str(found)
+    assert repr(again) == "<Modes of scara_two_link, rotors free: 2 rigid-body; 2 vibration at 1.233, 1.472 Hz>"
     with pytest.raises(ValueError, match="read-only"):
         again.frequencies[0] = 1.0
 

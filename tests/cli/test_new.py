@@ -60,6 +60,28 @@ def test_every_example_effect_can_be_uncommented(flexdyn: Runner, rigid: bool) -
     assert not any(effect.is_neutral for effect in model.effects)
 
 
+@pytest.mark.parametrize("robot", ["panda", "ur5", "scara", "double_pendulum"])
+def test_the_motion_can_be_uncommented(flexdyn: Runner, robot: str) -> None:
+    """One file then simulates: the first joint goes where the points say, within its limits and stably."""
+    flexdyn("new", robot, "-o", "arm.yaml")
+    lines = Path("arm.yaml").read_text(encoding="utf-8").splitlines()
+    begin = lines.index("# command:")
+    lines[begin : begin + 5] = [line[2:] for line in lines[begin : begin + 5]]
+    Path("arm.yaml").write_text("\n".join(lines), encoding="utf-8")
+    outcome = flexdyn("simulate", "arm.yaml", "-o", "run.npz")
+    assert outcome.code == 0
+    assert "the command is the model file's own" in outcome.err
+    run, model = fd.read_recording("run.npz"), fd.load_model("arm.yaml")
+    joint = model.joint_names[0]
+    low, high = model.robot.lower[0], model.robot.upper[0]
+    assert model.command is not None
+    goal = model.command["pd"]["reference"][joint][1]
+    assert run.duration == 2.0
+    assert low - 1e-3 <= run[f"q.{joint}"].min() <= run[f"q.{joint}"].max() <= high + 1e-3
+    assert abs(run[f"q.{joint}"][1000] - goal) < 0.2
+    assert abs(run.signal("v", model.joint_names)).max() < 10.0
+
+
 def test_a_joint_alone_is_coupled_to_none(flexdyn: Runner) -> None:
     """Every effect but the one that needs a second joint, and all of them load."""
     Path("lift.urdf").write_text(SLIDER, encoding="utf-8")

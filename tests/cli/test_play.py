@@ -27,6 +27,7 @@ def runs(flexdyn: Runner) -> None:
     still = fd.Recording(rec.t, {name: rec[name] for name in rec.channels if name.startswith("q.")}, meta=rec.meta)
     fd.write_recording(still, "still.npz")
     fd.simulate(fd.load_model("scara"), duration=0.01).save("other.npz")
+    Path("pd.yaml").write_text("pd: {reference: run.npz, kp: 40.0, kd: 2.0}\n", encoding="utf-8")
 
 
 @pytest.mark.parametrize(
@@ -37,6 +38,7 @@ def runs(flexdyn: Runner) -> None:
         ("run.npz", "run.csv"),
         ("run.npz", "--rigid"),
         ("run.csv", "--model", "scara_two_link", "--rigid"),
+        ("run.npz", "--rigid", "--command", "pd.yaml"),
         ("run.npz", "--magnify", "50"),
         ("scara",),
         ("ur5",),
@@ -81,6 +83,8 @@ def test_a_map_is_that_of_the_measured_recording(flexdyn: Runner) -> None:
         (("gone.npz",), "gone.npz: no such file"),
         (("gone",), "gone.*neither a file nor a known model or robot"),
         (("run.npz", "run.csv", "--rigid"), "--rigid: there is one translucent arm.*run.csv.*leave one of them out"),
+        (("run.npz", "--command", "pd.yaml"), "--command: a command is for the rigid arm alone; give --rigid too"),
+        (("run.npz", "--rigid", "--command", "gone.yaml"), "gone.yaml: there is no such file"),
         (("scara", "--rigid"), "--rigid: a model alone has no torques.*give a run or a recording"),
         (("still.npz", "--rigid"), "still.npz: channels.*no tau of any joint.*tau.shoulder"),
         (("run.npz", "--html", "no/page.html"), "no/page.html: --html.*no such folder"),

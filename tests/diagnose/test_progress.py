@@ -12,6 +12,7 @@ import time
 import pytest
 
 from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.decision import background
 from flexdyn.diagnose.decision.background import PATIENCE, beside
 from flexdyn.diagnose.progress import Course, check, know, tell
 from tests.load import slowed
@@ -140,3 +141,19 @@ def _in_a_terminal(program: str) -> str:
         assert running.wait() == 0
     os.close(ours)
     return said.decode()
+
+
+def test_work_is_stopped_wherever_the_interrupt_falls(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also between the start of the work and the loop that shows it: else it would wait for ever to be shown."""
+    start = background._Work.start
+
+    def interrupted(self: background._Work[None]) -> None:
+        start(self)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(background._Work, "start", interrupted)
+    course = Course()
+    with pytest.raises(KeyboardInterrupt):
+        beside(lambda: tell("at work", 0.5), course, lambda stage, share: None)
+    assert course.stop.is_set()
+    assert not [each for each in threading.enumerate() if each.name == "flexdyn-diagnosis"]

@@ -182,10 +182,11 @@ def test_names_of_any_origin_do_no_harm(tmp_path: Path) -> None:
     )
     diagnosis.save(tmp_path)
     with open_page(tmp_path / "report.html") as page:
-        page.wait_for("document.querySelectorAll('.js-plotly-plot .gtitle').length >= 1")
+        page.wait_for("document.querySelectorAll('.js-plotly-plot .xtitle').length >= 1")
         assert page.tab.title() == "Diagnosis of scara_two_link"
         assert evil in page.tab.locator("#verdict").inner_text()
-        assert evil in page.tab.locator(".js-plotly-plot .gtitle").first.text_content()
+        assert evil in page.tab.locator(".js-plotly-plot .xtitle").first.text_content()
+        assert evil in page.tab.locator(".figures h4").first.text_content()
         assert page.tab.evaluate("document.querySelectorAll('img, b b').length") == 0
 
 
@@ -221,3 +222,23 @@ def _plan(name: str) -> Experiment:
     assert arm.n == 2
     names, labels = (name, "presliding friction"), ("q [rad]", "left [N m]")
     return Experiment("sweep", 20.0, 4, 0.0, 100.0, command, names, t, np.sin(t), 0.1 * np.cos(t), 0.01 + 0 * t, labels)
+
+
+def test_the_page_in_print(tmp_path: Path) -> None:
+    """Pictures are drawn for the width of the paper before it is printed, and for the window again afterwards."""
+    cases.robot().save(tmp_path)
+    widths = (
+        "() => ['#trace-0 .main-svg', '#trace-0']"
+        ".map((each) => document.querySelector(each).getBoundingClientRect().width)"
+    )
+    with open_page(tmp_path / "report.html", width=1400) as page:
+        page.wait_for("document.querySelector('#trace-0 .main-svg') !== null")
+        before, _ = page.tab.evaluate(widths)
+        page.tab.evaluate("dispatchEvent(new Event('beforeprint'))")
+        drawn, room = page.tab.evaluate(widths)
+        assert drawn == pytest.approx(room, abs=1.0)
+        assert drawn <= 345.0 < before
+        page.tab.evaluate("dispatchEvent(new Event('afterprint'))")
+        back = "document.querySelector('#trace-0 .main-svg').getBoundingClientRect().width"
+        page.wait_for(f"(wide) => Math.abs({back} - wide) < 2", before)
+        assert page.tab.pdf(format="A4").startswith(b"%PDF")

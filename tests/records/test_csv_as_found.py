@@ -15,6 +15,7 @@ import flexdyn as fd
 from flexdyn.cli import main
 from flexdyn.errors import InputError
 from flexdyn.records import ChannelMap, Recording, RecordingWarning, read_recording
+from flexdyn.records.suggestion import columns_of_arrays, suggested_map
 
 T = np.array([0.0, 0.1, 0.2, 0.3])
 Q = np.array([0.5, 0.6, np.nan, 0.8])
@@ -177,23 +178,24 @@ def test_others_kept_beside_a_name_without_its_unit(tmp_path: Path) -> None:
 
 
 def test_a_german_file_in_two_tries(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The first try's answer is a map to be copied; with the joint's name in it and a repair, the second one plots."""
+    """The first try's answer is a map to be copied; with the joint's name in it, the second one plots."""
     path = saved(tmp_path, GERMAN.split("\n", 1)[1], "latin-1")
     picture = tmp_path / "out.png"
     assert main(["plot", str(path), "-o", str(picture)]) == 2
     told = capsys.readouterr().err
     found = re.search(r"such as (\{flexdyn_map: 1.*\})", told)
     assert found is not None
-    assert found[1] == "{flexdyn_map: 1, time: Zeit, channels: {q.JOINT: Ist, tau.JOINT: Moment}}"
-    (tmp_path / "map.yaml").write_text(found[1].replace("JOINT", "elbow"), encoding="utf-8")
+    expected = "{flexdyn_map: 1, time: Zeit, channels: {q.JOINT: Ist, tau.JOINT: Moment}, repair: [fill_nan]}"
+    assert found[1] == expected
+    (tmp_path / "drop.yaml").write_text(
+        found[1].replace("JOINT", "elbow").replace("fill_nan", "drop_nan"), encoding="utf-8"
+    )
     with pytest.warns(RecordingWarning, match="comma|1252"):
-        rec = read_recording(path, map=tmp_path / "map.yaml", repair=["drop_nan"])
+        rec = read_recording(path, map=tmp_path / "drop.yaml")
     np.testing.assert_array_equal(rec.t, [0.0, 0.002])
     np.testing.assert_allclose(rec["q.elbow"], np.deg2rad([9.5, 10.0]), rtol=1e-15)
     np.testing.assert_array_equal(rec["tau.elbow"], [1.25, -1.5])
-    (tmp_path / "map.yaml").write_text(
-        found[1].replace("JOINT", "elbow")[:-1] + ", repair: [fill_nan]}", encoding="utf-8"
-    )
+    (tmp_path / "map.yaml").write_text(found[1].replace("JOINT", "elbow"), encoding="utf-8")
     assert main(["plot", str(path), "--map", str(tmp_path / "map.yaml"), "-o", str(picture)]) == 0
     told = capsys.readouterr().err
     assert "decimal comma" in told
@@ -209,3 +211,28 @@ def test_a_line_of_a_spreadsheet_before_the_names(tmp_path: Path) -> None:
     with pytest.warns(RecordingWarning, match="decimal comma"):
         rec = read_recording(saved(tmp_path, GERMAN), map=ChannelMap.from_dict(told))
     np.testing.assert_allclose(rec["q.a"], np.deg2rad([9.5, 9.75, 10.0]), rtol=1e-15)
+
+
+def test_a_suggested_map_numbers_the_joints_and_repairs_what_is_suggested() -> None:
+    """One joint a column; empty cells of other columns are no reason for a repair; a joint may be called second."""
+    names = ["Zeit", "Soll A1", "Ist A1 [°]", "Ist A2 [°]", "Kraft [N]"]
+    expected = "{flexdyn_map: 1, time: Zeit, channels: {q.JOINT1: Ist A1, q.JOINT2: Ist A2, tau.JOINT: Kraft}"
+    assert suggested_map(names, {"Soll A1"}) == f"{expected}}}"
+    assert suggested_map(names, {"Ist A2 [°]"}) == f"{expected}, repair: [fill_nan]}}"
+    assert suggested_map(["q.second", "tau.second"]).startswith("{flexdyn_map: 1, time: {rate: HERTZ}, ")
+
+
+def test_columns_of_arrays() -> None:
+    """Rows or columns of a matrix, whichever has the samples; what is no signal over time is left out."""
+    shapes = {
+        "a.time": (1, 50),
+        "a.pos": (50, 2),
+        "a.trq": (2, 50),
+        "a.gain": (2, 2),
+        "a.many": (50, 40),
+        "a.n": (1, 1),
+    }
+    found = columns_of_arrays(shapes)
+    assert found == ["a.time", "a.pos(:,1)", "a.pos(:,2)", "a.trq(1,:)", "a.trq(2,:)"]
+    assert 'tau.JOINT2: "a.trq(2,:)"' in suggested_map(found)
+    assert columns_of_arrays({}) == []

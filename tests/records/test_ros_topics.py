@@ -83,6 +83,9 @@ def test_topics_are_chosen_by_a_map(tmp_path: Path) -> None:
     maker = Maker()
     path = maker.write(tmp_path, "folder mcap", [*states(maker, topic="/left"), *states(maker, topic="/right")])
     refused(path, r"several topics could be read; choose one .*source: \{topic: .*; there are /left, /right$")
+    refused(
+        path, r"such as \{flexdyn_map: 1, channels: \{q.JOINT: /left.position.JOINT, tau.JOINT: /right.effort.JOINT"
+    )
     left = read_recording(path, map=channel_map(source={"topic": "/left"}, others="keep"))
     assert set(left.channels) == {f"{signal}.{name}" for signal in ("q", "v", "tau") for name in NAMES}
     both = read_recording(

@@ -260,3 +260,24 @@ def test_a_small_window(width: int, height: int, tmp_path: Path) -> None:
         page.tab.keyboard.press("End")
         drawn(page)
         assert differing(before, page.screenshot()) > 500
+
+
+def test_a_notebook_plays_a_run_in_a_frame(tmp_path: Path) -> None:
+    """`run.show()`: the arm is drawn within the frame, which cannot reach the notebook round it."""
+    shown = two_link_run().show("rigid", height=400)
+    (tmp_path / "notebook.html").write_text(
+        f"<!DOCTYPE html><link rel=icon href='data:,'><p>cell</p>{shown._repr_html_()}", encoding="utf-8"
+    )
+    assert repr(shown).startswith("<Inline: a page of ")
+    with open_page(tmp_path / "notebook.html") as page:
+        frame = page.tab.frames[1]
+        end = time.monotonic() + 30.0
+        while frame.evaluate("document.body.dataset.ready") != "yes":
+            assert time.monotonic() < end
+            page.tab.wait_for_timeout(50)
+        assert "translucent: scara_two_link, rigid" in frame.locator("#legend").text_content()
+        assert page.tab.locator("iframe").bounding_box()["height"] == 400
+        assert (
+            frame.evaluate("(() => { try { return parent.document.title; } catch { return 'kept out'; } })()")
+            == "kept out"
+        )

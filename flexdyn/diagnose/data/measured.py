@@ -67,7 +67,7 @@ def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
         InputError: a joint that the model lacks, or one without torque or without any position.
     """
     _check_joints(model, recording)
-    recording = _uniform(recording)
+    recording = uniform(recording)
     names = model.joint_names
     columns, has = {}, {}
     for signal in ("q", "theta", "tau", "tau_s"):
@@ -95,7 +95,7 @@ def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
             raise InputError("no position of the joint was recorded", key=joint, remedy=remedy)
 
 
-def _uniform(recording: Recording) -> Recording:
+def uniform(recording: Recording) -> Recording:
     """The recording on a uniform clock; as it is where its own is uniform."""
     steps = np.diff(recording.t)
     dt = float(recording.t[-1] - recording.t[0]) / len(steps)

@@ -53,8 +53,8 @@ def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> An
         KeyboardInterrupt: Ctrl-C; what is known is in the course. The work ends at its next check.
     """
     thread = _Work(work, course)
-    thread.start()
     try:
+        thread.start()
         while thread.is_alive() or not course.told.empty():
             try:
                 stage, share, shown = course.told.get(timeout=0.05)

@@ -7,8 +7,10 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
+from flexdyn.diagnose.data.rate import advice, at_needed_rates
 from flexdyn.diagnose.decision.background import Progress, beside
 from flexdyn.diagnose.decision.bar import shown
+from flexdyn.diagnose.decision.blocks import checked_blocks, without_blocks
 from flexdyn.diagnose.decision.held_out import recorded_noise
 from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.equations.sanity import check_recordings
@@ -34,6 +36,7 @@ def diagnose(
     fit: Any,
     check: Any = (),
     *,
+    hold_out: Any = (),
     expect: Sequence[str] = (),
     progress: Progress | bool | None = None,
 ) -> Diagnosis:
@@ -45,6 +48,7 @@ def diagnose(
             between gaps in time count as recordings of their own.
         check: test data, given likewise, which only the final figures and the verdict read; none: the last fifth of
             what moves in every recording of `fit`.
+        hold_out: blocks of the recordings of `fit` that are test data as well, pairs of first and last time [s].
         expect: names of effects that this drive is likely to have, by its data sheet or its like: they are told from
             something unknown that looks like them by the odds of common effects (docs/diagnosis.md, eq. 6).
         progress: called with what is in work and the share of all work that is done, as far as that can be said; None:
@@ -72,7 +76,14 @@ def diagnose(
         >>> [(finding.suspect.effect, finding.suspect.joint) for finding in answer.findings]
         [('coulomb_friction', 'elbow')]
     """
-    fit, check = (apart_at_gaps(as_recordings(given, key)) for given, key in ((fit, "fit"), (check, "check")))
+    fit, check = (as_recordings(given, key) for given, key in ((fit, "fit"), (check, "check")))
+    if blocks := checked_blocks(hold_out):
+        fit, apart = without_blocks(fit, blocks)
+        check = (*check, *apart)
+    fit, check = apart_at_gaps(fit), apart_at_gaps(check)
+    fit, said = at_needed_rates(fit)
+    check, more = at_needed_rates(check)
+    said = tuple(dict.fromkeys((*said, *more)))
     # Here, as `import flexdyn` loads no scipy; only what is loaded can be limited, so that is first.
     import scipy.linalg  # noqa: F401
     from threadpoolctl import threadpool_limits
@@ -84,8 +95,9 @@ def diagnose(
     with threadpool_limits(limits=1, user_api="blas"), shown(progress) as show:
         began = time.monotonic()
         try:
-            return beside(lambda: _diagnosed(model, fit, check, expected, began), course, show)
+            return beside(lambda: _diagnosed(model, fit, check, expected, began, said), course, show)
         except KeyboardInterrupt:
+            course.stop.set()
             raise Interrupted(_known(model, course, began)) from None
 
 
@@ -108,6 +120,7 @@ def _diagnosed(
     check: Sequence[Recording],
     expect: tuple[str, ...],
     began: float,
+    said: tuple[str, ...],
 ) -> Diagnosis:
     from flexdyn.diagnose.decision.conclusion import concluded
     from flexdyn.diagnose.decision.corrected import corrected
@@ -116,7 +129,7 @@ def _diagnosed(
     _say(STAGES[0], 0.0)
     fitted, test = parts(model, fit, check)
     data = tuple(each.data for each in fitted)
-    notes = check_recordings(model, data)
+    notes = (*said, *check_recordings(model, data), *advice(model, data))
     know(fitted=fitted, notes=notes, noise=recorded_noise(data))
     bare, noise, start = prepared(model, data)
     _say(STAGES[1], 0.05)

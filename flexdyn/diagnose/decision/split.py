@@ -20,6 +20,8 @@ TEST_SHARE = 0.2
 """Share of what moves in every recording that is test data where no other is given [1] (contract, section 8)."""
 SHORTEST = 1.0
 """Least length of such test data [s]: two windows of 0.5 s."""
+UNCUT = 2.5
+"""Recordings that are shorter are not cut: what is left of one of them would be too short to fit [s]."""
 SPAN = 0.2
 """Time over which a joint must change its position to count as moving [s]."""
 STILL = 10.0
@@ -79,8 +81,19 @@ def parts(
     if check:
         tests = tuple(Part(each, measured(model, each), "test") for each in check)
         return tuple(Part(*each, "fit") for each in whole), tests
+    if len(whole) > 1 and any(data.t[-1] < UNCUT for _, data in whole):
+        return _apart(whole)
     halves = [_halves(*each) for each in whole]
     return tuple(first for first, _ in halves), tuple(last for _, last in halves)
+
+
+def _apart(whole: Sequence[tuple[Recording, Measured]]) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
+    """Recordings too short to be cut: the last ones are test data as they are, until these hold the test share."""
+    seconds = [float(moving(data).sum()) * data.dt for _, data in whole]
+    first = len(whole) - 1
+    while first > 1 and sum(seconds[first:]) < TEST_SHARE * sum(seconds):
+        first -= 1
+    return tuple(Part(*each, "fit") for each in whole[:first]), tuple(Part(*each, "test") for each in whole[first:])
 
 
 def _halves(recording: Recording, data: Measured) -> tuple[Part, Part]:

@@ -30,8 +30,14 @@ from flexdyn.model.uncertain_parameters import file_numbers
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
-SHORTEST = 2.0
-"""Least time in which something moves [s]: three windows of 0.5 s to fit and one to check."""
+SHORTEST = 1.5
+"""Least time in which something moves, in all recordings of the fit together [s]: three windows of 0.5 s."""
+LEAST = 0.5
+"""Least length of one recording [s]: a window."""
+REMEDY = (
+    f"{SHORTEST:g} s of motion to fit are the least, three windows of 0.5 s; several short recordings add up;"
+    " without test data of their own (check), the last fifth of it is kept apart, and at least 1 s"
+)
 SLOWEST = 20.0
 """Least rate [Hz]: below it no acceleration of an arm is seen, and a clock in ms is likely."""
 STILL = 10.0
@@ -90,9 +96,8 @@ def _check_clock(data: Measured) -> None:
         problem = f"samples {data.dt:g} s apart are too slow to see an arm accelerate"
         raise InputError(problem, file=data.name, key="t", remedy=remedy)
     length = data.dt * (len(data.t) - 1)
-    if length < SHORTEST or len(data.t) <= 2 * reach(data.dt):
-        remedy = f"{SHORTEST:g} s of motion are the least: three windows of 0.5 s to fit and one to check"
-        raise InputError("the recording is too short", file=data.name, key="t", value=f"{length:.3g} s", remedy=remedy)
+    if length < LEAST - data.dt or len(data.t) <= 2 * reach(data.dt):
+        raise InputError("the recording is too short", file=data.name, key="t", value=f"{length:.3g} s", remedy=REMEDY)
 
 
 def _check_torques(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
@@ -120,9 +125,10 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
             raise InputError(problem, file=data[0].name, key=f"{signal}.{joint}", value=value, remedy=remedy)
     moving = sum(_moving_time(each, signals, noise) for each in data)
     if moving < SHORTEST:
-        remedy = f"{SHORTEST:g} s of motion are the least: three windows of 0.5 s to fit and one to check"
         problem = "hardly anything moves in the recording"
-        raise InputError(problem, file=data[0].name, key="t", value=f"{moving:.2g} s of motion", remedy=remedy)
+        if len(data) > 1:
+            problem = "hardly anything moves in the recordings"
+        raise InputError(problem, file=data[0].name, key="t", value=f"{moving:.2g} s of motion", remedy=REMEDY)
 
 
 def _range(x: Array, dt: float) -> float:

@@ -145,7 +145,8 @@ def residuals(diagnosis: Diagnosis) -> str:
     if not diagnosis.residuals:
         return ""
     rooms = [
-        f'<figure><div id="trace-{k}" data-picture></div><figcaption>{escape(trace.note)}</figcaption></figure>'
+        f'<figure><h4>{escape(trace.title)}</h4><div id="trace-{k}" data-picture></div>'
+        f"<figcaption>{escape(trace.note)}</figcaption></figure>"
         for k, trace in enumerate(diagnosis.residuals)
     ]
     most = shown_at_once(diagnosis)

@@ -69,7 +69,7 @@ def _row(diagnosis: Diagnosis, entry: Calibration) -> list[str]:
     number = estimate(diagnosis.model, entry)
     known = held and math.isfinite(number.std)
     absolute = f"{rounded(entry.tolerance * value, 2)} {unit_text(unit)}"
-    width = absolute if entry.is_open else f"{100.0 * entry.tolerance:.3g} %"
+    width = absolute if entry.is_open else f"{100.0 * entry.tolerance:.3g}\u00a0%"
     tolerance = f'<span class="soft">{escape(width)}</span>'
     given = f"{value_text(value, 0.0)} {unit_text(unit)}".strip() if unit != FACTOR else "factor 1"
     given = "not known" if entry.is_open else given

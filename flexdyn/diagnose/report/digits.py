@@ -75,7 +75,7 @@ def percent(share: float) -> str:
     if not math.isfinite(share):
         return "unknown" if math.isnan(share) else "beyond measure"
     size = 100.0 * share
-    return signed(f"{size:.0f} %" if abs(size) >= 10.0 else f"{size:.1f} %")
+    return signed(f"{size:.0f} %" if abs(size) >= 10.0 else f"{size:z.1f} %")  # z: no minus before what rounds to 0
 
 
 def relative(factor: float) -> str:

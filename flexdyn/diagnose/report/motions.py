@@ -14,10 +14,11 @@ from flexdyn.plots.palette import INK, RULE
 
 BETWEEN = "#9CA3AF"
 """Of the calibrated model; page.css has the same."""
+# Not simplified by Plotly: it would choose points for the whole span, and a window would show straight pieces.
 LINES = (
-    {"color": BEFORE, "width": 1.6},
-    {"color": BETWEEN, "width": 1.4, "dash": "dot"},
-    {"color": AFTER, "width": 1.6},
+    {"color": BEFORE, "width": 1.6, "simplify": False},
+    {"color": BETWEEN, "width": 1.4, "dash": "dot", "simplify": False},
+    {"color": AFTER, "width": 1.6, "simplify": False},
 )
 LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
 """Of the window [s]."""
@@ -33,7 +34,7 @@ def motions(diagnosis: Diagnosis) -> str:
     if not given:
         return ""
     spans = {_span(each): _span_text(each) for each in given}
-    longest = max(each.torque.t[-1] - each.torque.t[0] for each in given)
+    longest = max(last - first for first, last in map(_reach, given))
     lengths = [(f"{x:g}", f"{x:g} s") for x in LENGTHS if x < longest] + [("all", "all of it")]
     first = f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all"
     joints = [(name, name) for name in dict.fromkeys(each.joint for each in _ordered(diagnosis))]
@@ -46,7 +47,7 @@ def motions(diagnosis: Diagnosis) -> str:
     said = (
         "Positions are simulated without feedback over windows of 0.5 s, each from the state that was measured at its"
         " start; lines are open where no window was simulated, and where a joint may rest, as friction then holds any"
-        " torque. Torques: what each model needs for the motion that was"
+        " torque. Torques, smoothed as in the equations: what each model needs for the motion that was"
         " measured, beside the torque that was recorded. Errors: simulated minus measured, needed minus recorded."
         " A click on a name in the legend hides its curves."
     )
@@ -73,11 +74,10 @@ def _figure(trajectory: Trajectory) -> dict[str, Any]:
         unit = curve.label[curve.label.find("[") :]
         for row, title in ((2 * k, curve.label), (2 * k + 1, f"error {unit}")):
             layout[_axis(row)]["title"] = {"text": escape(title, quote=False), "standoff": 6}
-    ends = [each.t[k] for each in curves for k in (0, -1)]
     return {
         "joint": trajectory.joint,
         "span": _span(trajectory),
-        "reach": [float(min(ends)), float(max(ends))],
+        "reach": list(_reach(trajectory)),
         "columns": columns,
         "data": data,
         "layout": layout,
@@ -96,7 +96,11 @@ def _lines(curve: Curve, row: int, first: int) -> list[dict[str, Any]]:
     line: dict[str, Any] = {"type": "scatter", "mode": "lines", "x": first, "hovertemplate": "%{x:.4f} s, %{y:.5g}"}
     up, below = ({"yaxis": f"y{k + 1}" if k else "y"} for k in (row, row + 1))
     told = {"showlegend": row == 0}
-    own: dict[str, Any] = {"name": "measured", "legendgroup": "measured", "line": {"color": INK, "width": 3.4}}
+    own: dict[str, Any] = {
+        "name": "measured",
+        "legendgroup": "measured",
+        "line": {"color": INK, "width": 3.4, "simplify": False},
+    }
     data = [{**line, **up, **told, **own, "y": first + 1}]
     for k, (name, style) in enumerate(zip(MODELS, LINES, strict=True)):
         own = {"name": name, "legendgroup": name, "line": style, "y": first + 2 + k}
@@ -152,5 +156,12 @@ def _span(each: Trajectory) -> str:
 
 
 def _span_text(each: Trajectory) -> str:
-    t = each.torque.t
-    return f"{ROLES[each.role]}: {each.file} {t[0]:.4g} to {t[-1]:.4g} s"
+    """The span that the slider reaches over."""
+    first, last = _reach(each)
+    return f"{ROLES[each.role]}: {each.file} {first:.4g} to {last:.4g} s"
+
+
+def _reach(each: Trajectory) -> tuple[float, float]:
+    """First and last time of its curves [s]."""
+    ends = [float(curve.t[k]) for curve in (each.position, each.torque) if curve is not None for k in (0, -1)]
+    return min(ends), max(ends)

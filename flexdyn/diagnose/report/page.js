@@ -28,8 +28,12 @@ function draw(room, figure) {
   return Plotly.react(room, data, figure.layout, figure.config);
 }
 
-function fitted() {
-  for (const room of document.querySelectorAll(".js-plotly-plot")) if (room.offsetWidth) Plotly.Plots.resize(room);
+// At once, which Plots.resize is not: the browser prints when its handlers have returned.
+function printing(now) {
+  document.body.classList.toggle("printing", now);
+  for (const room of document.querySelectorAll(".js-plotly-plot")) {
+    if (room.offsetWidth) Plotly.relayout(room, now ? { width: room.offsetWidth } : { width: null, autosize: true });
+  }
 }
 
 async function start() {
@@ -49,8 +53,9 @@ async function start() {
     if (fold && !fold.open) fold.addEventListener("toggle", show, { once: true });
     else show();
   }
-  addEventListener("beforeprint", fitted);
-  addEventListener("afterprint", fitted);
+  // Paper is narrower than the window, and pictures do not shrink by themselves: they are drawn for it beforehand.
+  addEventListener("beforeprint", () => printing(true));
+  addEventListener("afterprint", () => printing(false));
 }
 
 // Measured and simulated motion of one joint over a window of time.

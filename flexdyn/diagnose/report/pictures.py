@@ -44,17 +44,11 @@ def residual_figure(trace: Trace) -> dict[str, Any]:
         data += _stands_out(trace.law[:, 0], trace.law[:, 1], "the law found", INK)
     axis = {"gridcolor": RULE, "zeroline": False, "automargin": True, "tickfont": {"size": 11}}
     layout = {
-        "height": 270,
-        "margin": {"l": 58, "r": 10, "t": 34, "b": 44},
+        "height": 246,
+        "margin": {"l": 58, "r": 10, "t": 10, "b": 44},
         "paper_bgcolor": "white",
         "plot_bgcolor": "white",
         "font": {"family": FONT, "size": 12, "color": INK},
-        "title": {
-            "text": f"<b>{escape(trace.title, quote=False)}</b>",
-            "x": 0.0,
-            "xanchor": "left",
-            "font": {"size": 13},
-        },
         "xaxis": {**axis, "title": {"text": escape(trace.x_label, quote=False), "standoff": 6}},
         "yaxis": {
             **axis,

@@ -31,11 +31,12 @@ class File:
     def of(cls, path: Path, use: str) -> File | None:
         """A file as it is now; None: there is none, as of a model that is known by its name."""
         try:
-            stat = path.stat()
+            # The folder of a ROS 2 bag is as large, and as new, as what lies in it.
+            stats = [each.stat() for each in sorted(path.rglob("*"))] if path.is_dir() else [path.stat()]
         except OSError:
             return None
-        changed = datetime.datetime.fromtimestamp(stat.st_mtime).astimezone()
-        return cls(str(path), use, stat.st_size, changed.isoformat(timespec="seconds"))
+        changed = datetime.datetime.fromtimestamp(max((each.st_mtime for each in stats), default=0.0)).astimezone()
+        return cls(str(path), use, sum(each.st_size for each in stats), changed.isoformat(timespec="seconds"))
 
 
 @dataclass(frozen=True)

@@ -13,14 +13,19 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.channelmap.clock import clocked, undelayed, with_times
 from flexdyn.records.channelmap.couplings import couple
 from flexdyn.records.channelmap.description import TIME, ChannelMap, column_name
+from flexdyn.records.channelmap.expression import check_names
 from flexdyn.records.channelmap.units import conversions_of, stated_units, units_of
 from flexdyn.records.repairs import Repair, repaired
 from flexdyn.records.table import FloatArray, Table, as_floats, check_lengths
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what overflows is no finite number, and refused as such
+@np.errstate(
+    over="ignore", invalid="ignore", divide="ignore"
+)  # what overflows is no finite number, and refused as such
 def apply_map(table: Table, channel_map: ChannelMap, repairs: Sequence[Repair] = ()) -> Table:
-    """The table that a map makes of a file's: units and gears, then repairs, delays, couplings, and the clock's start.
+    """The table that a map makes of a file's.
+
+    Units and gears come first, then repairs, delays, couplings, channels computed from others, and the clock's start.
 
     Args:
         table: raw columns by name, numbered ones as ``column n``; used up.
@@ -53,6 +58,9 @@ def apply_map(table: Table, channel_map: ChannelMap, repairs: Sequence[Repair] =
     made = repaired(Table(columns, meta, table.rows), (*channel_map.repair, *repairs))
     made = undelayed(made, {channel.name: channel.delay for channel in channel_map.channels if channel.delay})
     couple(made.columns, channel_map.couplings)
+    for name, expression in channel_map.computed:
+        check_names(expression, {x: None for x in made.columns if x != TIME}, f"computed.{name}")
+        made.columns[name] = expression.value(made.columns)
     made.columns[TIME] = clocked(channel_map.time, made.columns[TIME])
     return made
 

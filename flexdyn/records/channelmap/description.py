@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from typing import Any
 
+from flexdyn.records.channelmap.expression import Expression
 from flexdyn.records.repairs import Repair
 from flexdyn.records.request import Layout, Request
 from flexdyn.records.units import split_name
@@ -104,6 +105,7 @@ class ChannelMap:
         keep_others: whether columns that the map does not name are carried along as they are.
         repair: repairs asked for, in order.
         layout: of the file.
+        computed: channels made of others, in SI, each with its expression, in order.
 
     Example:
         >>> map_ = fd.ChannelMap.from_dict({"flexdyn_map": 1, "time": "stamp", "channels": {"q.elbow": "enc"}})
@@ -118,6 +120,7 @@ class ChannelMap:
     keep_others: bool = False
     repair: tuple[Repair, ...] = ()
     layout: Layout = field(default_factory=Layout)
+    computed: tuple[tuple[str, Expression], ...] = ()
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> ChannelMap:
@@ -138,6 +141,7 @@ class ChannelMap:
             "time": _changed(self.time),
             "joints": {joint: {"prismatic": True} for joint in self.prismatic},
             "channels": {channel.name: _changed(channel) for channel in self.channels},
+            "computed": {name: expression.text for name, expression in self.computed},
             "couplings": [_coupling(coupling) for coupling in self.couplings],
             "repair": [repair.to_plain() for repair in self.repair],
         }

@@ -17,6 +17,8 @@ An example of what a map can say; `Channel`, `TimeSource`, `Coupling` and `Layou
       tau.slide: {from: vir, unit: V, factor: 35.15, delay: 0.002}
       theta.pitch: m1                              # motors of a differential wrist
       theta.roll: m2
+    computed:                                      # of channels above, in SI, with + - * / and brackets
+      twist: 0.5 * (theta.pitch + theta.roll) - q.elbow
     couplings:                                     # torque left out: the inverse transpose, which keeps the power
       - {joints: [pitch, roll], position: [[0.5, 0.5], [0.5, -0.5]], signals: [theta, omega]}
     others: drop                                   # or keep
@@ -35,6 +37,7 @@ from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys, read_yaml
 from flexdyn.records.channelmap.couplings import couplings_of
 from flexdyn.records.channelmap.description import FORMAT, Channel, ChannelMap
+from flexdyn.records.channelmap.expression import Expression, check_names, expression_of
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
 from flexdyn.records.channelmap.source import layout_of, time_of
 from flexdyn.records.channelmap.units import conversions_of, units_of
@@ -43,7 +46,7 @@ from flexdyn.records.repairs import repairs_of
 from flexdyn.records.table import check_name
 from flexdyn.records.units import SIGNALS
 
-TOP_KEYS = ("flexdyn_map", "source", "time", "joints", "channels", "couplings", "others", "repair")
+TOP_KEYS = ("flexdyn_map", "source", "time", "joints", "channels", "computed", "couplings", "others", "repair")
 CHANNEL_KEYS = tuple("from" if item.name == "source" else item.name for item in fields(Channel) if item.name != "name")
 JOINT_KEYS = ("gear_ratio", "torque_constant", "counts_per_turn", "prismatic")
 
@@ -100,6 +103,7 @@ def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
         keep,
         repairs_of(entry.get("repair", [])),
         layout_of(entry.get("source", {})),
+        _computed(entry.get("computed", {}), channels, keep=keep),
     )
     _check_numbered(made)
     units_of(made, conversions_of(made, {}))  # and again with what the file states when that is known
@@ -127,15 +131,34 @@ def _channels(entries: Any, joints: Any) -> tuple[tuple[Channel, ...], tuple[str
     return channels, tuple(joint for joint, numbers in shared.items() if numbers.get("prismatic"))
 
 
-def _check_channel_name(name: Any) -> None:
+def _computed(entries: Any, channels: tuple[Channel, ...], *, keep: bool) -> tuple[tuple[str, Expression], ...]:
+    """Channels with their expressions, each of channels before it; with others: keep, of those of the file too."""
+    check_keys(entries, list(entries) if isinstance(entries, Mapping) else (), key="computed")
+    known = [channel.name for channel in channels]
+    found = []
+    for name, text in entries.items():
+        key = f"computed.{name}"
+        _check_channel_name(name, "computed")
+        if name in known:
+            remedy = "give it another name in channels: it is carried along under that"
+            raise InputError("the channel is there already", key=key, value=text, remedy=remedy)
+        expression = expression_of(text, key)
+        if not keep:
+            check_names(expression, tuple(known), key)
+        found.append((name, expression))
+        known.append(name)
+    return tuple(found)
+
+
+def _check_channel_name(name: Any, where: str = "channels") -> None:
     try:
         check_name(name)
     except InputError as error:
-        raise InputError(error.problem, key="channels", value=name, remedy=error.remedy) from None
+        raise InputError(error.problem, key=where, value=name, remedy=error.remedy) from None
     signal, dot, _ = name.partition(".")
     if dot and signal not in SIGNALS and signal.lower() in SIGNALS:
         remedy = f"did you mean '{signal.lower()}'?"
-        raise InputError("no such signal", key=f"channels.{name}", value=signal, remedy=remedy)
+        raise InputError("no such signal", key=f"{where}.{name}", value=signal, remedy=remedy)
 
 
 def _joint(joint: str, numbers: Any) -> dict[str, Any]:

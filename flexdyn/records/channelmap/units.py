@@ -9,7 +9,7 @@ from flexdyn.records.channelmap.convert import Conversion, conversion
 from flexdyn.records.channelmap.description import Channel, ChannelMap, column_name
 from flexdyn.records.channelmap.known_units import SLIDING
 from flexdyn.records.table import Table
-from flexdyn.records.units import PRISMATIC, SIGNALS
+from flexdyn.records.units import PRISMATIC, SIGNALS, split_name
 
 
 def conversions_of(channel_map: ChannelMap, stated: Mapping[str, str | None]) -> list[Conversion]:
@@ -63,4 +63,9 @@ def units_of(channel_map: ChannelMap, conversions: Sequence[Conversion]) -> dict
         unit = PRISMATIC.get(unit, unit) if slides else unit
         if unit and unit != SIGNALS.get(channel.signal):
             units[channel.name] = unit
+    for name, _ in channel_map.computed:
+        signal, joint = split_name(name) or ("", "")
+        if signal and told.get(joint, (False, ""))[0]:
+            unit = SIGNALS[signal]
+            units[name] = PRISMATIC.get(unit, unit)
     return units

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.column_names import split_unit
-from flexdyn.records.csv.dialect import Dialect
+from flexdyn.records.csv.dialect import NOTHING, Dialect
 from flexdyn.records.csv.guess import dialect_of
 from flexdyn.records.csv.rows import Block, Header
 from flexdyn.records.csv.stamps import Stamps, is_stamp
@@ -101,9 +102,15 @@ def _every(start: _Start, request: Request) -> Header:
             units[key] = unit
     if names[0] == "" and "t" not in wanted and first and is_stamp(first[0]):
         wanted = {"t": 0, **wanted}  # pandas with an index of times
-    if not request.mapped:
-        check_time_named(wanted if "t" in wanted else names)
+    if not request.mapped and "t" not in wanted:
+        check_time_named(names, _with_gaps(dialect, names, start.samples[1]))
     return _header(dialect, len(names), names, wanted, start, units, request.layout)
+
+
+def _with_gaps(dialect: Dialect, names: tuple[str, ...], lines: list[str]) -> set[str]:
+    """Columns in which cells of these lines hold nothing."""
+    rows = (dialect.split(line) for line in lines)
+    return {name for row in rows for name, cell in zip(names, row, strict=False) if re.fullmatch(NOTHING, cell)}
 
 
 def _channel(name: str, request: Request) -> tuple[str, str]:

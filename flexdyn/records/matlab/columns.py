@@ -18,10 +18,14 @@ import numpy.typing as npt
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.meta import from_json
 from flexdyn.records.request import Request
+from flexdyn.records.suggestion import columns_of_arrays, suggested_map
 from flexdyn.records.table import Rows, Table, as_floats, check_name
 
 KEY = "flexdyn"
 """Variable of text that says which channel lies where, in order, and keeps meta."""
+
+MOST_SHOWN = 12
+"""Variables that an error lists."""
 
 _COLUMN = re.compile(r"(?P<path>[^()]+?)\s*(?:\(\s*(?P<row>:|[0-9]{1,9})\s*,\s*(?P<column>:|[0-9]{1,9})\s*\))?")
 
@@ -58,6 +62,7 @@ class Columns:
         self._seen: list[str] = []
         self._misfit: InputError | None = None
         self._text = ""
+        self._shapes: dict[str, tuple[int, ...]] = {}
 
     def wants(self, variable: str) -> bool:
         """Whether a variable is or holds something that is to be read; one that does not is remembered by its name."""
@@ -70,6 +75,8 @@ class Columns:
         """Read what is wanted of these."""
         for leaf in leaves:
             self._seen.append(str(leaf))
+            if leaf.kind == "numbers" and len(self._shapes) < MOST_SHOWN and leaf.name.isprintable():
+                self._shapes[leaf.name] = leaf.shape
             if self._asked is not None:
                 self._take_asked(leaf, self._asked)
             elif leaf.name == KEY and leaf.kind == "text":
@@ -98,8 +105,10 @@ class Columns:
     def _check_convention(self) -> None:
         table = self._table
         if "t" not in table.columns:
-            there = ", ".join(self._seen[:12]) + (", ..." if len(self._seen) > 12 else "")
-            remedy = f"name the column of time [s] t, or say in a channel map where it is; there are {there or 'none'}"
+            there = ", ".join(self._seen[:MOST_SHOWN]) + (", ..." if len(self._seen) > MOST_SHOWN else "")
+            suggested = suggested_map(columns_of_arrays(self._shapes))
+            told = f"what the columns are (--map), such as {suggested}" if suggested else "where it is"
+            remedy = f"name the column of time [s] t, or say in a channel map {told}; there are {there or 'none'}"
             raise InputError("no column t", key="t", remedy=remedy, channel="t")
         if self._misfit is not None:
             raise self._misfit

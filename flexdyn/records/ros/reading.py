@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -116,13 +117,21 @@ def _topic(bag: Bag, request: Request) -> str:
         return able[0]
     types = listed(f"{topic.name} ({topic.msgtype})" for topic in bag.topics.values()) or "none"
     if able:
-        problem, remedy = (
-            "several topics could be read",
-            "choose one in a channel map, source: {topic: ...}, others: keep; there are ",
-        )
+        states = [topic.name for topic in filled if topic.msgtype.endswith("/JointState") and topic.name in able]
+        together = f", or name the fields of several, such as {_together(*states[:2])}" if len(states) > 1 else ""
+        problem = "several topics could be read"
+        remedy = f"choose one in a channel map, source: {{topic: ...}}, others: keep{together}; there are "
     else:
         problem, remedy = "no topic of joint states", "name topic and columns in a channel map; there are "
     raise InputError(problem, remedy=remedy + (listed(able) if able else types))
+
+
+def _together(first: str, second: str) -> str:
+    """A map of two topics of joint states, the second one that of motors (ROS has no message of currents)."""
+    if re.search("cur|mot|eff|torq|tau", first) and not re.search("cur|mot|eff|torq|tau", second):
+        first, second = second, first
+    channels = f"{{q.JOINT: {first}.position.JOINT, tau.JOINT: {second}.effort.JOINT}}"
+    return f"{{flexdyn_map: 1, channels: {channels}}}"
 
 
 def _known(bag: Bag, name: str) -> str:

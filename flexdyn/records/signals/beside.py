@@ -1,0 +1,97 @@
+"""Recordings side by side: positions in one file, currents in another, at one file's times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.errors import InputError
+from flexdyn.records.meta import as_plain
+from flexdyn.records.signals.gaps import in_gaps
+from flexdyn.records.table import FloatArray, Table
+
+if TYPE_CHECKING:
+    from flexdyn.records.recording import Recording
+
+METHODS = ("linear", "hold")
+"""``linear``: on the straight line between two samples; ``hold``: as the last sample said."""
+START = "start_ns"
+"""Key of a recording's meta: the time of day of its zero [ns]."""
+
+
+def beside(first: Recording, others: Sequence[Recording], method: str = "linear") -> Recording:
+    """The channels of several recordings as one, at the times of the first.
+
+    Where two files tell the time of day of their start, that aligns them; else their times are taken to be of one
+    clock, which ``rec.shifted`` corrects beforehand. Times at which another recording has no samples on both sides,
+    or a gap, are left out: nothing is made up there. How each was aligned stands in ``meta["notes"]``.
+
+    Args:
+        first: whose times hold.
+        others: with other channels.
+        method: between their samples: ``linear``, or ``hold``.
+
+    Raises:
+        InputError: no such method, a channel that two of them have, or no two times in common.
+    """
+    if method not in METHODS:
+        raise InputError("no such method", key="method", value=method, remedy="known: " + ", ".join(METHODS))
+    columns: dict[str, FloatArray] = {"t": first.t, **first.channels}
+    meta = as_plain(first.meta)
+    units, notes = dict(meta.get("units", {})), list(meta.get("notes", ()))
+    kept = np.ones(len(first), bool)
+    for other in others:
+        for name in other.channels:
+            if name in columns:
+                remedy = "leave it out of one of them, by a channel map"
+                raise InputError(
+                    f"{_named(first)} and {_named(other)} both have it", key=name, remedy=remedy, channel=name
+                )
+        t, clock = _on_the_clock_of(first, other)
+        kept &= (first.t >= t[0]) & (first.t <= t[-1]) & ~in_gaps(t, first.t)
+        columns |= {name: _at(first.t, t, values, method) for name, values in other.channels.items()}
+        units |= as_plain(other.meta).get("units", {})
+        notes += [*as_plain(other.meta).get("notes", ()), _said(first, other, t, method, clock)]
+    if kept.sum() < 2:
+        spans = "; ".join(f"{_named(each)} {each.t[0]:.6g} to {each.t[-1]:.6g} s" for each in (first, *others))
+        remedy = "shift one of them: time: {shift: SECONDS} in its channel map"
+        raise InputError("the recordings have no two times in common", key="t", value=spans, remedy=remedy)
+    notes.append(f"{int(kept.sum())} of {len(first)} samples of {_named(first)} are common")
+    chosen = {name: np.array(values[kept]) for name, values in columns.items()}
+    known = meta | {"notes": notes} | ({"units": units} if units else {})
+    return type(first).from_table(Table(chosen, known), "+".join(each.name for each in (first, *others) if each.name))
+
+
+def _on_the_clock_of(first: Recording, other: Recording) -> tuple[FloatArray, str]:
+    """Times of a recording on the clock of another, and in words why they are."""
+    began, later = (each.meta.get(START) for each in (first, other))
+    if isinstance(began, int) and isinstance(later, int):
+        late = (later - began) / 1e9
+        return np.asarray(other.t + late), f"by the time of day: it started {late:.6g} s later"
+    return other.t, "both clocks are taken to be one"
+
+
+def _at(times: FloatArray, t: FloatArray, values: FloatArray, method: str) -> FloatArray:
+    if method == "linear":
+        return np.asarray(np.interp(times, t, values))
+    slack = 1e-3 * float(np.median(np.diff(t)))  # clocks round
+    row: npt.NDArray[np.intp] = np.clip(np.searchsorted(t, times + slack, "right") - 1, 0, None)
+    return np.asarray(values[row])
+
+
+def _said(first: Recording, other: Recording, t: FloatArray, method: str, clock: str) -> str:
+    """How one was aligned, in a sentence."""
+    right = np.clip(np.searchsorted(t, first.t), 1, len(t) - 1)
+    off = np.minimum(np.abs(first.t - t[right - 1]), np.abs(first.t - t[right]))
+    how = "on straight lines between its samples" if method == "linear" else "each sample held to the next"
+    return (
+        f"{_named(other)} ({other.rate:.4g} Hz) was put on the times of {_named(first)} ({first.rate:.4g} Hz), {how};"
+        f" {clock}; its samples are {1e3 * float(np.median(off)):.3g} ms from these times in the median"
+    )
+
+
+def _named(rec: Recording) -> str:
+    return rec.name or "a recording"

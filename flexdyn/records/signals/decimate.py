@@ -1,0 +1,79 @@
+"""A recording at a lower rate, behind a filter that lets nothing fold down."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from flexdyn.errors import InputError
+from flexdyn.records.signals.cut import made
+from flexdyn.records.signals.gaps import gap_rows
+from flexdyn.records.table import FloatArray
+from flexdyn.records.units import split_name
+
+if TYPE_CHECKING:
+    from flexdyn.records.recording import Recording
+
+HELD = ("tau", "tau_applied")
+"""Signals that are held from each sample to the next (contract, section 4)."""
+REACH = 20
+"""Samples kept that the filter reaches to either side."""
+JITTER = 0.02
+"""Share of a sample by which stamps may stray from a uniform clock."""
+
+
+def decimated(rec: Recording, factor: int) -> Recording:
+    """One sample of so many, of filtered signals.
+
+    What is sampled goes through a symmetric FIR filter (`scipy.signal.firwin`, Hamming window, half amplitude at half
+    of the new rate, as of `scipy.signal.decimate` and twice as steep): it moves nothing in time, and takes what would
+    fold down. What is held takes its mean over the samples that become one, which keeps its impulse. Samples at
+    either end that the filter does not cover are dropped, 20 of the new ones.
+
+    Args:
+        rec: the recording, of a uniform clock.
+        factor: samples that become one, 1 or more.
+
+    Raises:
+        InputError: no such factor, gaps, a clock that is not uniform, or too few samples.
+    """
+    if isinstance(factor, bool) or not isinstance(factor, int) or factor < 1:
+        raise InputError("a whole number of samples is needed", key="factor", value=factor)
+    if factor == 1:
+        return rec
+    _check_clock(rec)
+    kept = np.arange(REACH * factor, len(rec) - REACH * factor, factor)
+    kept = kept[kept + factor <= len(rec)]
+    if len(kept) < 2:
+        problem = f"{len(rec)} samples are too few for a filter over {2 * REACH * factor + 1}"
+        raise InputError(problem, key="factor", value=factor, remedy="give a smaller one")
+    columns = {"t": rec.t[kept]}
+    for name, values in rec.channels.items():
+        held = (split_name(name) or ("",))[0] in HELD
+        columns[name] = _means(values, kept, factor) if held else _filtered(values, kept, factor)
+    return made(rec, columns)
+
+
+def _filtered(values: FloatArray, kept: npt.NDArray[np.intp], factor: int) -> FloatArray:
+    from scipy.signal import firwin, resample_poly
+
+    taps = firwin(2 * REACH * factor + 1, 1.0 / factor, window="hamming")
+    level = values[0]  # taken off, so that small motions far from zero keep their digits
+    low = resample_poly(values - level, 1, factor, window=taps, padtype="line")
+    return np.asarray(low[kept // factor] + level)
+
+
+def _means(values: FloatArray, kept: npt.NDArray[np.intp], factor: int) -> FloatArray:
+    return np.asarray(values[kept[:, None] + np.arange(factor)].mean(axis=1))
+
+
+def _check_clock(rec: Recording) -> None:
+    if len(gap_rows(rec.t)):
+        raise InputError("there are gaps in time", key="t", remedy="take the pieces between them: rec.split(gaps=...)")
+    steps = np.diff(rec.t)
+    even = rec.t[0] + rec.duration / len(steps) * np.arange(len(rec))
+    if float(np.abs(rec.t - even).max()) > JITTER * rec.duration / len(steps):
+        remedy = f"resample it first: rec.resample(rate={1.0 / float(np.median(steps)):.6g})"
+        raise InputError("the clock is not uniform", key="t", remedy=remedy)

@@ -1,0 +1,28 @@
+"""The player's page within a notebook."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+
+@dataclass(frozen=True, repr=False)
+class Inline:
+    """A page that a notebook shows in a frame of its own, which has no access to the notebook.
+
+    Attributes:
+        text: of the page.
+        height: of the frame [px].
+    """
+
+    text: str
+    height: int
+
+    def _repr_html_(self) -> str:
+        """The frame, with the page in it."""
+        style = f"width:100%;height:{self.height}px;border:0"
+        return f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{escape(self.text)}"></iframe>'
+
+    def __repr__(self) -> str:
+        """What it is, where there is no notebook."""
+        return f"<Inline: a page of {len(self.text) / 1e6:.1f} MB for a notebook; fd.play(run) opens the browser>"

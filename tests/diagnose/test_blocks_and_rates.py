@@ -1,0 +1,122 @@
+"""What a diagnosis does with recordings as they come: blocks kept apart, short ones, fast and slow ones."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.data.rate import advice, at_needed_rates
+from flexdyn.diagnose.decision.blocks import checked_blocks, without_blocks
+from flexdyn.diagnose.decision.split import parts
+from flexdyn.errors import InputError
+
+T = np.arange(1001) / 100.0
+REC = fd.Recording(T, {"q.elbow": np.sin(T)}, name="log")
+
+
+def spans(recordings: tuple[fd.Recording, ...]) -> list[tuple[float, float]]:
+    """First and last times [s]."""
+    return [(float(rec.t[0]), float(rec.t[-1])) for rec in recordings]
+
+
+@cache
+def swing(seconds: float, rate: float) -> fd.Recording:
+    """The two-link arm with dry friction in the elbow, under tracking, with noise."""
+    model = stiff_arm().replace(effects=[fd.effects.CoulombFriction("elbow", side="motor", level=0.6)])
+    t = np.arange(round(seconds * rate) + 1) / rate
+    sway = np.stack([0.6 * np.cos(2.1 * t) + 0.2 * np.cos(7 * t), 0.5 * np.cos(2.4 * t) + 0.2 * np.sin(6 * t)], axis=1)
+    command = fd.PD(fd.Samples(t, sway, "cubic"), kp=400, kd=20, rate=rate)
+    run = fd.simulate(model, command, q0=sway[0], v0=[0.0, 1.2], rate=rate)
+    rng, log = np.random.default_rng(0), run.to_recording()
+    names = [f"{signal}.{joint}" for signal in ("q", "tau") for joint in model.joint_names]
+    noise = {"q": 2e-6, "tau": 0.02}
+    return fd.Recording(t, {x: log[x] + rng.normal(0.0, noise[x.split(".")[0]], t.size) for x in names}, name="swing")
+
+
+@cache
+def stiff_arm() -> fd.FlexibleJointModel:
+    """Rigid joints with rotors."""
+    return fd.load_model("scara_two_link").replace(joints={"*": {"rotor_inertia": 4e-5, "gear_ratio": 50}}, effects=[])
+
+
+def test_blocks_are_cut_out_of_every_recording() -> None:
+    """Not a sample is in both; pieces before, between and behind are fitted."""
+    fit, test = without_blocks([REC], [(2.0, 3.5), (6.0, 7.0)])
+    assert spans(fit) == [(0.0, 1.99), (3.51, 5.99), (7.01, 10.0)]
+    assert spans(test) == [(2.0, 3.5), (6.0, 7.0)]
+    assert sum(map(len, (*fit, *test))) == len(REC)
+
+
+def test_short_pieces_are_left_out_and_said() -> None:
+    """Half a second before a block."""
+    with pytest.warns(fd.RecordingWarning, match=r"log: 0\.49 s from t = 0 s on are too short to fit"):
+        fit, _ = without_blocks([REC], [(0.5, 2.0)])
+    assert spans(fit) == [(2.01, 10.0)]
+
+
+def test_blocks_that_make_no_sense() -> None:
+    """Each in one line."""
+    for given, match in (
+        ("1:2", "blocks are needed"),
+        ([1.0, 2.0], "a block is a first and a last time"),
+        ([(1.0, float("nan"))], "a block is a first and a last time"),
+        ([(1.0, 1.5)], r"a block of 0\.5 s is too short"),
+    ):
+        with pytest.raises(InputError, match=f"hold_out: {match}"):
+            checked_blocks(given)
+    with pytest.raises(InputError, match=r"hold_out: no recording has 1 s in this block.*log 0 to 10 s"):
+        without_blocks([REC], [(9.5, 12.0)])
+    with pytest.raises(InputError, match=r"hold_out: nothing is left"):
+        without_blocks([REC], [(0.0, 12.0)])
+
+
+def test_a_diagnosis_with_a_block_kept_apart() -> None:
+    """The block is test data and nothing else is; what is missing is found in the rest."""
+    found = fd.diagnose(stiff_arm(), swing(6.0, 200.0), hold_out=[(2.0, 3.5)], progress=False)
+    told = [(each.role, round(each.start, 2), round(each.end, 2)) for each in found.data]
+    assert told == [("fit", 0.0, 2.0), ("fit", 3.5, 6.0), ("test", 2.0, 3.5)]
+    assert [(each.suspect.effect, each.suspect.joint) for each in found.findings] == [("coulomb_friction", "elbow")]
+
+
+def test_short_recordings_add_up() -> None:
+    """Pieces of 1.2 s, none of which could be cut: the last ones are test data as they are."""
+    pieces = swing(6.0, 200.0).split(at=[1.2, 2.4, 3.6, 4.8])
+    fit, test = parts(stiff_arm(), pieces)
+    assert [len(fit), len(test)] == [4, 1]
+    found = fd.diagnose(stiff_arm(), pieces, progress=False)
+    assert [(each.suspect.effect, each.suspect.joint) for each in found.findings] == [("coulomb_friction", "elbow")]
+
+
+def test_one_recording_that_is_too_short_says_what_would_do() -> None:
+    """2 s without test data leave 1 s to fit."""
+    with pytest.raises(InputError, match=r"hardly anything moves.*1\.5 s of motion to fit.*add up"):
+        fd.diagnose(stiff_arm(), swing(6.0, 200.0).trim(0.0, 2.0), progress=False)
+
+
+def test_fast_recordings_are_decimated_and_it_is_said() -> None:
+    """Above 2500 Hz, to 1000 Hz or more; slower ones are handed on as they are."""
+    fast, usual = swing(1.0, 7000.0), swing(6.0, 200.0)
+    taken, said = at_needed_rates([fast, usual])
+    assert taken[0].rate == pytest.approx(1000.0)
+    assert taken[1] is usual
+    (sentence,) = said
+    assert sentence.startswith(
+        "swing was recorded at 7000 Hz and is used at 1000 Hz: its positions through a symmetric"
+    )
+
+
+def test_advice_on_slow_recordings() -> None:
+    """Below 100 Hz, and where a spring's vibration is not sampled."""
+    model = stiff_arm()
+    assert list(advice(model, [measured(model, swing(6.0, 200.0))])) == []
+    slow = fd.Recording(swing(6.0, 200.0).t[::4], {x: y[::4] for x, y in swing(6.0, 200.0).items()}, name="slow")
+    (said,) = advice(model, [measured(model, slow)])
+    assert said.startswith("slow has 50 samples in a second")
+    elastic = model.replace(joints={"*": {"rotor_inertia": 4e-5, "gear_ratio": 50, "stiffness": 4e4}})
+    (told,) = advice(elastic, [measured(elastic, swing(6.0, 200.0))])
+    assert told.startswith("elbow vibrates at about ")
+    assert "against its spring, and swing has 200 samples in a second: record at" in told
