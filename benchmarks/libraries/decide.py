@@ -15,6 +15,7 @@ import importlib
 import json
 import sys
 import warnings
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,8 @@ def main() -> int:
             warnings.simplefilter("ignore")  # what a reader guesses is beside the point here
             found = importlib.import_module(part).compare(options.data)
         made[part] = [each.to_dict() for each in ([found] if isinstance(found, Comparison) else found)]
-    results = {"parts": {part: made[part] for part in PARTS if part in made}}
+    versions = {name: version(name) for name in ("pandas", "pyarrow", "rosbags", "zarr")}
+    results = {"libraries": versions, "parts": {part: made[part] for part in PARTS if part in made}}
     print(libraries_table(results))
     if options.o:
         write_results(options.o, "python benchmarks/libraries/decide.py", results)
