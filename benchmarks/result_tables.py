@@ -193,3 +193,16 @@ def _taken(row: Mapping[str, Any]) -> str:
 
 def _size(number: float) -> str:
     return "0" if number == 0.0 else f"{number:.0e}"
+
+
+def libraries_table(results: Mapping[str, Any]) -> str:
+    """Libraries beside our own code: where each is wrong, who is faster, and what is kept."""
+    header = ["task", "library", "right: ours", "right: library", "time of the library / ours", "kept", "because"]
+    rows = []
+    for found in [each for part in results["parts"].values() for each in part]:
+        cases, times = found["cases"], found["library_time_over_ours"].values()
+        right = [f"{sum(not case[who] for case in cases)} of {len(cases)}" for who in ("ours", "library")]
+        spread = f"{min(times):.1f} to {max(times):.1f}" if len(times) > 1 else "".join(f"{each:.1f}" for each in times)
+        because = "; ".join(found["reasons"]) or "right, and not slower than that"
+        rows.append([found["task"], found["library"], *right, spread or "-", found["decision"], because])
+    return markdown_table(header, rows, text=7)

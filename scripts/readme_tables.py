@@ -32,6 +32,7 @@ from result_tables import (  # noqa: E402
     accuracy_table,
     discovery_table,
     effect_checks_table,
+    libraries_table,
     markdown_table,
     measured_names_table,
     measured_table,
@@ -64,6 +65,11 @@ def measured() -> str:
 def measured_names() -> str:
     """The same robots with the names alone."""
     return measured_names_table(_measured())
+
+
+def libraries() -> str:
+    """Libraries beside our own code."""
+    return libraries_table(_results("libraries"))
 
 
 _NO_SIDE = {"inertia": "link", "model": "any"}
@@ -134,6 +140,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "effects": effects,
     "effect_checks": effect_checks,
     "formats": formats,
+    "libraries": libraries,
     "measured": measured,
     "measured_names": measured_names,
     "robots": robots,

@@ -54,6 +54,7 @@ TABLES = [
     "effects",
     "effect_checks",
     "formats",
+    "libraries",
     "measured",
     "measured_names",
     "robots",
@@ -168,3 +169,17 @@ def test_results_say_how_they_were_made(name: str) -> None:
     assert {"flexdyn", "pin", "numpy", "scipy", "mujoco", "python"} <= results["versions"].keys()
     assert results["date"].count("-") == 2
     assert [bound["name"] for bound in results["bounds"] if not bound["passed"]] == []
+
+
+def test_our_own_code_stays_only_for_the_reasons_that_count() -> None:
+    """It is right on every input, and the library is wrong on one, more than twice slower or an extra."""
+    results = json.loads((ROOT / "benchmarks" / "results" / "libraries.json").read_text(encoding="utf-8"))
+    for each in [one for part in results["parts"].values() for one in part]:
+        assert not [case["name"] for case in each["cases"] if case["ours"]], each["task"]
+        wrong = any(case["library"] for case in each["cases"])
+        slow = any(ratio > 2.0 for ratio in each["library_time_over_ours"].values())
+        extra = any("extra" in reason for reason in each["reasons"])
+        assert each["decision"] == ("ours" if wrong or slow or extra else "library"), each["task"]
+        assert bool(each["reasons"]) == (each["decision"] == "ours")
+        if each["decision"] == "ours":
+            assert importlib.util.find_spec(each["ours"]) is not None

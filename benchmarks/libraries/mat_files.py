@@ -5,8 +5,12 @@ Right on a sound file: the same numbers from both. Right on a damaged one: an er
 
 from __future__ import annotations
 
+import contextlib
 import os
+import resource
 import tempfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +18,14 @@ import numpy as np
 import scipy.io
 from comparison import Case, Comparison, times_of
 
-from flexdyn.errors import InputError
 from flexdyn.records.matlab import file as mat_file
 from flexdyn.records.request import Request
 
-FLIPPED = 500
-"""Bytes of the damaged file, of which one bit at a time is changed."""
+FLIPPED, HEADER = 500, 128
+"""Bytes of the damaged file, of which one bit at a time is changed; they follow the header."""
+
+MEMORY = 4 * 2**30
+"""That a process may take which reads a damaged file [bytes]."""
 
 
 def compare(data: Path) -> Comparison:
@@ -74,27 +80,39 @@ def _damaged(folder: Path) -> list[Case]:
     path = folder / "log.mat"
     scipy.io.savemat(path, _log(3), oned_as="column")
     sound = path.read_bytes()
-    ended = {"ours": 0, "library": 0}
-    count = min(FLIPPED, len(sound) - 128)
-    for k in range(count):
-        changed = bytearray(sound)
-        changed[128 + k] ^= 1 << k % 8
-        path.write_bytes(changed)
-        ended["ours"] += _ends(lambda: _read(path))
-        ended["library"] += _ends(lambda: scipy.io.loadmat(path))
-    told = {name: f"{times} of {count} end the interpreter" if times else "" for name, times in ended.items()}
-    return [Case(f"one bit changed in one of the first {count} bytes", told["ours"], told["library"])]
+    count = min(FLIPPED, len(sound) - HEADER)
+    told = []
+    for read in (_read, scipy.io.loadmat):
+        ended, k = 0, 0
+        while k < count:
+            k = _survived(partial(_flip_and_read, path, sound, read), k, count)
+            ended += k < count
+            k += 1
+        told.append(f"{ended} of {count} end the interpreter" if ended else "")
+    return [Case(f"one bit changed in one of the first {count} bytes", *told)]
 
 
-def _ends(work: Any) -> bool:
-    """Whether a piece of work ends its process by a signal."""
+def _flip_and_read(path: Path, sound: bytes, read: Callable[[Path], Any], k: int) -> None:
+    changed = bytearray(sound)
+    changed[HEADER + k] ^= 1 << k % 8
+    path.write_bytes(changed)
+    with contextlib.suppress(Exception):
+        read(path)
+
+
+def _survived(work: Callable[[int], None], first: int, end: int) -> int:
+    """The first number from which on a process does not survive its work; `end` where it does them all."""
+    reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
-        quiet = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(quiet, 2)
-        try:
-            work()
-        except BaseException as error:
-            os._exit(2 if isinstance(error, InputError) else 1)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # sizes that are not there are refused at once
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        for k in range(first, end):
+            os.write(writer, b".")
+            work(k)
         os._exit(0)
-    return os.WIFSIGNALED(os.waitpid(child, 0)[1])
+    os.close(writer)
+    with os.fdopen(reader, "rb") as pipe:
+        begun = len(pipe.read())
+    return first + begun - 1 if os.WIFSIGNALED(os.waitpid(child, 0)[1]) else end

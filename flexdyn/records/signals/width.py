@@ -8,7 +8,7 @@ import numpy.typing as npt
 from flexdyn.errors import InputError
 from flexdyn.records.signals.kernels import DIFFERENCE_REACH, kernels
 from flexdyn.records.signals.noise import Noise
-from flexdyn.records.signals.noise_spectrum import blackman_harris
+from flexdyn.records.signals.noise_spectrum import window_of
 from flexdyn.records.signals.smooth import ORDERS, Smoother
 from flexdyn.records.table import FloatArray
 
@@ -74,16 +74,18 @@ def _response(smoother: Smoother, length: int) -> FloatArray:
 
 def _spectra(x: FloatArray, noise: Noise, length: int) -> tuple[FloatArray, FloatArray]:
     """Power of motion and noise per bin, both from segments of second differences under Blackman-Harris windows."""
+    from scipy.signal import welch
+
     moved = np.diff(x, 2)
-    starts = np.arange(0, len(moved) - length + 1, length // 2)
-    window = blackman_harris(length)
-    power = np.mean([np.abs(np.fft.rfft(moved[k : k + length] * window)) ** 2 for k in starts], axis=0)
+    segments = (len(moved) - length) // (length // 2) + 1
+    _, both = welch(moved, window=window_of(length), nperseg=length, detrend=False, return_onesided=False)
+    power = both[: length // 2 + 1]
     sine = 2 * np.sin(np.pi * np.arange(length // 2 + 1) / length)
     sine[0] = sine[1]
-    total = power / float(np.sum(window**2)) / sine**4
+    total = power / sine**4
     noisy = _noise_power(noise, length)
     around = np.convolve(total, np.full(_AROUND, 1 / _AROUND), "same")
-    significant = around > noisy * (1 + 4 / np.sqrt(len(starts) * _AROUND / 3))
+    significant = around > noisy * (1 + 4 / np.sqrt(segments * _AROUND / 3))
     return np.where(significant, total - noisy, 0.0), noisy
 
 
