@@ -159,7 +159,7 @@ def test_nothing_is_left_when_the_program_ends(file: Path) -> None:
         "os._exit(0) if sys.argv[2] == 'sudden' else None"
     )
     for way in ("sudden", "orderly"):
-        command = [sys.executable, "-W", "error", "-c", code, file, way]
+        command = [sys.executable, "-W", "error", "-c", code, str(file), way]
         done = subprocess.run(command, capture_output=True, text=True, check=True)
         assert done.stderr == ""
         pid = int(done.stdout)
