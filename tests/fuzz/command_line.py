@@ -98,7 +98,10 @@ def _value(rng: random.Random, option: str) -> str:
         return rng.choice(("1000", "0", "-1", "nan", "inf", "x", "1e300"))
     if option == "--step":
         return rng.choice(("1e-4", "1e-3", "10", "0", "-1", "nan", "inf", "x", "1e300"))
-    fitting = {"--solver": ("auto", "TimeStepping", "RungeKutta4", "DormandPrince"), "--view": ("phase", "torques", "x")}
+    fitting = {
+        "--solver": ("auto", "TimeStepping", "RungeKutta4", "DormandPrince"),
+        "--view": ("phase", "torques", "x"),
+    }
     return rng.choice((*fitting.get(option, VALUES), *fitting.get(option, VALUES), *WORDS, *NUMBERS))
 
 
