@@ -39,7 +39,11 @@ def main() -> int:
         tally = run(target, round(given.inputs * target.share / share), given.seed, folder)
         tallies.append(tally)
         took = time.monotonic() - begin
-        print(f"{target.name}: {tally.inputs} inputs in {took:.0f} s, {tally.bad} faults", file=sys.stderr, flush=True)
+        print(
+            f"{target.name}: {tally.inputs} inputs in {took:.0f} s, {tally.bad} faults, slowest {tally.slowest_input}",
+            file=sys.stderr,
+            flush=True,
+        )
         for where, count in tally.faults.most_common():
             print(f"    {count or '':>6} {where}", file=sys.stderr, flush=True)
     print(table(tallies))

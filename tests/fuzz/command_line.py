@@ -98,10 +98,8 @@ def _value(rng: random.Random, option: str) -> str:
         return rng.choice(("1000", "0", "-1", "nan", "inf", "x", "1e300"))
     if option == "--step":
         return rng.choice(("1e-4", "1e-3", "10", "0", "-1", "nan", "inf", "x", "1e300"))
-    fitting = {
-        "--solver": ("auto", "TimeStepping", "RungeKutta4", "DormandPrince"),
-        "--view": ("phase", "torques", "x"),
-    }
+    solvers = ("auto", "TimeStepping", "RungeKutta4", "DormandPrince")
+    fitting = {"--solver": solvers, "--view": ("phase", "torques", "x")}
     return rng.choice((*fitting.get(option, VALUES), *fitting.get(option, VALUES), *WORDS, *NUMBERS))
 
 

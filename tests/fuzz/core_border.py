@@ -15,19 +15,20 @@ import flexdyn as fd
 LENGTHS = (0, 1, *(2,) * 12, 3, 7)
 KINDS = ("f8", "f8", "f8", ">f8", "f4", "i1", "u8", "c16", "bool", "O", "U3", "M8[s]", "g")
 NUMBERS = (0.0, -0.0, 1.0, -1.0, 1e-3, 1e3, 1e-12, 1e15, 1e-300, 1e300, 5e-324, 1.7e308, np.nan, np.inf, -np.inf)
-STRANGE: tuple[Any, ...] = (
-    None,
-    "x",
-    "equilibrium",
-    {},
-    {"elbow": 1.0},
-    {"x": 1.0},
-    {"elbow": None},
-    [],
-    [[]],
+STRANGE: tuple[Any, ...] = (None, "x", "equilibrium", {}, {"elbow": 1.0}, {"x": 1.0}, {"elbow": None}, [], [[]])
+STRANGE += (
     10**400,
+    object(),
+    True,
+    b"1",
+    1j,
+    np.ma.masked,
+    [1.0, None],
+    ["1", "2"],
+    [np.nan, 0.0],
+    lambda: 0,
+    slice(3),
 )
-STRANGE += (object(), True, b"1", 1j, np.ma.masked, [1.0, None], ["1", "2"], [np.nan, 0.0], lambda: 0, slice(3))
 STEPS = (1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)
 STIFFNESS = (0.0, 1e-12, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12, 1e15)
 

@@ -29,7 +29,7 @@ Mutator = Callable[[random.Random, Sequence[bytes]], bytes]
 def any_bytes(rng: random.Random, seeds: Sequence[bytes]) -> bytes:
     """One of the seeds with up to eight kinds of damage to its bytes."""
     data = bytearray(rng.choice(seeds))
-    for _ in range(1 + min(int(rng.expovariate(0.6)), 8)):
+    for _ in range(1 + min(int(rng.expovariate(0.8)), 8)):
         if not data:
             break
         rng.choice(_BYTES)(rng, data, seeds)
@@ -86,7 +86,7 @@ def any_text(rng: random.Random, seeds: Sequence[bytes]) -> bytes:
     if rng.random() < 0.1:
         return any_bytes(rng, seeds)
     text = rng.choice(seeds).decode()
-    for _ in range(1 + min(int(rng.expovariate(0.5)), 8)):
+    for _ in range(1 + min(int(rng.expovariate(1.0)), 8)):
         text = rng.choice(_TEXTS)(rng, text)
     return text.encode("utf-8", "surrogatepass")[:200_000]
 

@@ -83,19 +83,19 @@ def _written(suffix: str) -> Callable[[Path], list[bytes]]:
 
 
 TARGETS = (
-    _reader("CSV", ".csv", corpus.tables, 20, any_text),
+    _reader("CSV", ".csv", corpus.tables, 26, any_text),
     _reader("NPZ", ".npz", _written(".npz"), 12, any_archive),
-    _reader("HDF5", ".h5", _written(".h5"), 5),
+    _reader("HDF5", ".h5", _written(".h5"), 3.5),
     _reader("Parquet", ".parquet", _written(".parquet"), 10),
-    _reader("MAT 5", ".mat", _written(".mat"), 14),
-    _reader("MAT 7.3", ".mat", corpus.mat73, 3),
+    _reader("MAT 5", ".mat", _written(".mat"), 17),
+    _reader("MAT 7.3", ".mat", corpus.mat73, 2),
     _reader("ROS 1 bag", ".bag", corpus.ros1, 5),
     _reader("MCAP", ".mcap", corpus.mcap, 5),
     _reader("ROS 2 bag", ".db3", corpus.db3, 4),
-    Target("model", ".yaml", corpus.models, any_text, _model, 5),
+    Target("model", ".yaml", corpus.models, any_text, _model, 3),
     Target("URDF", ".urdf", lambda folder: [corpus.URDF], any_text, _urdf, 8),
     Target("study", ".yaml", corpus.studies, any_text, _study, 1),
     Target("channel map", ".yaml", corpus.maps, any_text, _map, 4),
-    Target("command line", ".txt", command_line.prepare, a_number, command_line.run, 1, batch=200),
-    Target("border of the core", ".txt", lambda folder: [b""], a_number, core_border.run, 3, batch=500),
+    Target("command line", ".txt", command_line.prepare, a_number, command_line.run, 0.5, batch=200),
+    Target("border of the core", ".txt", lambda folder: [b""], a_number, core_border.run, 2, batch=500),
 )
