@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+_LONGEST_TEXT = 1_000_000
 _LONGEST_LINE = 1000
 _LONGEST_WORD = 120
 _LONG_WORD = re.compile(rf"\S{{{_LONGEST_WORD + 1},}}")
@@ -159,9 +160,9 @@ def one_line(text: str) -> str:
     Args:
         text: which may hold names out of a file.
     """
-    plain = " ".join(_printable(text[:_LONGEST_LINE]).split())
-    plain = _LONG_WORD.sub(lambda word: f"{word[0][: _LONGEST_WORD - 3]}...", plain)
-    return plain if len(text) <= _LONGEST_LINE else f"{plain[: _LONGEST_LINE - 3]}..."
+    plain = " ".join(_printable(text[:_LONGEST_TEXT]).split())
+    plain = _LONG_WORD.sub(lambda word: f"{word[0][:60]}...{word[0][-57:]}", plain)
+    return plain if len(plain) <= _LONGEST_LINE else f"{plain[: _LONGEST_LINE - 3]}..."
 
 
 def _clipped(text: str) -> str:

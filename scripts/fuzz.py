@@ -38,12 +38,8 @@ def main() -> int:
         begin = time.monotonic()
         tally = run(target, round(given.inputs * target.share / share), given.seed, folder)
         tallies.append(tally)
-        took = time.monotonic() - begin
-        print(
-            f"{target.name}: {tally.inputs} inputs in {took:.0f} s, {tally.bad} faults, slowest {tally.slowest_input}",
-            file=sys.stderr,
-            flush=True,
-        )
+        took = f"{tally.inputs} inputs in {time.monotonic() - begin:.0f} s"
+        print(f"{target.name}: {took}, {tally.bad} faults, slowest {tally.slowest_input}", file=sys.stderr, flush=True)
         for where, count in tally.faults.most_common():
             print(f"    {count or '':>6} {where}", file=sys.stderr, flush=True)
     print(table(tallies))

@@ -60,7 +60,7 @@ def test_groups_that_hold_themselves_come_to_an_end(tmp_path: Path) -> None:
         file["a/again"] = file["a"]
         file["a/again_too"] = file["a"]
         file["away"] = h5py.ExternalLink("other.h5", "/q")
-    with pytest.raises(InputError, match="the file has more than 10000 members"):
+    with pytest.raises(InputError, match="the file has more than 10000 columns"):
         fd.read_recording(path, map=channel_map(channels={"q.a": "a/q"}))
 
 

@@ -7,7 +7,7 @@ import os
 import resource
 import signal
 
-from flexdyn.records.table import MOST_BYTES, MOST_EXPANSION
+from flexdyn.records.bounds import most_bytes
 
 SECONDS = 10
 """Seconds of computing that any file may take; a good one of a megabyte takes about 0.01 s."""
@@ -34,7 +34,7 @@ def bytes_for(on_disk: int) -> int:
     Args:
         on_disk: bytes of the file.
     """
-    return BYTES + 2 * min(MOST_BYTES, MOST_EXPANSION * on_disk)
+    return BYTES + 2 * most_bytes(on_disk)
 
 
 def limit_this_process(seconds: int, memory: int) -> None:

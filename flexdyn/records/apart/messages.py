@@ -14,8 +14,9 @@ from typing import IO, Any
 import numpy as np
 
 from flexdyn.errors import FlexdynError, InputError
+from flexdyn.records.bounds import check_size
 from flexdyn.records.request import Layout, Request
-from flexdyn.records.table import Rows, Table, check_size
+from flexdyn.records.table import Rows, Table
 
 _LONGEST = 2**26
 _STRANGE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)

@@ -19,16 +19,16 @@ import numpy as np
 from flexdyn.errors import InputError, MissingExtra
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.array_columns import parts_of
+from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
-from flexdyn.records.table import RESERVED, Table, check_name, check_size, damage_named
+from flexdyn.records.table import RESERVED, Table, check_name, damage_named
 from flexdyn.records.units import SIGNALS
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 _LARGEST_CHUNK = 2**30
-_MOST_MEMBERS = 10_000
 _LONGEST_TEXT = 999
 
 
@@ -140,6 +140,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
             if not isinstance(dataset, h5py.Dataset):
                 raise InputError("the channel is no dataset", key=name, remedy="groups nest one deep", channel=name)
             seen.add(name)
+            check_count(len(seen))
             yield name, dataset
 
 
@@ -150,9 +151,7 @@ def _anywhere(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
     for path, group in groups:
         for link in group:
             met += 1
-            if met > _MOST_MEMBERS:
-                problem = f"the file has more than {_MOST_MEMBERS} members"
-                raise InputError(problem, remedy="copy the datasets wanted into a file of their own")
+            check_count(met)
             if not isinstance(group.get(link, getlink=True), h5py.HardLink):
                 continue
             node = group[link]

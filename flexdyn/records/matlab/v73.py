@@ -14,14 +14,14 @@ import numpy as np
 
 from flexdyn.errors import InputError
 from flexdyn.records.apart.caller import read_apart
+from flexdyn.records.bounds import MOST_COLUMNS, check_size
 from flexdyn.records.hdf5.file import attribute, check_library, check_storage, library, member
 from flexdyn.records.matlab.columns import Columns, Leaf
 from flexdyn.records.request import Request
-from flexdyn.records.table import FloatArray, Table, check_size, damage_named
+from flexdyn.records.table import FloatArray, Table, damage_named
 
 _BLOCK = 512
 _DEEPEST = 16
-_MOST_LEAVES = 100_000
 _LONGEST_TEXT = 2**24
 
 
@@ -96,8 +96,8 @@ class _Reader:
     def leaves(self, group: Any, link: str, name: str, depth: int) -> Iterator[Leaf]:
         """The leaves that a member of a group is or holds."""
         self._met += 1
-        if depth > _DEEPEST or self._met > _MOST_LEAVES:
-            problem = f"structs nest deeper than {_DEEPEST} or have more than {_MOST_LEAVES} fields"
+        if depth > _DEEPEST or self._met > MOST_COLUMNS:
+            problem = f"structs nest deeper than {_DEEPEST} or have more than {MOST_COLUMNS} fields"
             raise InputError(problem, value=name, remedy="save plainer variables")
         node = member(self._h5py, group, link)
         if isinstance(node, self._h5py.Group):
