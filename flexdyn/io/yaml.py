@@ -50,6 +50,7 @@ def parse_yaml(text: str, path: Path | None = None) -> Mapping[str, Any]:
     if _brackets(text) > MAX_BRACKETS:
         raise _too_deep(path)
     yaml = YAML(typ="safe", pure=True)  # pure Python: the C parser reads YAML 1.1, where 4e-05 is a string
+    yaml.composer.warn_double_anchors = False  # an anchor may be set anew, says YAML 1.2
     try:
         if "&" in text and _expanded_size(yaml.compose(text), {}) > MAX_NODES:
             raise InputError(f"its aliases unfold to more than {MAX_NODES} entries", file=path)
