@@ -7,6 +7,7 @@ ends a child whose input computes for more than `HANG` seconds, or whose memory 
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import json
 import os
 import random
@@ -150,6 +151,7 @@ def _child(target: Target, seeds: list[bytes], seed: int, numbers: range, work: 
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
+    faulthandler.disable()  # the tests switch it on, and it would tell every crash at length
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     with open("/proc/self/statm", encoding="ascii") as stream:
         most = int(stream.read().split()[0]) * os.sysconf("SC_PAGE_SIZE") + MEMORY
