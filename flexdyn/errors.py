@@ -165,6 +165,20 @@ def one_line(text: str) -> str:
     return plain if len(plain) <= _LONGEST_LINE else f"{plain[: _LONGEST_LINE - 3]}..."
 
 
+def visible(text: str, *, lines: bool = False) -> str:
+    """A text of any length as a terminal may show it: what it would obey is written out, as Python writes it.
+
+    Args:
+        text: which may hold names out of a file.
+        lines: leave line breaks as they are.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        letter if letter.isprintable() or (lines and letter == "\n") else repr(letter)[1:-1] for letter in text
+    )
+
+
 def _clipped(text: str) -> str:
     """A name, a path or a value as `one_line`, of up to 240 characters; spaces in it stay as they are."""
     plain = _printable(text[:1000])

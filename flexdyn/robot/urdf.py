@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, one_line
 from flexdyn.robot.graph import check_graph
 from flexdyn.robot.joints import Joint, read_joint
 from flexdyn.robot.links import Link, read_link
 from flexdyn.robot.shapes import read_colors
+from flexdyn.robot.values import LONGEST_NAME
 from flexdyn.robot.xmlfile import read_xml
 
 MAX_JOINTS = 200
@@ -58,4 +59,5 @@ def read_urdf(path: Path) -> Urdf:
         )
     except InputError as error:
         raise error.at(file=path) from None
-    return Urdf((root.get("name") or "").strip() or path.stem, links, joints)
+    name = one_line((root.get("name") or "").strip() or path.stem)[:LONGEST_NAME]
+    return Urdf(name, links, joints)
