@@ -6,6 +6,21 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+
+def as_numbers(values: Any) -> NDArray[np.float64]:
+    """A fresh array of doubles; text, dates and complex numbers are none.
+
+    Raises:
+        TypeError, ValueError, OverflowError: they are no numbers.
+    """
+    if np.asarray(values).dtype.kind not in "fiubO":
+        raise TypeError("not real numbers")
+    array = np.array(values, dtype=np.float64)
+    if array.ndim > 2:
+        raise ValueError("more than two dimensions")
+    return array
 
 
 def as_number(value: Any) -> float:

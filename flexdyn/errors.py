@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import difflib
+import re
 import reprlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
+
+_LONGEST_TEXT = 1_000_000
+_LONGEST_LINE = 1000
+_LONGEST_WORD = 120
+_LONG_WORD = re.compile(rf"\S{{{_LONGEST_WORD + 1},}}")
 
 
 class FlexdynError(Exception):
@@ -39,8 +45,8 @@ class FlexdynError(Exception):
         return (_rebuild, (type(self), self.problem, self.data))
 
     def __str__(self) -> str:
-        """One line, whatever the message of a library below brought along."""
-        return " ".join(self.problem.split())
+        """One line of bounded length, whatever a name or the message of a library below brought along."""
+        return one_line(self.problem)
 
 
 class InputError(FlexdynError, ValueError):
@@ -78,8 +84,8 @@ class InputError(FlexdynError, ValueError):
         """``file: key: problem, got value; remedy``."""
         where = "".join(f"{_clipped(str(part))}: " for part in (self.file, self.key) if part)
         got = "" if self.value is None else f", got {shown(self.value)}"
-        remedy = f"; {self.remedy}" if self.remedy else ""
-        return " ".join(f"{where}{self.problem}{got}{remedy}".split())
+        remedy = f"; {one_line(str(self.remedy))}" if self.remedy else ""
+        return " ".join(f"{where}{one_line(self.problem)}{got}{remedy}".split())
 
     def at(self, *, file: str | Path | None = None, key: str | None = None) -> InputError:
         """The same error with the place it was found in filled in by a caller that knows it."""
@@ -146,10 +152,41 @@ def shown(value: Any) -> str:
         return f"something of type {type(value).__name__}"
 
 
+def one_line(text: str) -> str:
+    """A text as one line of up to 1000 characters that a terminal shows and does not obey.
+
+    Control characters, and those that turn the direction of writing, become spaces; a word of more than 120 is cut.
+
+    Args:
+        text: which may hold names out of a file.
+    """
+    plain = " ".join(_printable(text[:_LONGEST_TEXT]).split())
+    plain = _LONG_WORD.sub(lambda word: f"{word[0][:60]}...{word[0][-57:]}", plain)
+    return plain if len(plain) <= _LONGEST_LINE else f"{plain[: _LONGEST_LINE - 3]}..."
+
+
+def visible(text: str, *, lines: bool = False) -> str:
+    """A text of any length as a terminal may show it: what it would obey is written out, as Python writes it.
+
+    Args:
+        text: which may hold names out of a file.
+        lines: leave line breaks as they are.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        letter if letter.isprintable() or (lines and letter == "\n") else repr(letter)[1:-1] for letter in text
+    )
+
+
 def _clipped(text: str) -> str:
-    """Of bounded length, and nothing in it that a terminal would obey."""
-    plain = "".join(letter if letter.isprintable() else " " for letter in text[:1000])
+    """A name, a path or a value as `one_line`, of up to 240 characters; spaces in it stay as they are."""
+    plain = _printable(text[:1000])
     return plain if len(plain) <= 240 else f"{plain[:237]}..."
+
+
+def _printable(text: str) -> str:
+    return text if text.isprintable() else "".join(letter if letter.isprintable() else " " for letter in text)
 
 
 def _rebuild(kind: type[FlexdynError], problem: str, data: dict[str, Any]) -> FlexdynError:

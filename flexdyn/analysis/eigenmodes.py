@@ -50,6 +50,9 @@ class Tangent:
         stiffness = -reduced @ (A[velocity, :half] + A[velocity, z] @ A[z, velocity])
         self.stiffness = 0.5 * (stiffness + stiffness.T)
         self.damping = -reduced @ A[velocity, velocity]
+        if not all(np.isfinite(matrix).all() for matrix in (A, self.inertia, self.stiffness, self.damping)):
+            problem = "small motions about the pose are beyond what a float can hold"
+            raise InputError(problem, key="model", remedy="check stiffness, damping, rotor_inertia and the pose")
 
     def squared_frequencies(self, kept: Any = slice(None)) -> tuple[Array, Array]:
         """Squared frequencies (m,) [rad^2/s^2], rising, 0 where rounding is all there is; shapes (m, m) in columns.

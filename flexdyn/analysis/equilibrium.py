@@ -116,6 +116,9 @@ def equilibrium(
 
     size = np.abs(statics.links.bias(guess, np.zeros(model.n))) + np.abs(asked) + np.abs(net(guess))
     mass = statics.links.mass_matrix(guess)
+    if not np.abs(size).max() < 1e150:  # its square is a number too
+        remedy = "give torques in N m (prismatic: N)"
+        raise InputError("torques beyond what a float can hold", key="tau", value=asked, remedy=remedy)
     q, found = Search(net, mass, size).find(guess)
     if found:
         return _frictionless(statics, q, asked)

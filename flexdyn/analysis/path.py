@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.eigenmodes import Rotors, check_rotors, modes_at, resting_statics
+from flexdyn.checks import as_numbers
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -85,8 +86,8 @@ def frequencies_over_path(
     model = checked_model(model)
     check_rotors(model, rotors)
     try:
-        poses = np.array(getattr(path, "q", path), dtype=float)
-    except (TypeError, ValueError):
+        poses = as_numbers(getattr(path, "q", path))
+    except (TypeError, ValueError, OverflowError):
         raise InputError("poses are numbers", key="path", value=path) from None
     if poses.ndim != 2 or poses.shape[1] != model.n or not len(poses) or not np.isfinite(poses).all():
         problem = f"finite positions (samples, {model.n}) are needed"

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn.checks import as_numbers
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -43,8 +44,8 @@ def vector(value: ArrayLike, size: int, key: str, remedy: str) -> Array:
         InputError: they are not.
     """
     try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError):
+        array = as_numbers(value)
+    except (TypeError, ValueError, OverflowError):
         raise InputError("numbers are needed", key=key, value=value, remedy=remedy) from None
     if array.shape != (size,) or not np.isfinite(array).all():
         raise InputError(f"{size} finite numbers are needed", key=key, value=value, remedy=remedy)
@@ -74,8 +75,8 @@ def checked_frequencies(frequencies: ArrayLike) -> Array:
         InputError: something else.
     """
     try:
-        array = np.atleast_1d(np.array(frequencies, dtype=float))
-    except (TypeError, ValueError):
+        array = np.atleast_1d(as_numbers(frequencies))
+    except (TypeError, ValueError, OverflowError):
         array = np.array([math.nan])
     if array.ndim != 1 or not np.isfinite(array).all() or (array < 0).any():
         raise InputError("frequencies in Hz, at least 0, are needed", key="frequencies", value=frequencies)

@@ -139,7 +139,7 @@ class Statics:
 
     def _rotors(self, f: Callable[[Array], Array], q: Array, tolerance: float, what: str) -> Array:
         first = np.maximum(np.abs(f(q)) / self._stiffness, 1e-9)
-        finest = 4.0 * self._stiffness * np.spacing(np.abs(q) + first)  # what one bit of theta is worth
+        finest = 4.0 * np.spacing(np.abs(q) + first) * self._stiffness  # what one bit of theta is worth
         theta, found = roots(f, q, first, np.maximum(tolerance, finest))
         if not found.all():
             joint = self.model.joint_names[int(np.argmin(found))]

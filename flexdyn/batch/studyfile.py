@@ -112,7 +112,7 @@ def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
         runs=runs,
         points=points,
         seed=_integer("seed", content.get("seed", 0), 0),
-        vary={path: dict(entry) for path, entry in content["vary"].items()},
+        vary={str(path): dict(entry) for path, entry in content["vary"].items()},
         keep=_keep(content.get("keep")),
         metrics=_names("metrics", content.get("metrics")),
         chunk=_chunk(content.get("chunk"), points * runs, duration * rate, model.n),

@@ -9,7 +9,7 @@ from typing import Any, TextIO
 
 import typer
 
-from flexdyn.errors import FlexdynError, did_you_mean, shown
+from flexdyn.errors import FlexdynError, did_you_mean, shown, visible
 
 # typer brings its own click in some versions and needs the real one in others: take the class it uses.
 UsageError: type[Exception] = next(kind for kind in typer.BadParameter.__mro__ if kind.__name__ == "UsageError")
@@ -85,5 +85,5 @@ def _longest(parameter: Any) -> str:
 
 
 def _say(text: str, code: int) -> int:
-    print(f"flexdyn: {' '.join(text.split())}", file=sys.stderr, flush=True)  # noqa: T201
+    print(f"flexdyn: {visible(' '.join(text.split()))}", file=sys.stderr, flush=True)  # noqa: T201
     return code

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexdyn.cli.sheet import Sheet
+from flexdyn.errors import visible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -32,17 +33,20 @@ def show(*parts: Any) -> None:
     """Print texts and tables on stdout, one below the other."""
     out = console()
     for part in parts:
-        out.print(part, soft_wrap=isinstance(part, str))  # a line to be copied stays one
+        text = isinstance(part, str)
+        out.print(visible(part, lines=True) if text else part, soft_wrap=text)  # a line to be copied stays one
 
 
 def show_json(document: Any) -> None:
     """Print pure JSON on stdout; numbers that JSON does not have (infinite, NaN) are null."""
-    sys.stdout.write(json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    text = json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False)
+    safe = (letter if letter.isprintable() or letter == "\n" else json.dumps(letter)[1:-1] for letter in text)
+    sys.stdout.write("".join(safe) + "\n")
 
 
 def note(text: str) -> None:
     """One line on stderr that is worth knowing and no error."""
-    console(stderr=True).print(f"flexdyn: {text}", soft_wrap=True)
+    console(stderr=True).print(f"flexdyn: {visible(text)}", soft_wrap=True)
 
 
 def table(
@@ -62,8 +66,8 @@ def table(
         right: heads of the columns that hold numbers and stand to the right.
         legend: what the symbols in it mean, printed below.
     """
-    cells = tuple(tuple(str(cell) for cell in row) for row in rows)
-    return Sheet(title, tuple(columns), cells, frozenset(right), legend or {})
+    cells = tuple(tuple(visible(str(cell), lines=True) for cell in row) for row in rows)
+    return Sheet(visible(title), tuple(columns), cells, frozenset(right), legend or {})
 
 
 def number(value: float | None, digits: int = 4) -> str:

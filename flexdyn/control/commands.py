@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.checks import as_number
+from flexdyn.checks import as_number, as_numbers
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
@@ -318,7 +318,7 @@ def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:
 
 def _numbers(key: str, value: Any) -> Array:
     try:
-        return np.array(value, dtype=float)
+        return as_numbers(value)
     except (TypeError, ValueError, OverflowError):
         raise InputError("numbers are needed", key=key, value=value) from None
 

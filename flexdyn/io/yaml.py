@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
 
-MAX_BYTES = 4_000_000
-MAX_NODES = 1_000_000
+MAX_BYTES = 500_000
+"""Of a file: so much is read in some seconds."""
+MAX_NODES = 100_000
+"""Entries once aliases are unfolded."""
+MAX_DEPTH = 32
+"""Lists and mappings in each other."""
+MAX_BRACKETS = 1000
+"""Open at once, wherever they stand: the parser takes long over more."""
+_BRACKET = re.compile(r"[\[\]{}]")
 
 
 def read_yaml(path: Path) -> Mapping[str, Any]:
@@ -21,7 +30,8 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
     """
     try:
         if path.stat().st_size > MAX_BYTES:
-            raise InputError(f"the file is larger than {MAX_BYTES} bytes", file=path)
+            remedy = "keep long data in recordings"
+            raise InputError(f"the file is larger than {MAX_BYTES} bytes", file=path, remedy=remedy)
         text = path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:
         raise InputError("there is no such file", file=path) from None
@@ -37,7 +47,10 @@ def parse_yaml(text: str, path: Path | None = None) -> Mapping[str, Any]:
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
+    if _brackets(text) > MAX_BRACKETS:
+        raise _too_deep(path)
     yaml = YAML(typ="safe", pure=True)  # pure Python: the C parser reads YAML 1.1, where 4e-05 is a string
+    yaml.composer.warn_double_anchors = False  # an anchor may be set anew, says YAML 1.2
     try:
         if "&" in text and _expanded_size(yaml.compose(text), {}) > MAX_NODES:
             raise InputError(f"its aliases unfold to more than {MAX_NODES} entries", file=path)
@@ -48,13 +61,33 @@ def parse_yaml(text: str, path: Path | None = None) -> Mapping[str, Any]:
         mark = error.problem_mark or error.context_mark
         line = "" if mark is None else f" in line {mark.line + 1}"
         raise InputError(f"not valid YAML{line}{_reason(error.problem)}", file=path) from None
-    except (YAMLError, ValueError, RecursionError) as error:
+    except RecursionError:
+        raise _too_deep(path) from None
+    except (YAMLError, ValueError) as error:
         raise InputError(f"not valid YAML{_reason(error)}", file=path) from None
     except Exception as error:  # odd tags (!!int '', !!bool x) make ruamel stumble in ways of its own
         raise InputError(f"not valid YAML ({type(error).__name__})", file=path) from None
     if not isinstance(content, Mapping):
         raise InputError("a mapping of keys is needed", file=path, value=content)
+    if _deeper(content, MAX_DEPTH):
+        raise _too_deep(path)
     return content
+
+
+def _brackets(text: str) -> int:
+    """How many brackets are open at once, those in texts and comments too."""
+    steps = (1 if bracket[0] in "[{" else -1 for bracket in _BRACKET.finditer(text))
+    return max(itertools.accumulate(steps), default=0)
+
+
+def _too_deep(path: Path | None) -> InputError:
+    return InputError(f"lists and mappings nest deeper than {MAX_DEPTH}", file=path, remedy="write it plainer")
+
+
+def _deeper(content: Any, left: int) -> bool:
+    """Whether lists and mappings nest deeper than `left`."""
+    inside = content.values() if isinstance(content, Mapping) else content if isinstance(content, list) else ()
+    return left < 0 or any(_deeper(entry, left - 1) for entry in inside if isinstance(entry, Mapping | list))
 
 
 def _expanded_size(node: Any, known: dict[int, float]) -> float:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from html import escape
+from functools import partial
+from html import escape as html_escape
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,8 @@ addEventListener("afterprint", () => { document.body.style.zoom = ""; });
 """
 
 LEGEND = {"xanchor": "left", "yanchor": "top", "bgcolor": "rgba(0,0,0,0)", "borderwidth": 0, "tracegroupgap": 0}
+_escaped = partial(html_escape, quote=False)
+"""A text as plotly takes it, which knows no &quot;."""
 
 
 def write_page(picture: Picture, file: Path) -> None:
@@ -66,7 +69,7 @@ def write_page(picture: Picture, file: Path) -> None:
 
     inner = plotly.io.to_html(figure, config=CONFIG, include_plotlyjs=True, full_html=False, div_id="picture")
     width = int(0.9 * DOT * picture.width)
-    page = PAGE.format(title=escape(picture.title), width=width, picture=inner, script=PRINT)
+    page = PAGE.format(title=html_escape(picture.title), width=width, picture=inner, script=PRINT)
     write_text(file, page)
 
 
@@ -118,9 +121,9 @@ def _legend_name(number: int) -> str:
 
 
 def _head(picture: Picture) -> list[dict[str, Any]]:
-    texts = [_text(picture, picture.margin, 0.16, f"<b>{escape(picture.headline)}</b>", 13.0 * POINT, INK)]
+    texts = [_text(picture, picture.margin, 0.16, f"<b>{_escaped(picture.headline)}</b>", 13.0 * POINT, INK)]
     for line, note in enumerate(picture.lines):
-        texts.append(_text(picture, picture.margin, picture.note_at(line) - 0.13, escape(note), 8.5 * POINT, SOFT))
+        texts.append(_text(picture, picture.margin, picture.note_at(line) - 0.13, _escaped(note), 8.5 * POINT, SOFT))
     return texts
 
 
@@ -141,7 +144,7 @@ def _axes(layout: dict[str, Any], picture: Picture, panel: Panel, number: int) -
         "anchor": f"y{number}",
         "range": list(panel.x_range),
         "showticklabels": panel.labelled,
-        "title": {"text": escape(panel.across) if panel.labelled else "", "standoff": 4, "font": TITLE},
+        "title": {"text": _escaped(panel.across) if panel.labelled else "", "standoff": 4, "font": TITLE},
         "nticks": max(4, int(box.width / 0.6)),
     }
     first = next((i for i, other in enumerate(picture.panels, start=1) if other.timed), number)
@@ -152,15 +155,15 @@ def _axes(layout: dict[str, Any], picture: Picture, panel: Panel, number: int) -
         "anchor": f"x{number}",
     }
     if panel.bars:
-        names = [escape(bar.name) for bar in panel.bars]
+        names = [_escaped(bar.name) for bar in panel.bars]
         places = list(range(len(names)))[::-1]
         layout[f"yaxis{number}"] |= {"tickvals": places, "ticktext": names, "range": list(panel.y_range)}
     else:
-        title = {"text": escape(panel.up), "standoff": 6, "font": TITLE}
+        title = {"text": _escaped(panel.up), "standoff": 6, "font": TITLE}
         ticks = max(4, min(7, int(box.height / 0.3)))
         layout[f"yaxis{number}"] |= {"range": list(panel.y_range), "title": title, "nticks": ticks}
     top = picture.height - box.bottom - box.height
-    heading = f"<b>{escape(panel.title)}</b>"
+    heading = f"<b>{_escaped(panel.title)}</b>"
     layout["annotations"].append(_text(picture, box.left, top - 0.24, heading, 9.0 * POINT, panel.colour))
     if panel.level:
         line = {"color": SOFT, "width": 1}
@@ -186,16 +189,16 @@ def _content(panel: Panel, number: int, legends: Mapping[str, str], own: str) ->
     for curve in panel.curves:
         trace = _trace(curve) | place
         if panel.legend:
-            trace |= {"name": escape(curve.group), "showlegend": True, "legend": own}
+            trace |= {"name": _escaped(curve.group), "showlegend": True, "legend": own}
         else:
             shared = legends.get(curve.group, "legend")
-            trace |= {"legendgroup": escape(curve.group), "showlegend": False, "legend": shared}
+            trace |= {"legendgroup": _escaped(curve.group), "showlegend": False, "legend": shared}
         traces.append(trace)
     return traces
 
 
 def _trace(curve: Curve) -> dict[str, Any]:
-    trace: dict[str, Any] = {"type": "scatter", "x": curve.x, "y": curve.y, "name": escape(curve.name)}
+    trace: dict[str, Any] = {"type": "scatter", "x": curve.x, "y": curve.y, "name": _escaped(curve.name)}
     trace["hovertemplate"] = "%{x:.6g}, %{y:.6g}<extra>%{fullData.name}</extra>"
     if curve.dots:
         return trace | {"mode": "markers", "marker": {"color": curve.colour, "size": curve.dot * POINT}}
@@ -207,7 +210,7 @@ def _trace(curve: Curve) -> dict[str, Any]:
 def _bars(panel: Panel, place: dict[str, str]) -> list[dict[str, Any]]:
     up = np.arange(len(panel.bars))[::-1]
     colours = [bar.colour for bar in panel.bars]
-    names = [escape(bar.name) for bar in panel.bars]
+    names = [_escaped(bar.name) for bar in panel.bars]
     shared: dict[str, Any] = {"y": up, "text": names, "showlegend": False, **place}
     bars = shared | {"type": "bar", "orientation": "h", "x": [bar.length for bar in panel.bars], "width": 0.62}
     bars |= {"textposition": "none", "hovertemplate": "%{x:.6g}<extra>RMS, %{text}</extra>"}
@@ -223,4 +226,4 @@ def _sample(key: Key, legend: str) -> dict[str, Any]:
     empty = Curve(
         np.array([np.nan]), np.array([np.nan]), key.label, key.label, key.colour, key.dash, key.width, key.dots
     )
-    return _trace(empty) | {"legendgroup": escape(key.label), "showlegend": True, "legend": legend}
+    return _trace(empty) | {"legendgroup": _escaped(key.label), "showlegend": True, "legend": legend}

@@ -13,6 +13,7 @@ from typing import Any
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.files import is_file, replacing
 from flexdyn.records import npz_file, parquet_file
+from flexdyn.records.bounds import MOST_FILE
 from flexdyn.records.channelmap.apply import apply_map
 from flexdyn.records.channelmap.description import ChannelMap
 from flexdyn.records.channelmap.file import read_map
@@ -127,6 +128,8 @@ def read_recording(
         if not path.is_file() and not _is_bag_folder(path):
             problem = "not a regular file" if path.exists() else "no such file"
             raise InputError(problem, remedy="give the path of a recording")
+        if path.stat().st_size > MOST_FILE:
+            raise InputError(f"the file is larger than {MOST_FILE} bytes", remedy="split the recording")
         table = _table(fmt, path, channel_map, asked, progress)
         if table.said:
             table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]

@@ -11,14 +11,17 @@ import numpy as np
 
 from flexdyn.errors import InputError
 from flexdyn.records.array_columns import Part, parts_of
+from flexdyn.records.bounds import MOST_COLUMNS, check_count, check_size
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
-from flexdyn.records.table import RESERVED, Table, check_name, check_size, damage_named
+from flexdyn.records.table import RESERVED, Table, check_name, damage_named
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 _PIECE = 2**20
+_DIRECTORY_SIZE = 5
+_LONGEST_ENTRY = 400
 _READERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 
 
@@ -42,9 +45,11 @@ def read(path: Path, request: Request) -> Table:
     """
     table = Table()
     with damage_named("not an NPZ file, or cut"):
+        _check_directory(path)
         archive = zipfile.ZipFile(path)
     with archive:
         members = archive.infolist()
+        check_count(len(members))
         check_size(sum(member.file_size for member in members), os.path.getsize(path))
         names = [_name_of(member, by_convention=not request.mapped) for member in members]
         arrays = [name for name in names if name != RESERVED]
@@ -61,6 +66,14 @@ def read(path: Path, request: Request) -> Table:
                     table.add(part.key, part.of(array))
             request.report((done + 1) / len(members))
     return table
+
+
+def _check_directory(path: Path) -> None:
+    """Refuse a table of contents that is too long, before zipfile makes objects of it."""
+    with open(path, "rb") as stream:
+        end = zipfile._EndRecData(stream)  # type: ignore[attr-defined]  # what zipfile itself goes by
+    if end is not None and end[_DIRECTORY_SIZE] > MOST_COLUMNS * _LONGEST_ENTRY:
+        check_count(end[_DIRECTORY_SIZE] // _LONGEST_ENTRY)
 
 
 def _name_of(member: zipfile.ZipInfo, *, by_convention: bool) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexdyn.errors import InputError, MissingExtra
+from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
 from flexdyn.records.table import (
@@ -20,7 +21,6 @@ from flexdyn.records.table import (
     Table,
     as_floats,
     check_name,
-    check_size,
     check_time_named,
     damage_named,
 )
@@ -60,6 +60,7 @@ def read(path: Path, request: Request) -> Table:
         with damage_named("not a Parquet file, or cut"):
             file = pq.ParquetFile(stream, page_checksum_verification=True, pre_buffer=False)
             schema, rows = file.schema_arrow, _rows_in_groups(file)
+        check_count(len(schema.names))
         names = _names(schema.names, request)
         check_size(sum(rows) * 8 * len(names), os.path.getsize(path))
         for name in names:

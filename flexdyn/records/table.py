@@ -12,14 +12,12 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import FlexdynError, InputError
+from flexdyn.records.bounds import MOST_ROWS, check_count
 from flexdyn.records.suggestion import remedy_without_time
 
 FloatArray = npt.NDArray[np.float64]
 
 RESERVED = "__meta__"
-MOST_BYTES = 16 * 2**30
-MOST_EXPANSION = 1100
-"""Deflate shrinks at most 1032 times: what declares more than this times its file's size is no honest file."""
 
 _LARGEST_INTEGER = 2**53
 _LONGEST_NAME = 255
@@ -75,9 +73,13 @@ class Table:
     said: list[str] = field(default_factory=list)
 
     def add(self, name: str, values: npt.NDArray[Any]) -> None:
-        """Append a column; a name that is already there is refused."""
+        """Append a column; one of a name that is already there, or beyond the bounds of a file, is refused."""
         if name in self.columns:
             raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+        check_count(len(self.columns) + 1)
+        if values.size > MOST_ROWS:
+            problem = f"the column has {values.size} rows, more than {MOST_ROWS}"
+            raise InputError(problem, key=name, remedy="split the recording", channel=name)
         self.columns[name] = values
 
 
@@ -163,21 +165,6 @@ def check_numbers(dtype: np.dtype[Any], shape: tuple[int, ...], channel: str) ->
     if len(shape) != 1:
         text = f"the column has the shape {shape}"
         raise InputError(text, key=channel, remedy="give one dimension, one number per sample", channel=channel)
-
-
-def check_size(declared: int, on_disk: int) -> None:
-    """Refuse a file that announces more than it can honestly hold, before any of it is unpacked.
-
-    Args:
-        declared: bytes of all arrays as the file's headers give them.
-        on_disk: bytes of the file.
-
-    Raises:
-        InputError: more than 16 GiB, or more than 1100 times the file.
-    """
-    if declared > min(MOST_BYTES, MOST_EXPANSION * on_disk):
-        problem = f"the file of {on_disk} bytes announces {declared} bytes of arrays"
-        raise InputError(problem, remedy="the limits are 16 GiB and 1100 times the file's size")
 
 
 def checked(

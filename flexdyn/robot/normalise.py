@@ -11,6 +11,7 @@ import pinocchio as pin
 from flexdyn.errors import InputError
 from flexdyn.robot.mimic import Mimic
 from flexdyn.robot.motion import Motion, joint_model, motion_of
+from flexdyn.robot.values import unfit_name
 
 _UNLIMITED = 1e300
 """Pinocchio writes the largest double where there is no limit."""
@@ -40,6 +41,9 @@ def normalise(model: pin.Model) -> Normalised:
         InputError: a joint of another kind (free-flyer, spherical, planar, helical, composite, ...), or a body whose
             mass or inertia no body can have.
     """
+    for name in model.names:
+        if problem := unfit_name(name):
+            raise InputError(problem, key="joint", value=name, remedy="give it a short plain name")
     motions = [motion_of(model, index) for index in range(1, model.njoints)]
     new = pin.Model()
     new.name, new.gravity = model.name, pin.Motion(model.gravity)

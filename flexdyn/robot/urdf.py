@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, one_line
 from flexdyn.robot.graph import check_graph
 from flexdyn.robot.joints import Joint, read_joint
 from flexdyn.robot.links import Link, read_link
 from flexdyn.robot.shapes import read_colors
+from flexdyn.robot.values import LONGEST_NAME
 from flexdyn.robot.xmlfile import read_xml
 
+MAX_JOINTS = 200
+"""That move: far more than any arm has. Second derivatives of the motion take n^3 numbers."""
 MAX_LINKS = 1000
 """Far more than any arm; readers of URDF descend from link to link, and a chain of thousands exhausts their stack."""
 
@@ -47,10 +50,14 @@ def read_urdf(path: Path) -> Urdf:
             raise InputError(f"{len(link_elements)} links, more than {MAX_LINKS}", remedy="give one arm, not a scene")
         links = tuple(read_link(element, colors) for element in link_elements)
         joints = tuple(read_joint(element) for element in joint_elements)
+        moving = sum(joint.kind != "fixed" for joint in joints)
+        if moving > MAX_JOINTS:
+            raise InputError(f"{moving} joints move, more than {MAX_JOINTS}", remedy="give one arm, or make some fixed")
         check_graph(
             [(link.name, link.line) for link in links],
             [(joint.name, joint.parent, joint.child, joint.line) for joint in joints],
         )
     except InputError as error:
         raise error.at(file=path) from None
-    return Urdf((root.get("name") or "").strip() or path.stem, links, joints)
+    name = one_line((root.get("name") or "").strip() or path.stem)[:LONGEST_NAME]
+    return Urdf(name, links, joints)

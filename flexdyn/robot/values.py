@@ -11,6 +11,17 @@ LARGEST = 1e15
 """No length, mass or moment of a robot is larger; squares of such numbers stay finite."""
 
 
+LONGEST_NAME = 200
+"""Letters of a name; channels, which put a signal's name in front, have up to 255."""
+
+
+def unfit_name(name: str) -> str:
+    """Why a joint, link or frame cannot be called so; empty if it can."""
+    if not name.isprintable():
+        return "the name holds characters that do not print"
+    return f"the name is longer than {LONGEST_NAME} characters" if len(name) > LONGEST_NAME else ""
+
+
 def fail(element: Any, key: str, problem: str, value: Any = None, remedy: str | None = None) -> InputError:
     """The error for an element, with its line.
 
@@ -74,10 +85,12 @@ def number(element: Any, attribute: str, key: str, default: float | None = None,
 
 
 def name_of(element: Any, what: str) -> str:
-    """The name of a link or joint element; an InputError where it is missing or blank."""
+    """The name of a link or joint element; an InputError where it is missing, blank, or no name for a channel."""
     name = str(element.get("name") or "").strip()
     if not name:
         raise fail(element, what, "has no name", remedy=f"write <{what} name=...>")
+    if problem := unfit_name(name):
+        raise fail(element, what, problem, name, "give it a short plain name")
     return name
 
 

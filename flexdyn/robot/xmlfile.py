@@ -8,8 +8,11 @@ from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
 
-MAX_BYTES = 20_000_000
+MAX_BYTES = 5_000_000
 """A URDF is text of some 100 kB; meshes are files of their own."""
+
+MAX_ATTRIBUTES = 1000
+"""Of an element; a URDF has no more than six."""
 
 _ENCODING = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _OTHER_ROOTS = {"sdf": "an SDF file", "mujoco": "a MuJoCo file", "COLLADA": "a mesh", "gazebo": "a Gazebo file"}
@@ -25,7 +28,7 @@ def read_xml(path: Path) -> Any:
         The lxml element ``<robot>``.
 
     Raises:
-        InputError: the file is missing, a folder, empty, over 20 MB, binary, not XML, not URDF, or an unexpanded xacro.
+        InputError: the file is missing, a folder, empty, over 5 MB, binary, not XML, not URDF, or an unexpanded xacro.
     """
     text = _decoded(_bytes_of(path))
     if not text.strip():
@@ -130,6 +133,9 @@ def _refuse_xacro(root: Any, path: Path) -> None:
     for element in root.iter():
         if not isinstance(element.tag, str):
             continue
+        if len(element.attrib) > MAX_ATTRIBUTES:
+            problem = f"{len(element.attrib)} attributes, more than {MAX_ATTRIBUTES} (line {element.sourceline})"
+            raise InputError(problem, key=element.tag, remedy="a URDF has a few for each element")
         macro = "xacro" in element.tag.rpartition("}")[0] or element.tag.startswith("xacro:")
         holes = [value for value in element.attrib.values() if "${" in value or "$(" in value]
         if macro or holes:

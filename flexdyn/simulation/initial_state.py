@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.checks import as_number
+from flexdyn.checks import as_number, as_numbers
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive
@@ -108,7 +108,7 @@ def _checked(model: FlexibleJointModel, signal: str, given: Any) -> dict[int, fl
     if isinstance(given, Mapping):
         return {model.index(joint): _number(f"{key}.{joint}", value) for joint, value in given.items()}
     try:
-        array = np.array(given, dtype=float)
+        array = as_numbers(given)
     except (TypeError, ValueError, OverflowError):
         raise InputError("numbers are needed", key=key, value=given) from None
     if array.shape != (model.n,) or not np.isfinite(array).all():

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
-from flexdyn.checks import as_number
+from flexdyn.checks import as_number, as_numbers
 from flexdyn.control.commands import Samples, checked_rate
 from flexdyn.errors import InputError, SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -173,7 +173,7 @@ def _grid(span: float, rate: float, times: ArrayLike | None) -> Array:
         exact = abs(steps - count) < 1e-9 * count
         return np.arange(count + 1) / rate if exact else np.linspace(0.0, span, count + 1)
     try:
-        grid = np.array(times, dtype=float)
+        grid = as_numbers(times)
     except (TypeError, ValueError, OverflowError):
         raise InputError("times are numbers", key="times", value=times) from None
     if grid.ndim != 1 or not len(grid) or not (grid >= 0).all() or not (grid <= span).all():

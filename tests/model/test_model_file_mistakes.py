@@ -118,7 +118,7 @@ MISTAKES = [
     ("flexdyn: 1", "flexdyn: !!int ''", "not valid YAML (IndexError)"),
     ("flexdyn: 1", "flexdyn: !!bool x", "not valid YAML (KeyError)"),
     ("flexdyn: 1", "flexdyn: \x07", "not valid YAML (unacceptable character"),
-    ("flexdyn: 1", "flexdyn: " + "[" * 1500, "not valid YAML"),
+    ("flexdyn: 1", "flexdyn: " + "[" * 1500, "lists and mappings nest deeper than 32"),
     ("flexdyn: 1", "flexdyn: " + "9" * 5000, "not valid YAML"),
     ("flexdyn: 1", "flexdyn: 0x" + "9" * 5000, "flexdyn: no such format"),
     ("flexdyn: 1", "flexdyn: 1\n--- 2", "not valid YAML in line"),
@@ -161,7 +161,9 @@ def test_the_valid_file_is_valid(tmp_path: Path) -> None:
         (b"- 1\n", "a mapping of keys is needed, got [1]"),
         (b"flexdyn: \xff\xfe", "it is not a text file in UTF-8"),
         (b"\x00\x01\x02" * 100, "not valid YAML"),
-        (b"#" * 4_000_001, "the file is larger than 4000000 bytes"),
+        (b"#" * 500_001, "the file is larger than 500000 bytes"),
+        (b"a: " + b"[" * 33 + b"]" * 33, "lists and mappings nest deeper than 32"),
+        (b"a: " + b"[" * 50_000, "lists and mappings nest deeper than 32"),
     ],
 )
 def test_a_file_that_is_no_model(tmp_path: Path, raw: bytes, words: str) -> None:
@@ -182,7 +184,7 @@ def test_alias_bombs_are_defused(tmp_path: Path, kind: str) -> None:
     if kind == "loop":
         lines = ["flexdyn: 1", "robot: &r {urdf: *r}"]
     (tmp_path / "model.yaml").write_text("\n".join(lines))
-    assert line_for(tmp_path / "model.yaml") == "its aliases unfold to more than 1000000 entries"
+    assert line_for(tmp_path / "model.yaml") == "its aliases unfold to more than 100000 entries"
 
 
 @pytest.mark.parametrize("path", ["nowhere.yaml", "no/where", "scara_two_lnk", "x" * 5000, "", "a\0b", "."])

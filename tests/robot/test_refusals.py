@@ -67,8 +67,8 @@ def test_folders_missing_and_huge_files(tmp_path: Path, arm: Path) -> None:
         load_robot(tmp_path / "amr.urdf")
     huge = tmp_path / "huge.urdf"
     with huge.open("wb") as stream:
-        stream.truncate(20_000_001)
-    with pytest.raises(InputError, match="larger than 20 MB"):
+        stream.truncate(5_000_001)
+    with pytest.raises(InputError, match="larger than 5 MB"):
         load_robot(huge)
     with pytest.raises(InputError, match="not a regular file"):
         load_robot("/dev/zero")

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.records.bounds import check_count
 from flexdyn.records.column_names import split_unit
 from flexdyn.records.csv.dialect import NOTHING, Dialect
 from flexdyn.records.csv.guess import dialect_of
@@ -143,6 +144,7 @@ def _header(
     layout: Layout,
 ) -> Header:
     """The header, with a reader of stamps for the first wanted column that holds dates."""
+    check_count(width)
     first = _first_sample(dialect, start)
     dated = [column for column in wanted.values() if column < len(first) and is_stamp(first[column])]
     if dated:

@@ -1,7 +1,7 @@
 """HDF5: one dataset per channel and ``t``, flat or grouped by signal; nothing outside the file is opened.
 
-The attribute ``units`` is written as text of fixed length. Text of variable length, as h5py writes plain strings, is
-read by a process of its own: HDF5 hangs or crashes on damaged heaps of it (HDFGroup/hdf5 issue 1707).
+Files are read by a process of its own, because HDF5 crashes or hangs on some that are damaged (HDFGroup/hdf5 issue 1707
+is one of many): see `flexdyn.records.apart`.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -16,18 +17,19 @@ from urllib.parse import quote
 import numpy as np
 
 from flexdyn.errors import InputError, MissingExtra
+from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.array_columns import parts_of
-from flexdyn.records.hdf5.units import units_of_variable_length
+from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
-from flexdyn.records.table import RESERVED, Table, check_name, check_size, damage_named
+from flexdyn.records.table import RESERVED, Table, check_name, damage_named
 from flexdyn.records.units import SIGNALS
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 _LARGEST_CHUNK = 2**30
-_MOST_MEMBERS = 10_000
+_LONGEST_TEXT = 999
 
 
 def write(rec: Recording, path: Path) -> None:
@@ -45,6 +47,17 @@ def write(rec: Recording, path: Path) -> None:
 
 
 def read(path: Path, request: Request) -> Table:
+    """Read in another process what `read_here` reads.
+
+    Raises:
+        InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
+        MissingExtra: h5py is not installed.
+    """
+    check_library()
+    return read_apart(__name__, path, request)
+
+
+def read_here(path: Path, request: Request) -> Table:
     """Read datasets after checking their kind and size.
 
     Without a map they are flat or grouped by signal. A map finds them anywhere, such as ``robot/arm/q``, and takes
@@ -67,19 +80,24 @@ def read(path: Path, request: Request) -> Table:
         for name, dataset in wanted.items():
             check_storage(dataset, name)
         _check_sizes(wanted, os.path.getsize(path))
-        variable: dict[str, str] = {}
         for done, part in enumerate(parts):
             dataset = wanted[part.array]
             part.check(dataset.dtype, dataset.shape or ())
             with damage_named(f"the dataset {part.array} cannot be read"):
                 table.add(part.key, part.of(dataset))
-                if _is_of_variable_length(h5py, dataset, "units"):
-                    variable[part.key] = dataset.name
-                else:
-                    table.units[part.key] = attribute(h5py, dataset, "units")
+                table.units[part.key] = attribute(h5py, dataset, "units")
             request.report((done + 1) / len(parts))
-    table.units |= units_of_variable_length(path, variable)
     return table
+
+
+def check_library() -> None:
+    """Refuse where h5py is not installed, without loading it.
+
+    Raises:
+        MissingExtra: it is not there.
+    """
+    if find_spec("h5py") is None:
+        raise MissingExtra("h5py", "hdf5")
 
 
 def library() -> Any:
@@ -122,6 +140,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
             if not isinstance(dataset, h5py.Dataset):
                 raise InputError("the channel is no dataset", key=name, remedy="groups nest one deep", channel=name)
             seen.add(name)
+            check_count(len(seen))
             yield name, dataset
 
 
@@ -132,9 +151,7 @@ def _anywhere(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
     for path, group in groups:
         for link in group:
             met += 1
-            if met > _MOST_MEMBERS:
-                problem = f"the file has more than {_MOST_MEMBERS} members"
-                raise InputError(problem, remedy="copy the datasets wanted into a file of their own")
+            check_count(met)
             if not isinstance(group.get(link, getlink=True), h5py.HardLink):
                 continue
             node = group[link]
@@ -157,19 +174,15 @@ def _channel(h5py: Any, dataset: Any, link: str) -> str:
 
 
 def attribute(h5py: Any, dataset: Any, name: str) -> str | None:
-    """An attribute that is one text of fixed length; empty if there is none, None if it is something else."""
+    """An attribute that is one text; empty if there is none, None if it is something else or longer than 999 bytes."""
     if name not in dataset.attrs:
         return ""
     stored = dataset.attrs.get_id(name)
-    kind = h5py.check_string_dtype(stored.dtype)
-    if not kind or not kind.length or stored.shape not in ((), (1,)):
+    if not h5py.check_string_dtype(stored.dtype) or stored.shape not in ((), (1,)):
         return None
-    return bytes(np.ravel(dataset.attrs[name])[0]).decode("utf-8", "replace")
-
-
-def _is_of_variable_length(h5py: Any, dataset: Any, name: str) -> bool:
-    kind = h5py.check_string_dtype(dataset.attrs.get_id(name).dtype) if name in dataset.attrs else None
-    return kind is not None and kind.length is None
+    text = np.ravel(dataset.attrs[name])[0]
+    data = text.encode("utf-8", "surrogateescape") if isinstance(text, str) else bytes(text)
+    return data.decode("utf-8", "replace") if len(data) <= _LONGEST_TEXT else None
 
 
 def check_storage(dataset: Any, name: str) -> None:

@@ -72,12 +72,13 @@ def read(path: Path, request: Request) -> Table:
         InputError: not a MAT-file, cut, a column that is not there or is no column of numbers.
         MissingExtra: version 7.3 needs h5py.
     """
-    columns = Columns(request)
     with open(path, "rb") as stream:
         head = stream.read(1024)
-    reader = v73 if _HDF5 in (head[:8], head[512:520]) else v5
+    if _HDF5 in (head[:8], head[512:520]):
+        return v73.read(path, request)
+    columns = Columns(request)
     with damage_named("not a MAT-file, or cut"):
-        reader.read(path, request, columns)
+        v5.read(path, request, columns)
         return columns.table()
 
 

@@ -18,10 +18,10 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError
+from flexdyn.records.bounds import check_size
 from flexdyn.records.matlab.columns import Columns, Leaf
 from flexdyn.records.matlab.v5_elements import TEXTS, Cursor, cut
 from flexdyn.records.request import Request
-from flexdyn.records.table import check_size
 
 _MATRIX, _COMPRESSED = 14, 15
 _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17

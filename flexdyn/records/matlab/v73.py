@@ -13,14 +13,15 @@ from typing import Any
 import numpy as np
 
 from flexdyn.errors import InputError
-from flexdyn.records.hdf5.file import attribute, check_storage, library, member
+from flexdyn.records.apart.caller import read_apart
+from flexdyn.records.bounds import MOST_COLUMNS, check_size
+from flexdyn.records.hdf5.file import attribute, check_library, check_storage, library, member
 from flexdyn.records.matlab.columns import Columns, Leaf
 from flexdyn.records.request import Request
-from flexdyn.records.table import FloatArray, check_size
+from flexdyn.records.table import FloatArray, Table, damage_named
 
 _BLOCK = 512
 _DEEPEST = 16
-_MOST_LEAVES = 100_000
 _LONGEST_TEXT = 2**24
 
 
@@ -55,21 +56,34 @@ def _write_column(group: Any, name: str, values: FloatArray) -> None:
     dataset.attrs["MATLAB_class"] = np.bytes_("double")
 
 
-def read(path: Path, request: Request, columns: Columns) -> None:
-    """Give what `columns` wants of the file to it, one variable after the other.
+def read(path: Path, request: Request) -> Table:
+    """Read in another process, as HDF5 files are, what `read_here` reads.
+
+    Raises:
+        InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
+        MissingExtra: h5py is not installed.
+    """
+    check_library()
+    return read_apart(__name__, path, request)
+
+
+def read_here(path: Path, request: Request) -> Table:
+    """The columns that are asked for, from one variable after the other.
 
     Raises:
         InputError: not an HDF5 file, cut, links or storage outside the file, sizes that cannot be.
         MissingExtra: h5py is not installed.
     """
     h5py = library()
-    with h5py.File(path, "r") as file:
+    columns = Columns(request)
+    with damage_named("not a MAT-file, or cut"), h5py.File(path, "r") as file:
         reader = _Reader(h5py, os.path.getsize(path))
         names = [name for name in file if not name.startswith("#")]
         for place, name in enumerate(names):
             if columns.wants(name):
                 columns.take(reader.leaves(file, name, name, 0))
             request.report((place + 1) / len(names))
+        return columns.table()
 
 
 class _Reader:
@@ -82,8 +96,8 @@ class _Reader:
     def leaves(self, group: Any, link: str, name: str, depth: int) -> Iterator[Leaf]:
         """The leaves that a member of a group is or holds."""
         self._met += 1
-        if depth > _DEEPEST or self._met > _MOST_LEAVES:
-            problem = f"structs nest deeper than {_DEEPEST} or have more than {_MOST_LEAVES} fields"
+        if depth > _DEEPEST or self._met > MOST_COLUMNS:
+            problem = f"structs nest deeper than {_DEEPEST} or have more than {MOST_COLUMNS} fields"
             raise InputError(problem, value=name, remedy="save plainer variables")
         node = member(self._h5py, group, link)
         if isinstance(node, self._h5py.Group):

@@ -17,7 +17,7 @@ from rosbags.rosbag1 import Reader
 from rosbags.rosbag1.reader import decompressors
 
 from flexdyn.errors import InputError
-from flexdyn.records.table import MOST_EXPANSION
+from flexdyn.records.bounds import MOST_EXPANSION
 
 if sys.version_info >= (3, 14):
     from compression import zstd

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError
+from flexdyn.records.bounds import check_size
 from flexdyn.records.ros.columns import columns_of, stamp_of
 from flexdyn.records.ros.picks import Pick
 from flexdyn.records.ros.walk import Bytes, Layout, Number
-from flexdyn.records.table import check_size
 
 Integers = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]

@@ -1,0 +1,1 @@
+"""Reading in a process of its own, for libraries that damaged files crash: `caller` asks, `server` reads."""

@@ -1,0 +1,195 @@
+"""A file read by another process: whatever the file does to it, here it is a table or one line.
+
+The process is started at the first file and kept for the next; each thread that reads has one of its own. It works in
+daemonic processes too, which may not have children of multiprocessing.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from flexdyn.errors import InputError
+from flexdyn.records.apart.limits import WAITING, bytes_for, seconds_for
+from flexdyn.records.apart.messages import Lost, received, received_error, received_table, request_as_data
+from flexdyn.records.apart.server import SIGNALLED
+from flexdyn.records.request import Request
+from flexdyn.records.table import Table
+
+# The package's own __init__ loads the simulation too, which no reader needs: an empty one stands in for it.
+_START = """\
+import json, sys, types
+module, package, sys.path[:] = json.loads(sys.stdin.buffer.readline())
+sys.modules["flexdyn"] = types.ModuleType("flexdyn")
+sys.modules["flexdyn"].__path__ = [package]
+from flexdyn.records.apart.server import serve
+serve(module)
+"""
+_PACKAGE = Path(__file__).resolve().parents[2]
+_PIPE_BYTES = 2**20
+
+
+class _Server:
+    """A process that reads one file after the other.
+
+    Attributes:
+        between: whether it has answered all that it was asked, and nothing of an answer is left in the pipe.
+    """
+
+    def __init__(self, module: str) -> None:
+        self.between = False
+        # The code stands above and the interpreter is this one: nothing of any file is executed.
+        self.process = subprocess.Popen(  # noqa: S603
+            [sys.executable, "-I", "-c", _START],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # forking wants a single thread
+            cwd="/",
+            start_new_session=True,
+        )
+        streams: Any = (self.process.stdin, self.process.stdout)
+        self._streams = streams
+        _enlarge(self.process.stdout)
+        self._say([module, str(_PACKAGE), [os.path.abspath(entry) for entry in sys.path]])
+        if received(self._streams[1])[0] != "ready":
+            raise Lost
+
+    def table(self, path: Path, request: Request, on_disk: int) -> Table:
+        """The table of a file.
+
+        Raises:
+            InputError: what the reader says.
+            Lost: the process ended, or said what it should not.
+        """
+        stream = self._streams[1]
+        self.between = False
+        limits = {"seconds": seconds_for(on_disk), "bytes": bytes_for(on_disk)}
+        self._say({"path": os.path.abspath(path), "request": request_as_data(request), **limits})
+        kind, content = received(stream)
+        while kind == "progress":
+            request.report(float(content))
+            kind, content = received(stream)
+        table = received_table(stream, content, on_disk) if kind == "table" else None
+        self.between = True
+        if table is not None:
+            return table
+        raise received_error(content) if kind == "error" else _too_much(on_disk)
+
+    def end(self) -> int:
+        """End the process and its child; its exit code, which is its own if it had ended already."""
+        for stream in self._streams:
+            with contextlib.suppress(OSError):  # what it was told last may not have reached it
+                stream.close()
+        try:
+            return self.process.wait(0.5)
+        except subprocess.TimeoutExpired:
+            os.killpg(self.process.pid, signal.SIGKILL)
+            return self.process.wait()
+
+    def forget(self) -> None:
+        """Let go of it in a child of this process, to which it does not belong."""
+        for stream in self._streams:
+            stream.close()
+        self.process.returncode = 0
+
+    def _say(self, content: Any) -> None:
+        stream = self._streams[0]
+        try:
+            stream.write(json.dumps(content).encode() + b"\n")
+            stream.flush()
+        except OSError:
+            raise Lost from None
+
+
+_idle: dict[str, list[_Server]] = {}
+
+
+def read_apart(module: str, path: Path, request: Request) -> Table:
+    """Read a file in another process.
+
+    Args:
+        module: that reads it, by `read_here`.
+        path: of the file.
+        request: what to read; its progress is told here.
+
+    Raises:
+        InputError: what the reader says, or that the file ended the process, took too long or too much memory.
+    """
+    waiting = _idle.setdefault(module, [])
+    on_disk = os.path.getsize(path)
+    try:
+        server = _alive(waiting) or _Server(module)
+    except (OSError, Lost):
+        remedy = f"HDF5 is read in a process of its own, by {sys.executable}"
+        raise InputError("no process could be started to read the file", remedy=remedy) from None
+    try:
+        return server.table(path, request, on_disk)
+    except Lost:
+        raise _ended(server.end(), on_disk) from None
+    finally:
+        if server.between:
+            waiting.append(server)
+        else:
+            server.end()
+
+
+def _alive(waiting: list[_Server]) -> _Server | None:
+    """One that waits for a file and was not ended meanwhile."""
+    while waiting:
+        server = waiting.pop()
+        if server.process.poll() is None:
+            return server
+        server.end()
+    return None
+
+
+def _too_much(on_disk: int) -> InputError:
+    problem = f"reading it takes more than {bytes_for(on_disk)} bytes of memory"
+    return InputError(problem, remedy="the file is damaged, or its parts are too large: split it")
+
+
+def _ended(code: int, on_disk: int) -> InputError:
+    """What is said of a file whose reader did not answer."""
+    by = code - SIGNALLED
+    if by in (signal.SIGXCPU, signal.SIGALRM):
+        seconds = seconds_for(on_disk)
+        problem = f"reading it takes more than {seconds} s of computing, or {WAITING * seconds} s in all"
+        return InputError(problem, remedy="the file is damaged, or lies on a disk that does not answer")
+    names = {int(known): known.name for known in signal.Signals}
+    what = f" ({names[by]})" if by in names else ""
+    return InputError(f"the library that reads it crashed{what}", remedy="the file is damaged: copy it again")
+
+
+def _enlarge(stream: Any) -> None:
+    """A wider pipe, where the system lets one have it: columns of a gigabyte go through it."""
+    if sys.platform == "linux":
+        import fcntl
+
+        with contextlib.suppress(OSError):
+            fcntl.fcntl(stream.fileno(), fcntl.F_SETPIPE_SZ, _PIPE_BYTES)
+
+
+def _end_all() -> None:
+    for servers in _idle.values():
+        for server in servers:
+            server.end()
+    _idle.clear()
+
+
+def _forget_all() -> None:
+    for servers in _idle.values():
+        for server in servers:
+            server.forget()
+    _idle.clear()
+
+
+atexit.register(_end_all)
+os.register_at_fork(after_in_child=_forget_all)

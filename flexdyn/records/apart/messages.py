@@ -1,0 +1,154 @@
+"""What the process that reads says to the one that asked: JSON with its length in front, and the bytes of columns.
+
+Nothing that comes back is trusted: a damaged file may have made anything of the process that read it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import IO, Any
+
+import numpy as np
+
+from flexdyn.errors import FlexdynError, InputError
+from flexdyn.records.bounds import check_size
+from flexdyn.records.request import Layout, Request
+from flexdyn.records.table import Rows, Table
+
+_LONGEST = 2**26
+_STRANGE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
+
+
+class Lost(Exception):
+    """The other side has ended, or says what makes no sense."""
+
+
+def request_as_data(request: Request) -> dict[str, Any]:
+    """A request without its progress, as JSON can hold it."""
+    return {
+        "columns": None if request.columns is None else sorted(request.columns, key=str),
+        "layout": asdict(request.layout),
+        "mapped": request.mapped,
+        "named": sorted(request.named, key=str),
+    }
+
+
+def request_of(data: Mapping[str, Any]) -> Request:
+    """The request that `request_as_data` gave."""
+    columns = None if data["columns"] is None else frozenset(data["columns"])
+    return Request(columns, Layout(**data["layout"]), None, data["mapped"], frozenset(data["named"]))
+
+
+def send(out: int, kind: str, content: Any) -> None:
+    """Write one message.
+
+    Args:
+        out: file descriptor.
+        kind: what it is: ``ready``, ``progress``, ``error``, ``memory`` or ``table``.
+        content: what JSON can hold.
+    """
+    text = json.dumps({kind: content}, default=str).encode()
+    _write(out, len(text).to_bytes(8, "little") + text)
+
+
+def send_error(out: int, error: FlexdynError) -> None:
+    """Write what is wrong with the file."""
+    send(out, "error", {"problem": error.problem, **error.data})
+
+
+def send_table(out: int, table: Table) -> None:
+    """Write a table, and the bytes of its columns behind it."""
+    columns = {name: np.ascontiguousarray(values) for name, values in table.columns.items()}
+    about = {
+        "columns": [[name, values.dtype.str, len(values)] for name, values in columns.items()],
+        "meta": table.meta,
+        "rows": [table.rows.word, table.rows.first],
+        "units": table.units,
+        "said": table.said,
+    }
+    send(out, "table", about)
+    for values in columns.values():
+        _write(out, values.view(np.uint8).data)
+
+
+def received(stream: IO[bytes]) -> tuple[str, Any]:
+    """One message.
+
+    Raises:
+        Lost: the other side has ended, or it is no message.
+    """
+    length = int.from_bytes(_exactly(stream, 8), "little")
+    if length > _LONGEST:
+        raise Lost
+    try:
+        ((kind, content),) = json.loads(_exactly(stream, length)).items()
+    except _STRANGE:
+        raise Lost from None
+    return kind, content
+
+
+def received_table(stream: IO[bytes], about: Any, on_disk: int) -> Table:
+    """The table that a message announces, with the columns that follow it.
+
+    Args:
+        stream: that the message came from.
+        about: content of the message.
+        on_disk: bytes of the file.
+
+    Raises:
+        Lost: the other side has ended, or it is no table, or larger than the file can be.
+    """
+    try:
+        columns = [(str(name), np.dtype(str(kind)), int(count)) for name, kind, count in about["columns"]]
+        if any(kind.kind not in "fiub" or kind.itemsize > 8 or count < 0 for _, kind, count in columns):
+            raise Lost
+        check_size(sum(kind.itemsize * count for _, kind, count in columns), on_disk)
+        word, first = about["rows"]
+        table = Table(meta=dict(about["meta"]), rows=Rows(str(word), int(first)))
+        table.units = {str(name): None if unit is None else str(unit) for name, unit in about["units"].items()}
+        table.said = [str(text) for text in about["said"]]
+        for name, kind, count in columns:
+            values = np.empty(count, kind)
+            _fill(stream, values.view(np.uint8).data)
+            table.add(name, values)
+    except _STRANGE:
+        raise Lost from None
+    return table
+
+
+def received_error(content: Any) -> InputError:
+    """The error that a message tells.
+
+    Raises:
+        Lost: it tells none.
+    """
+    try:
+        data = {str(name): value for name, value in content.items()}
+        return InputError(str(data.pop("problem")), **data)
+    except _STRANGE:
+        raise Lost from None
+
+
+def _write(out: int, data: bytes | memoryview) -> None:
+    left = memoryview(data)
+    while left:
+        left = left[os.write(out, left) :]
+
+
+def _exactly(stream: IO[bytes], count: int) -> bytes:
+    data = stream.read(count)
+    if len(data) < count:
+        raise Lost
+    return data
+
+
+def _fill(stream: IO[bytes], room: memoryview) -> None:
+    filled = 0
+    while filled < len(room):
+        count = stream.readinto(room[filled:])  # type: ignore[attr-defined]
+        if not count:
+            raise Lost
+        filled += count

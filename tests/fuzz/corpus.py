@@ -1,0 +1,177 @@
+"""Small valid files of every kind, written by code; damage starts from them."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexdyn.records import Recording, write_recording
+from flexdyn.records.matlab import file as mat_file
+from tests.records.ros_bags import JOINT_STATE, Maker
+
+T = np.array([0.0, 0.1, 0.2, 0.3])
+SMALL = Recording(T, {"q.a": T, "tau.a/b": -T}, meta={"a": [1, {"b": None}]})
+WIDE = Recording(T, {f"{signal}.{joint}": T * 2 for signal in ("q", "v", "tau") for joint in ("elbow", "wrist")})
+
+MAP = b"""\
+flexdyn_map: 1
+source: {names_line: 1, first_line: 2, delimiter: ",", decimal: ".", encoding: latin-1}
+time: {from: t, unit: s, start: zero, shift: 0.012}
+joints:
+  elbow: {gear_ratio: 100, torque_constant: 0.05}
+channels:
+  q.elbow: {from: a, unit: deg, sign: -1, offset: 0.2}
+  theta.elbow: {from: b, unit: counts, counts_per_turn: 131072, side: motor}
+  tau.elbow: {from: c, unit: A, side: motor}
+  q.slide: 3
+  tau.slide: c
+couplings:
+  - {joints: [elbow, slide], position: [[0.5, 0.5], [0.5, -0.5]], signals: [q]}
+others: drop
+repair: [sort_time, {fill_nan: {longest: 0.5}}]
+"""
+MAPPED = "t,a,b,c\n" + "".join(f"{0.1 * k},{k},{k * k},{-k}\n" for k in range(6))
+
+MODEL = b"""\
+flexdyn: 1
+robot: {urdf: scara_two_link, gravity: [0.0, 0.0, -9.81], rotor_coupling: reduced}
+joints:
+  "*": {damping: 1.0}
+  shoulder: {rotor_inertia: 0.1, stiffness: 40.0, gear_ratio: 2.0}
+  elbow: {rotor_inertia: 0.01, stiffness: 4.0e+3}
+initial: {q: {shoulder: 1.0}, theta: {shoulder: 1.0}}
+tolerance: {"*": 0.03, joints.shoulder.stiffness: 0.1}
+effects:
+- {effect: viscous_friction, joint: shoulder, side: motor, coefficient: 3.0}
+- {effect: coulomb_friction, joint: elbow, side: link, level: 0.3}
+- {effect: payload, mass: 1.0, frame: tool}
+command: {pd: {reference: {t: [0, 1, 2], shoulder: [0, 0.5, 0]}, kp: 10.0, kd: 1.0}}
+"""
+LOCKED = b"""\
+flexdyn: 1
+robot: {urdf: arm.urdf, lock: {elbow: 0.1}, package_dirs: [.], urdf_dynamics: use}
+joints: {shoulder: &a {rotor_inertia: 0.1, stiffness: 40.0}}
+effects: [{effect: end_stop, joint: shoulder, lower: -1.0, upper: 1.0, stiffness: 1.0e+4, damping: 10.0}]
+"""
+
+STUDY = b"""\
+flexdyn_study: 1
+model: model.yaml
+duration: 0.05
+rate: 1000
+solver: {name: TimeStepping, step: 1.0e-3}
+runs: 4
+seed: 7
+vary:
+  joints.shoulder.stiffness: {uniform: [30.0, 50.0]}
+  joints.elbow.damping: {normal: [1.0, 0.1]}
+keep: [q, theta]
+"""
+GRID = b"""\
+flexdyn_study: 1
+model: scara_two_link
+command: run.csv
+duration: 0.02
+vary: {joints.elbow.stiffness: {grid: [30.0, 40.0, 50.0]}, joints.shoulder.rotor_inertia: {lognormal: [0.1, 0.2]}}
+runs: 3
+keep: [q]
+chunk: 2
+"""
+
+URDF = b"""\
+<?xml version="1.0"?>
+<robot name="arm">
+  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
+  <link name="base"><visual><geometry><box size="0.1 0.1 0.1"/></geometry><material name="grey"/></visual></link>
+  <link name="upper">
+    <inertial><origin xyz="0.1 0 0" rpy="0 0 0.3"/><mass value="2.0"/>
+      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/></inertial>
+    <visual><geometry><mesh filename="package://arm/upper.stl" scale="1 1 1"/></geometry></visual>
+  </link>
+  <link name="lower">
+    <inertial><mass value="1.0"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
+    <collision><geometry><cylinder radius="0.1" length="0.2"/></geometry></collision>
+  </link>
+  <link name="finger"/><link name="tool"/>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/><origin xyz="0 0 0.3" rpy="0 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-2.0" upper="2.0" effort="10" velocity="3"/><dynamics damping="0.1" friction="0.2"/>
+  </joint>
+  <joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/><axis xyz="0 1 0"/></joint>
+  <joint name="grip" type="prismatic"><parent link="lower"/><child link="finger"/>
+    <limit lower="0" upper="0.1" effort="1" velocity="1"/><mimic joint="elbow" multiplier="0.1" offset="0.01"/></joint>
+  <joint name="flange" type="fixed"><parent link="lower"/><child link="tool"/><origin xyz="0.3 0 0"/></joint>
+</robot>
+"""
+
+
+def written(recordings: tuple[Recording, ...], suffix: str, folder: Path) -> list[bytes]:
+    """The recordings as files of one format."""
+    files = []
+    for number, recording in enumerate(recordings):
+        path = folder / f"seed{number}{suffix}"
+        if not path.exists():
+            write_recording(recording, path)
+        files.append(path.read_bytes())
+    return files
+
+
+def tables(folder: Path) -> list[bytes]:
+    """CSV as other programs write it."""
+    return [
+        b't,q.a,tau.a\n0,1,2\n0.1,1.5,2\n0.2,2,3\n"0.3",-1e-3,4\n',
+        b"t;q.a [rad];v.a\r\n0;1,5;2\r\n0,1;1,6;3\r\n",
+        b"# a comment\n# t is time\nt\tq.elbow\tv.elbow\n0\t1\t2\n1\t1\t2\n2\t1\t2\n",
+        b"t,q.a\n2024-01-02 03:04:05.6,1\n2024-01-02 03:04:05.7,2\n2024-01-02 03:04:05.8,2\n",
+        *written((SMALL, WIDE), ".csv", folder),
+    ]
+
+
+def mat73(folder: Path) -> list[bytes]:
+    """MAT-files of version 7.3, which is written where a variable is too large for version 5."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mat_file, "LARGEST_V5", 0)
+        return written((SMALL, WIDE), ".mat", folder)
+
+
+def bags(folder: Path, *, kinds: tuple[str, ...]) -> list[bytes]:
+    """Bags by rosbags, packed and plain."""
+    files = []
+    for kind in kinds:
+        maker = Maker(ros1=kind.startswith("bag"))
+        states = [maker.state(row, ["a", "b"], [row, 2 * row], [1, 2]) for row in range(1, 6)]
+        messages = [("/joint_states", JOINT_STATE, row, state) for row, state in enumerate(states, 1)]
+        place = folder / kind.replace(" ", "_")
+        if not place.exists():
+            place.mkdir()
+            maker.write(place, kind, messages)
+        files.append(next(path for path in place.iterdir() if path.is_file()).read_bytes())
+    return files
+
+
+ros1 = partial(bags, kinds=("bag", "bag bz2", "bag lz4"))
+mcap = partial(bags, kinds=("mcap", "mcap zstd"))
+db3 = partial(bags, kinds=("db3",))
+
+
+def models(folder: Path) -> list[bytes]:
+    """Model files, and the URDF that one of them names."""
+    (folder / "arm.urdf").write_bytes(URDF)
+    return [MODEL, LOCKED]
+
+
+def studies(folder: Path) -> list[bytes]:
+    """Study files, with the model and the command that they name."""
+    (folder / "model.yaml").write_bytes(MODEL[: MODEL.index(b"command")])
+    rest = np.linspace(0.0, 0.02, 5)
+    write_recording(Recording(rest, {"tau.shoulder": rest, "tau.elbow": rest}), folder / "run.csv")
+    return [STUDY, GRID]
+
+
+def maps(folder: Path) -> list[bytes]:
+    """A channel map, and a table that it fits."""
+    (folder / "log.csv").write_text(MAPPED)
+    return [MAP]

@@ -1,0 +1,101 @@
+"""What the inputs are tried on: every reader, the command line, and the border of the core."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import flexdyn as fd
+from flexdyn.batch.studyfile import read_study
+from flexdyn.records.apart import caller
+from tests.fuzz import command_line, core_border, corpus
+from tests.fuzz.mutate import Mutator, a_number, any_archive, any_bytes, any_text
+
+
+@dataclass(frozen=True)
+class Target:
+    """One reader, or whatever else takes inputs.
+
+    Attributes:
+        name: of it.
+        suffix: of its files.
+        seeds: makes the valid files that damage starts from, in a folder.
+        mutate: makes an input of the seeds.
+        run: tries an input in a folder; a FlexdynError is an answer, any other exception a fault.
+        share: of a hundred inputs, how many are for it.
+        batch: inputs that one child tries, one after the other.
+        apart: whether another process does the work.
+    """
+
+    name: str
+    suffix: str
+    seeds: Callable[[Path], list[bytes]]
+    mutate: Mutator
+    run: Callable[[Path, bytes], None]
+    share: float
+    batch: int = 1000
+    apart: bool = False
+
+    def end(self) -> None:
+        """End the processes that did the work, so that their memory is counted."""
+        caller._end_all()
+
+
+def _recording(folder: Path, data: bytes, *, suffix: str) -> None:
+    path = folder / f"input{suffix}"
+    path.write_bytes(data)
+    fd.read_recording(path)
+
+
+def _model(folder: Path, data: bytes) -> None:
+    (folder / "input.yaml").write_bytes(data)
+    model = fd.load_model(folder / "input.yaml")
+    assert isinstance(hash(model), int)
+
+
+def _urdf(folder: Path, data: bytes) -> None:
+    (folder / "input.urdf").write_bytes(data)
+    robot = fd.load_robot(folder / "input.urdf")
+    fd.FlexibleJointModel(robot)
+
+
+def _study(folder: Path, data: bytes) -> None:
+    (folder / "input.yaml").write_bytes(data)
+    read_study(folder / "input.yaml")
+
+
+def _map(folder: Path, data: bytes) -> None:
+    (folder / "input.yaml").write_bytes(data)
+    fd.read_recording(folder / "log.csv", map=folder / "input.yaml")
+
+
+def _reader(
+    name: str, suffix: str, seeds: Callable[[Path], list[bytes]], share: float, mutate: Mutator = any_bytes
+) -> Target:
+    apart = name in ("HDF5", "MAT 7.3")
+    return Target(name, suffix, seeds, mutate, partial(_recording, suffix=suffix), share, apart=apart)
+
+
+def _written(suffix: str) -> Callable[[Path], list[bytes]]:
+    return partial(corpus.written, (corpus.SMALL, corpus.WIDE), suffix)
+
+
+TARGETS = (
+    _reader("CSV", ".csv", corpus.tables, 34, any_text),
+    _reader("NPZ", ".npz", _written(".npz"), 12, any_archive),
+    _reader("HDF5", ".h5", _written(".h5"), 2),
+    _reader("Parquet", ".parquet", _written(".parquet"), 10),
+    _reader("MAT 5", ".mat", _written(".mat"), 24),
+    _reader("MAT 7.3", ".mat", corpus.mat73, 1.2),
+    _reader("ROS 1 bag", ".bag", corpus.ros1, 4),
+    _reader("MCAP", ".mcap", corpus.mcap, 4),
+    _reader("ROS 2 bag", ".db3", corpus.db3, 3),
+    Target("model", ".yaml", corpus.models, any_text, _model, 1.5),
+    Target("URDF", ".urdf", lambda folder: [corpus.URDF], any_text, _urdf, 6),
+    Target("study", ".yaml", corpus.studies, any_text, _study, 0.6),
+    Target("channel map", ".yaml", corpus.maps, any_text, _map, 2.5),
+    Target("command line", ".txt", command_line.prepare, a_number, command_line.run, 0.4, batch=200),
+    Target("border of the core", ".txt", lambda folder: [b""], a_number, core_border.run, 1.2, batch=500),
+)
