@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+
+#include "stiffness.hpp"
 
 namespace flexdyn {
 
@@ -148,16 +150,11 @@ bool Events::at_rest(double t, const std::vector<double>& x) {
 // tolerance of 1e-8 rad is 0.1 N m on a spring of 1e7 N m/rad.
 void Events::find_quiet_step(double t, const double* x) {
   constexpr double angle = 0.7;
-  const int size = plant_.state_size();
-  Eigen::MatrixXd J(size, size);  // its transpose has the same eigenvalues
   const std::vector<int> motion = work_.motion;
-  work_.located = false;
-  work_.smoothing = 1e3;  // so wide that dry friction has no slope
-  plant_.jacobian(work_, t, x, torque_(t), nullptr, J.data());
+  const double fastest = fastest_rate(plant_, work_, t, x, torque_(t));
   work_.located = true;
   work_.motion = motion;
   settle_regions(t, x);
-  const double fastest = J.allFinite() ? J.eigenvalues().cwiseAbs().maxCoeff() : 0.0;
   quiet_step_ = fastest > 0.0 ? angle / fastest : std::numeric_limits<double>::infinity();
 }
 
