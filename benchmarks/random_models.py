@@ -72,7 +72,9 @@ def _tree(rng: Draw, count: int) -> pin.Model:
     tree = pin.Model()
     tree.name = "drawn"
     for k in range(count):
-        parent = k if rng.random() < 0.85 else int(rng.integers(0, k + 1))
+        parent = k
+        while parent > 0 and rng.random() < 0.1:
+            parent = tree.parents[parent]  # a branch; Pinocchio wants all of one before the next
         length, mass = rng.uniform(0.1, 0.6), 10.0 ** rng.uniform(-0.7, 1.0)
         turn = pin.utils.rotate("xyz"[int(rng.integers(3))], float(rng.uniform(-np.pi, np.pi)))
         place = pin.SE3(turn, np.array([0.0, 0.0, length if k else 0.0]))
@@ -113,7 +115,7 @@ def _command(
     if kind == 2:
         return fd.Samples(t, size * wave, "linear" if rng.random() < 0.5 else "hold")
     # Of some 20 rad/s, well below what a controller at 1 kHz can hold.
-    kp = 400.0 * (inertia + model.rotor_inertia)
+    kp = 400.0 * (model.rotor_inertia + np.minimum(inertia, 5.0 * model.rotor_inertia))
     return fd.PD(fd.Samples(t, q0 + 0.2 * wave, "cubic"), kp=kp, kd=0.07 * kp)
 
 

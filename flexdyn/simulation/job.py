@@ -22,7 +22,7 @@ from flexdyn.simulation.limits import exceeded
 from flexdyn.simulation.plant import build_plant
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.solver_choice import STIFF, budget, choose_solver, core_settings, switch_notes
-from flexdyn.simulation.solvers import DormandPrince, DormandPrinceThenRosenbrock, RungeKutta4, Solver, TimeStepping
+from flexdyn.simulation.solvers import DormandPrince, DormandPrinceThenRosenbrock, Rosenbrock, RungeKutta4, Solver, TimeStepping
 from flexdyn.simulation.stopped import stopped
 
 Array = NDArray[np.float64]
@@ -142,7 +142,8 @@ def prepare(
     lowered = lower_wrenches(model, wrenches, span)
     arrays = [out[name] for name in (*SIGNALS, "z")]
     may_switch = solver == "auto" and isinstance(chosen, DormandPrince)
-    settings = core_settings(chosen, max_steps=budget(chosen, span), stiff_rate=STIFF if may_switch else math.inf)
+    most = budget(Rosenbrock() if may_switch else chosen, span)
+    settings = core_settings(chosen, max_steps=most, stiff_rate=STIFF if may_switch else math.inf)
     core = _core.job(plant, drive.command, lowered, x0, span, settings, grid, arrays, None)
     return Job(core, model, chosen, notes, out, drive, x0, wrenches, span)
 
