@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace flexdyn {
 
@@ -239,7 +240,21 @@ int Plant::follow(Workspace& w, const Law& law, const LawInput& in) const {
 }
 
 bool Plant::at_zero_corner(const Workspace& w, int which, double t, const double* x) const {
-  return corner_of(switches_[which].kind) == Corner::at_zero && region_margin(w, which, t, x) == 0.0;
+  const Law& law = switches_[which];
+  if (corner_of(law.kind) != Corner::at_zero) return false;
+  const double rounding = corner_rounding(law, x);
+  return std::abs(region_margin(w, which, t, x) - rounding) <= rounding;
+}
+
+// What rounding of the positions makes of a load whose sign a law follows. Without it an unloaded gear at rest changes
+// sign with every last bit.
+double Plant::corner_rounding(const Law& law, const double* x) const {
+  const bool of_load = law.kind == LawKind::load_dependent_friction || law.kind == LawKind::directional_gear_loss;
+  const int j = law.joint, slot = rotor_slot_[j];
+  if (!of_load || slot < 0) return 0.0;
+  constexpr double bits = 4.0 * std::numeric_limits<double>::epsilon();
+  const double* speed = v(x);
+  return bits * (K_[j] * (std::abs(x[j]) + std::abs(x[n_ + slot])) + D_[j] * (std::abs(speed[j]) + std::abs(speed[n_ + slot])));
 }
 
 int Plant::current_region(const Workspace& w, int which, double t, const double* x) const {
@@ -249,7 +264,8 @@ int Plant::current_region(const Workspace& w, int which, double t, const double*
 
 double Plant::region_margin(const Workspace& w, int which, double t, const double* x) const {
   const Law& law = switches_[which];
-  return region_guard(law.kind, law.p, input(w, law, t, x), w.switch_input[which], w.region[which]);
+  const double margin = region_guard(law.kind, law.p, input(w, law, t, x), w.switch_input[which], w.region[which]);
+  return margin + corner_rounding(law, x);
 }
 
 bool Plant::in_gap(const Workspace& w, int joint) const {

@@ -1,6 +1,7 @@
 #include "stiffness.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -10,7 +11,7 @@ double fastest_rate(const Plant& plant, Plant::Workspace& work, double t, const 
   const int size = plant.state_size();
   Eigen::MatrixXd J(size, size);  // its transpose has the same eigenvalues
   work.located = false;
-  work.smoothing = 1e3;  // so wide that dry friction has no slope
+  work.smoothing = std::numeric_limits<double>::infinity();  // so wide that dry friction has no slope
   plant.jacobian(work, t, x, tau, nullptr, J.data());
   return J.allFinite() ? J.eigenvalues().cwiseAbs().maxCoeff() : 0.0;
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import acting_effects, build_links, core_law, rotor_spin
 
 Array = NDArray[np.float64]
-WIDE = 1e3  # rad/s: dry friction smoothed so wide has no slope
+WIDE = math.inf  # rad/s: dry friction smoothed so wide has no slope
 
 
 @dataclass(frozen=True)

@@ -83,7 +83,7 @@ def fastest_rate(plant: _core.Plant, x0: NDArray[np.float64]) -> float:
     """The largest eigenvalue, by size, of the motion linearised at x0 [1/s]; dry friction takes no part."""
     size = plant.state_size
     jacobian = np.empty((size, size))
-    plant.jacobian(0.0, x0, np.zeros(plant.n), 1e3, jacobian)  # so wide that the smoothed friction has no slope
+    plant.jacobian(0.0, x0, np.zeros(plant.n), math.inf, jacobian)  # so wide that the smoothed friction has no slope
     if not np.isfinite(jacobian).all():
         return 0.0
     return float(np.abs(np.linalg.eigvals(jacobian)).max())
