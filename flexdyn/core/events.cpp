@@ -194,7 +194,7 @@ void Events::settle_contacts(double t, const double* x) {
     work_.motion[c] = u > 0.0 ? forward : u < 0.0 ? backward : stuck;
     if (u == 0.0) resting.push_back(c);
   }
-  std::fill(slack_.begin(), slack_.end(), 0.0);
+  for (std::size_t c = 0; c < contacts.size(); ++c) slack_[c] = plant_.load_rounding(contacts[c].joint, x);
   if (!resting.empty()) settle_resting(resting, t, x);
 }
 
@@ -218,7 +218,7 @@ void Events::settle_resting(const std::vector<std::size_t>& resting, double t, c
     motion = stuck;
     // Alone it can neither stick nor slide: its load is at its level up to rounding. It sticks until the load is
     // clearly above, or else every instant from here on would be an event.
-    if (*wrong == freed) slack_[freed] = 2.0 * excess;
+    if (*wrong == freed) slack_[freed] = std::max(slack_[freed], 2.0 * excess);
     freed = plant_.contacts().size();
   }
 }

@@ -246,15 +246,19 @@ bool Plant::at_zero_corner(const Workspace& w, int which, double t, const double
   return std::abs(region_margin(w, which, t, x) - rounding) <= rounding;
 }
 
-// What rounding of the positions makes of a load whose sign a law follows. Without it an unloaded gear at rest changes
-// sign with every last bit.
+// An unloaded gear at rest must not change sign with every last bit.
 double Plant::corner_rounding(const Law& law, const double* x) const {
   const bool of_load = law.kind == LawKind::load_dependent_friction || law.kind == LawKind::directional_gear_loss;
-  const int j = law.joint, slot = rotor_slot_[j];
-  if (!of_load || slot < 0) return 0.0;
+  return of_load ? load_rounding(law.joint, x) : 0.0;
+}
+
+double Plant::load_rounding(int joint, const double* x) const {
+  const int slot = rotor_slot_[joint];
+  if (slot < 0) return 0.0;
   constexpr double bits = 4.0 * std::numeric_limits<double>::epsilon();
-  const double* speed = v(x);
-  return bits * (K_[j] * (std::abs(x[j]) + std::abs(x[n_ + slot])) + D_[j] * (std::abs(speed[j]) + std::abs(speed[n_ + slot])));
+  const double *speed = v(x), *rotor = x + n_;
+  const double bent = K_[joint] * (std::abs(x[joint]) + std::abs(rotor[slot]));
+  return bits * (bent + D_[joint] * (std::abs(speed[joint]) + std::abs(speed[n_ + slot])));
 }
 
 int Plant::current_region(const Workspace& w, int which, double t, const double* x) const {

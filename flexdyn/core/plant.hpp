@@ -156,6 +156,8 @@ class Plant {
   double level(const Workspace& w, std::size_t contact, double t, const double* x, double direction) const;
   int current_region(const Workspace& w, int which, double t, const double* x) const;
   double region_margin(const Workspace& w, int which, double t, const double* x) const;
+  // What rounding of the state makes of the torque in a joint's spring.
+  double load_rounding(int joint, const double* x) const;
   // Whether a law is at the corner at which it is nothing itself, to rounding: on either piece.
   bool at_zero_corner(const Workspace& w, int which, double t, const double* x) const;
 

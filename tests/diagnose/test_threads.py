@@ -36,6 +36,6 @@ def test_any_number_of_threads_tells_the_same(tmp_path: Path) -> None:
     wrong = two_link(ARM, tolerance=0.03).replace(joints={"elbow": {"stiffness": 1.4 * ARM.stiffness[1]}})
     fd.save_model(wrong, tmp_path / "model.yaml")
     fd.write_recording(two_link_recording(Levels(), 4), tmp_path / "fit.npz")
-    one, *others = (_answered(tmp_path, threads) for threads in (1, 2, 4))
+    one, four = (_answered(tmp_path, threads) for threads in (1, 4))
     assert json.loads(one)["findings"]
-    assert others == [one, one]
+    assert four == one
