@@ -1,11 +1,11 @@
-"""Does anything grow? An hour of simulated time, 10,000 models made and dropped, 100,000 short runs, an hour in player and
-report.
+"""Does anything grow over an hour of simulated time, 10,000 models and 100,000 short runs?
 
     python benchmarks/long_runs.py [--share 1.0] [-o FILE.json]
 
-Every row is one kind of work in ten equal parts: memory of the process after the second part (the first fills caches) and
-after the last, CPU time of a unit of work in the second part and in the last. `--share 0.01` does a hundredth of the work.
-Linux only. Exit code 1 if memory grows by more than the rows' own data, or if the last part is much slower.
+The player's and the plot's page of that hour are made ten times besides. Every row is one kind of work in ten equal
+parts: memory of the process after the second part (the first fills caches) and after the last, CPU time of a unit of
+work in the second part and in the last. `--share 0.01` does a hundredth of the work. Linux only. Exit code 1 if memory
+grows by more than the rows' own data, or if the last part is much slower.
 """
 
 from __future__ import annotations
@@ -68,16 +68,17 @@ def resident() -> float:
 
 def repeated(name: str, unit: str, count: int, work: Callable[[int], None]) -> Row:
     """The work `count` times over, watched."""
-    each = max(1, count // PARTS)
+    parts = min(PARTS, count)
+    each = count // parts
     memory, cost = [], []
-    for part in range(PARTS):
+    for part in range(parts):
         begin = time.process_time()
         for k in range(each):
             work(part * each + k)
         cost.append((time.process_time() - begin) / each)
         gc.collect()
         memory.append(resident())
-    return Row(name, f"{each * PARTS:,} {unit}", (memory[1], memory[-1]), (cost[1], cost[-1]))
+    return Row(name, f"{each * parts:,} {unit}", (memory[1], memory[-1]), (cost[1], cost[-1]))
 
 
 def arm() -> fd.FlexibleJointModel:
@@ -130,15 +131,15 @@ def short_runs(count: int) -> Row:
     return repeated("short runs", "times 100 runs", count // 100, work)
 
 
-def pages(run: fd.Run) -> list[Row]:
-    """The player's file and the plot's page of an hour, each made ten times."""
+def pages(run: fd.Run, count: int = PARTS) -> list[Row]:
+    """The player's file and the plot's page of a run, each made a number of times."""
     found = []
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
-        found.append(repeated("player's page", "times", PARTS, lambda k: _played(run, place / "play.html")))
+        found.append(repeated("player's page", "times", count, lambda k: _played(run, place / "play.html")))
         size = (place / "play.html").stat().st_size / 1e6
         print(f"player's page of {run.t[-1]:,.0f} s: {size:.1f} MB", file=sys.stderr)
-        found.append(repeated("plot's page", "times", PARTS, lambda k: _plotted(run, place / "plot.html")))
+        found.append(repeated("plot's page", "times", count, lambda k: _plotted(run, place / "plot.html")))
         size = (place / "plot.html").stat().st_size / 1e6
         print(f"plot's page of {run.t[-1]:,.0f} s: {size:.1f} MB", file=sys.stderr)
     return found

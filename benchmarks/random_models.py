@@ -1,4 +1,4 @@
-"""Models drawn at random: 1 to 8 joints of every kind, any of the catalogue's effects on them, a first state, a command.
+"""Models drawn at random: 1 to 8 joints of every kind, effects of the catalogue on them, a first state, a command.
 
 `drawn(seed)` gives numbers that drives have; `drawn(seed, extreme=True)` springs up to 1e9 N m/rad on rotors down to
 1e-9 kg m^2. The same seed gives the same problem on every machine.
@@ -100,9 +100,7 @@ def _drive(rng: Draw, inertia: float, extreme: bool) -> dict[str, float]:
     return {"rotor_inertia": rotor, "stiffness": stiffness, "damping": float(damping)}
 
 
-def _command(
-    rng: Draw, model: fd.FlexibleJointModel, q0: Array, weight: Array, inertia: Array, duration: float
-) -> Any:
+def _command(rng: Draw, model: fd.FlexibleJointModel, q0: Array, weight: Array, inertia: Array, duration: float) -> Any:
     """Nothing, a torque that stays, a torque that swings, or a controller at 1 kHz on the motors."""
     kind = int(rng.integers(4))
     if kind == 0:

@@ -69,7 +69,7 @@ def survey(count: int, *, extreme: bool) -> dict[str, Any]:
     rows: dict[str, dict[str, Any]] = {}
     for solver in SOLVERS:
         keys = ("models", "ended", "budget spent", "other error", "rescued")
-        rows[name_of(solver)] = {key: 0 for key in keys} | {"seconds": 0.0, "silent": 0, "switched": 0}
+        rows[name_of(solver)] = dict.fromkeys(keys, 0) | {"seconds": 0.0, "silent": 0, "switched": 0}
     differ: list[tuple[int, float]] = []
     for seed in range(count):
         problem = drawn(seed, extreme=extreme)

@@ -22,7 +22,14 @@ from flexdyn.simulation.limits import exceeded
 from flexdyn.simulation.plant import build_plant
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.solver_choice import STIFF, budget, choose_solver, core_settings, switch_notes
-from flexdyn.simulation.solvers import DormandPrince, DormandPrinceThenRosenbrock, Rosenbrock, RungeKutta4, Solver, TimeStepping
+from flexdyn.simulation.solvers import (
+    DormandPrince,
+    DormandPrinceThenRosenbrock,
+    Rosenbrock,
+    RungeKutta4,
+    Solver,
+    TimeStepping,
+)
 from flexdyn.simulation.stopped import stopped
 
 Array = NDArray[np.float64]

@@ -27,7 +27,7 @@ STEPS: dict[type[Solver], tuple[int, int]] = {
     Rosenbrock: (50_000, 40_000),
     DormandPrinceThenRosenbrock: (50_000, 40_000),
 }
-"""Steps that a run may try, and more for every second of it: some ten seconds of computing for an arm of seven joints."""
+"""Steps that a run may try, and more for every second of it: some ten seconds of computing for seven joints."""
 
 
 def choose_solver(
@@ -36,7 +36,7 @@ def choose_solver(
     """The solver that will run, and notes on it.
 
     ``auto`` takes `DormandPrince`, the reference, unless something decays or vibrates faster than `STIFF` where the
-    run starts: then `Rosenbrock`, whose steps need not follow it. A run that meets such a rate later changes over there.
+    run starts: then `Rosenbrock`, whose steps need not follow it. A run that meets such a rate later changes there.
 
     Args:
         model: the arm.

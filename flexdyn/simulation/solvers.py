@@ -9,7 +9,16 @@ from typing import Any, ClassVar
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
-__all__ = ["SOLVERS", "DormandPrince", "DormandPrinceThenRosenbrock", "Rosenbrock", "RungeKutta4", "Solver", "TimeStepping", "make_solver"]
+__all__ = [
+    "SOLVERS",
+    "DormandPrince",
+    "DormandPrinceThenRosenbrock",
+    "Rosenbrock",
+    "RungeKutta4",
+    "Solver",
+    "TimeStepping",
+    "make_solver",
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,8 +72,8 @@ class DormandPrince(Solver):
         max_step: [s].
         smoothing: without it dry friction sticks exactly and every switch is located as an event; with it Sgn(u) is
             smoothed to tanh(u/smoothing) [rad/s], and a loaded joint creeps.
-        max_steps: a run that tries more than so many has failed, and the error says why they are so short; the command's
-            switches are counted apart. Default: 200,000 and 50,000 more for every second simulated.
+        max_steps: a run that tries more steps has failed, and the error says why they are so short; switches of the
+            command are counted apart. Default: 200,000 and 50,000 more for every second simulated.
     """
 
     rtol: float = 1e-8

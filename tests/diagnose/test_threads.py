@@ -1,4 +1,4 @@
-"""The answer does not depend on how many threads the linear algebra has, nor on how many pieces of work go side by side."""
+"""The answer does not depend on threads: neither those of the linear algebra nor those of the work."""
 
 from __future__ import annotations
 

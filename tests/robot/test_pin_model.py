@@ -153,7 +153,7 @@ def test_branches_that_are_not_together_are_refused() -> None:
     masses = np.linalg.eigvalsh(pin.crba(together, together.createData(), np.zeros(4)))
     assert not np.allclose(np.linalg.eigvalsh(pin.crba(mixed, mixed.createData(), np.zeros(4))), masses)
     assert load_robot(together).n == 4
-    with pytest.raises(InputError, match="joint 'j2'.*'j0' after another branch"):
+    with pytest.raises(InputError, match=r"joint 'j2'.*'j0' after another branch"):
         load_robot(mixed)
 
 

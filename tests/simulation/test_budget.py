@@ -74,7 +74,9 @@ def test_the_cause_of_the_fastest_motion_is_named(arm: Arm, effects: list[Effect
     assert found.rate == pytest.approx(fastest_rate(plant, x), rel=1e-6)
 
 
-@pytest.mark.parametrize("solver", [DormandPrince(max_steps=300), Rosenbrock(max_steps=30)], ids=["explicit", "implicit"])
+@pytest.mark.parametrize(
+    "solver", [DormandPrince(max_steps=300), Rosenbrock(max_steps=30)], ids=["explicit", "implicit"]
+)
 def test_the_budget_is_no_clock(solver: Any) -> None:
     """The same run stops at the same step, alone or beside others."""
     model = model_of(SOFT, [CoulombFriction("elbow", side="motor", level=0.5)])
