@@ -99,7 +99,7 @@ def hour(seconds: float) -> tuple[Row, fd.Run]:
 
     run = fd.simulate(arm(), command, seconds, fd.solvers.DormandPrince(), rate=50.0, progress=tell)
     marks = np.array(told)
-    ends = [marks[min(len(marks) - 2, np.searchsorted(marks[:, 0], share * seconds))] for share in (0.1, 0.2, 0.9)]
+    ends = [marks[min(len(marks) - 2, int(np.searchsorted(marks[:, 0], share * seconds)))] for share in (0.1, 0.2, 0.9)]
     ends.append(marks[-1])
     cost = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in ((ends[0], ends[1]), (ends[2], ends[3]))]
     # Samples of the run were reserved before it began, and are touched as it fills them; so are a controller's torques.

@@ -36,7 +36,7 @@ class Problem:
 
     model: fd.FlexibleJointModel
     command: Any
-    start: dict[str, Array]
+    start: dict[str, Any]
     duration: float
 
     def run(self, solver: Any, **more: Any) -> fd.Run:
@@ -63,7 +63,7 @@ def drawn(seed: int, *, extreme: bool = False, duration: float = 1.0) -> Problem
     weight = np.abs(pin.computeGeneralizedGravity(tree, tree.createData(), q0)) + 0.5 * M
     found = [effect for j in range(robot.n) for effect in _effects(rng, robot.joint_names, j, drives, weight, extreme)]
     model = fd.FlexibleJointModel(robot, drives, found, gravity=gravity)
-    start = {"q0": q0, "v0": rng.uniform(-1.0, 1.0, robot.n) * (rng.random() < 0.7)}
+    start: dict[str, Any] = {"q0": q0, "v0": rng.uniform(-1.0, 1.0, robot.n) * (rng.random() < 0.7)}
     return Problem(model, _command(rng, model, q0, weight, M, duration), start, duration)
 
 

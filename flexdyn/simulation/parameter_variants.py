@@ -95,10 +95,8 @@ class Variants:
                 done &= np.isfinite(value)
         done &= self._moves(columns.initial.get("q", {}), count)
         x0 = first_states(self.model, self.drive, columns.initial, columns.starts, count)
-        settings, arrays = (
-            core_settings(self.solver, max_steps=budget(self.solver, self.duration)),
-            [out[signal] for signal in SIGNALS],
-        )
+        settings = core_settings(self.solver, max_steps=budget(self.solver, self.duration))
+        arrays = [out[signal] for signal in SIGNALS]
         made = (*drives, parameters, self.drive.command, x0, self.duration, settings, self.grid, arrays, done)
         _core.simulate_pack(self._links, self._laws, *made, 1, progress)
         return done
