@@ -16,6 +16,7 @@ from flexdyn.simulation.solvers import RungeKutta4, Solver
 
 SPENT = "more steps than allowed"
 STABLE = 2.5  # step times rate up to which the classical method is stable, whatever the phase
+RUNAWAY = 1e6  # rad/s or m/s: no joint is as fast
 EVENTFUL = 0.2  # events a step: the steps are short for their sake
 
 
@@ -34,10 +35,12 @@ def stopped(
     asked = tau[max(0, int(report["written"]) - 1)] if report["written"] else np.zeros(model.n)
     name = type(solver).__name__ if report["switched"] > t else "Rosenbrock"
     tried = int(report["steps"]) + int(report["rejected"])
-    short = reason == SPENT or "step fell below" in reason
+    endless = "infinitely many events" in reason
+    short = reason == SPENT or endless or "step fell below" in reason
     fastest = fastest_motion(model, state, asked, t) if short and np.isfinite(state).all() else None
-    often = int(report["events"]) > EVENTFUL * max(1, int(report["steps"]))
-    remedy = _remedy(name, solver, fastest, short=short, often=often)
+    often = endless or int(report["events"]) > EVENTFUL * max(1, int(report["steps"]))
+    runaway = _runaway(model, state)
+    remedy = runaway or _remedy(name, solver, fastest, short=short, often=often)
     why = f"{reason} ({tried} tried, {int(report['events'])} events)" if reason == SPENT else reason
     where = "" if fastest is None else f"; {fastest}"
     return SimulationError(
@@ -49,6 +52,18 @@ def stopped(
         fastest=fastest,
         remedy=remedy,
     )
+
+
+def _runaway(model: FlexibleJointModel, state: NDArray[np.float64]) -> str:
+    """What to say of a motion that no arm makes; nothing of others."""
+    n, elastic = model.n, np.flatnonzero(model.elastic)
+    speeds = np.abs(state[n + len(elastic) : 2 * (n + len(elastic))])
+    if not np.isfinite(speeds).all() or speeds.max() < RUNAWAY:
+        return ""
+    which = int(speeds.argmax())
+    joint = model.joint_names[which if which < n else elastic[which - n]]
+    unit = model.robot.angle_unit(model.index(joint))
+    return f"{joint} runs away at {speeds.max():.3g} {unit}/s: check the gains of its controller and its numbers"
 
 
 def _remedy(name: str, solver: Solver, fastest: Fastest | None, *, short: bool, often: bool) -> str:

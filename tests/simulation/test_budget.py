@@ -154,6 +154,14 @@ def test_progress_is_told_while_an_arm_stands_still() -> None:
     assert 0.0 < told[0] < 1000.0
 
 
+def test_a_motion_that_runs_away_is_said_to() -> None:
+    """A controller whose gains have the wrong sign: the joint and its speed, and no other solver."""
+    command = fd.Controller(lambda t, x: 1e3 * x.omega)
+    with pytest.raises(fd.SimulationError, match=r"runs away at .* rad/s: check the gains") as stopped:
+        fd.simulate(model_of(SOFT), command, 5.0, DormandPrince(max_steps=20_000), **MOVING)
+    assert "take" not in stopped.value.remedy
+
+
 @pytest.mark.parametrize("solver", [TimeStepping(), RungeKutta4(step=1e-3)], ids=["TimeStepping", "RungeKutta4"])
 def test_fixed_steps_take_no_max_steps(solver: Any) -> None:
     """One line that says so."""
