@@ -49,11 +49,22 @@ undefined)
   ;;
 thread)
   preload="$(library libtsan.so):$(library libstdc++.so)"
-  export TSAN_OPTIONS="halt_on_error=0:exitcode=66:second_deadlock_stack=1:suppressions=$PWD/scripts/thread_sanitizer.txt"
+  export TSAN_OPTIONS="halt_on_error=0:exitcode=66:second_deadlock_stack=1"
   ;;
 esac
+# pytest keeps what tests write: findings go to files of their own.
+rm -f "$folder"/found.*
+for options in ASAN_OPTIONS UBSAN_OPTIONS TSAN_OPTIONS; do
+  [ -z "${!options:-}" ] || export "$options=${!options}:log_path=$folder/found"
+done
 export OPENBLAS_NUM_THREADS=1 PYTHONSAFEPATH=1 PYTHONPATH="$folder/flexdyn"
 printf 'Running %s with the %s sanitizer ...\n' "${tests[*]}" "$kind"
 # Memory that is watched is not given back, and what is counted beside a run counts slower.
 left_out=(-k "not memory_is_given_back and not runs_beside and not nothing_is_left_at_exit")
-LD_PRELOAD=$preload "$python" -m pytest -q -p no:cacheprovider "${left_out[@]}" "${tests[@]}"
+failed=0
+LD_PRELOAD=$preload "$python" -m pytest -q -p no:cacheprovider "${left_out[@]}" "${tests[@]}" || failed=1
+if compgen -G "$folder/found.*" >/dev/null; then
+  cat "$folder"/found.*
+  failed=1
+fi
+exit "$failed"

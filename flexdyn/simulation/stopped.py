@@ -39,7 +39,8 @@ def stopped(
     short = reason == SPENT or endless or "step fell below" in reason
     fastest = fastest_motion(model, state, asked, t) if short and np.isfinite(state).all() else None
     often = endless or int(report["events"]) > EVENTFUL * max(1, int(report["steps"]))
-    runaway = _runaway(model, state)
+    # At a fixed step a motion runs away because the step is too large.
+    runaway = "" if isinstance(solver, RungeKutta4) else _runaway(model, state)
     remedy = runaway or _remedy(name, solver, fastest, short=short, often=often)
     why = f"{reason} ({tried} tried, {int(report['events'])} events)" if reason == SPENT else reason
     where = "" if fastest is None else f"; {fastest}"
