@@ -1,5 +1,6 @@
 """The compiled core (flexdyn/core): arrays in, arrays filled in place; shapes are checked at this border."""
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -92,6 +93,11 @@ def solver_settings(
     max_step: float = 0.0,
     smoothing: float = 0.0,
     most: int = 0,
+    max_steps: int = 0,
+    stiff_rate: float = math.inf,
+    until: float = math.inf,
+    stiff_rtol: float = 0.0,
+    stiff_atol: float = 0.0,
 ) -> SolverSettings: ...
 def job(
     plant: Plant,

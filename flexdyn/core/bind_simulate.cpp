@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <exception>
+#include <limits>
 
 #include "bindings.hpp"
 #include "commands.hpp"
@@ -131,6 +132,7 @@ nb::dict report_of(const Outcome& outcome) {
   result["reason"] = report.failure.reason;
   result["t"] = report.failure.t;
   result["x"] = copy_to_numpy(report.x.data(), static_cast<int>(report.x.size()));
+  result["switched"] = report.switched;
   result["written"] = report.written;
   result["steps"] = report.stats.steps;
   result["rejected"] = report.stats.rejected;
@@ -178,8 +180,9 @@ nb::list simulate_many(const std::vector<const Job*>& jobs, int threads, nb::obj
 }
 
 SolverSettings settings(const std::string& name, double step, double rtol, double atol, double max_step,
-                        double smoothing, long most) {
-  return {name, step, rtol, atol, max_step, smoothing, most};
+                        double smoothing, long most, long max_steps, double stiff_rate, double until,
+                        double stiff_rtol, double stiff_atol) {
+  return {name, step, rtol, atol, max_step, smoothing, most, max_steps, stiff_rate, until, stiff_rtol, stiff_atol};
 }
 
 }  // namespace
@@ -195,9 +198,12 @@ void bind_simulate(nb::module_& m) {
   nb::class_<ExternalWrench>(m, "ExternalWrench");
   m.def("external_wrench", &external_wrench, nb::arg("joint"), nb::arg("rotation"), nb::arg("translation"),
         nb::arg("world_axes"), nb::arg("samples"));
+  constexpr double never = std::numeric_limits<double>::infinity();
   nb::class_<SolverSettings>(m, "SolverSettings");
   m.def("solver_settings", &settings, nb::arg("name"), nb::kw_only(), nb::arg("step") = 0.0, nb::arg("rtol") = 0.0,
-        nb::arg("atol") = 0.0, nb::arg("max_step") = 0.0, nb::arg("smoothing") = 0.0, nb::arg("most") = 0);
+        nb::arg("atol") = 0.0, nb::arg("max_step") = 0.0, nb::arg("smoothing") = 0.0, nb::arg("most") = 0,
+        nb::arg("max_steps") = 0, nb::arg("stiff_rate") = never, nb::arg("until") = never,
+        nb::arg("stiff_rtol") = 0.0, nb::arg("stiff_atol") = 0.0);
   nb::class_<Job>(m, "Job");
   m.def("job", &make_job, nb::arg("plant"), nb::arg("command"), nb::arg("external"), nb::arg("x0"),
         nb::arg("duration"), nb::arg("solver"), nb::arg("times"), nb::arg("out"), nb::arg("ledger").none());

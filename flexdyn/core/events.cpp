@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+
+#include "stiffness.hpp"
 
 namespace flexdyn {
 
@@ -148,16 +150,11 @@ bool Events::at_rest(double t, const std::vector<double>& x) {
 // tolerance of 1e-8 rad is 0.1 N m on a spring of 1e7 N m/rad.
 void Events::find_quiet_step(double t, const double* x) {
   constexpr double angle = 0.7;
-  const int size = plant_.state_size();
-  Eigen::MatrixXd J(size, size);  // its transpose has the same eigenvalues
   const std::vector<int> motion = work_.motion;
-  work_.located = false;
-  work_.smoothing = 1e3;  // so wide that dry friction has no slope
-  plant_.jacobian(work_, t, x, torque_(t), nullptr, J.data());
+  const double fastest = fastest_rate(plant_, work_, t, x, torque_(t));
   work_.located = true;
   work_.motion = motion;
   settle_regions(t, x);
-  const double fastest = J.allFinite() ? J.eigenvalues().cwiseAbs().maxCoeff() : 0.0;
   quiet_step_ = fastest > 0.0 ? angle / fastest : std::numeric_limits<double>::infinity();
 }
 
@@ -197,7 +194,7 @@ void Events::settle_contacts(double t, const double* x) {
     work_.motion[c] = u > 0.0 ? forward : u < 0.0 ? backward : stuck;
     if (u == 0.0) resting.push_back(c);
   }
-  std::fill(slack_.begin(), slack_.end(), 0.0);
+  for (std::size_t c = 0; c < contacts.size(); ++c) slack_[c] = plant_.load_rounding(contacts[c].joint, x);
   if (!resting.empty()) settle_resting(resting, t, x);
 }
 
@@ -221,7 +218,7 @@ void Events::settle_resting(const std::vector<std::size_t>& resting, double t, c
     motion = stuck;
     // Alone it can neither stick nor slide: its load is at its level up to rounding. It sticks until the load is
     // clearly above, or else every instant from here on would be an event.
-    if (*wrong == freed) slack_[freed] = 2.0 * excess;
+    if (*wrong == freed) slack_[freed] = std::max(slack_[freed], 2.0 * excess);
     freed = plant_.contacts().size();
   }
 }

@@ -7,6 +7,7 @@
 
 #include "events.hpp"
 #include "ledger.hpp"
+#include "stiffness.hpp"
 #include "time_stepping.hpp"
 
 namespace flexdyn {
@@ -20,10 +21,11 @@ class March {
   March(const Plant& plant, Command& command, const std::vector<ExternalWrench>& external, double duration,
         const SolverSettings& solver, const Output& output, const Poll& poll)
       : plant_(plant), drive_(plant, command, external, duration), duration_(duration), output_(output), poll_(poll),
-        work_(plant.workspace()), most_(solver.most) {
+        work_(plant.workspace()), solver_(solver) {
     work_.smoothing = solver.smoothing;
     const Events::Torque torque = [this](double t) { return drive_.torque(t); };
     const Events::External wrench = [this](double t, const double* x) { return drive_.external(t, x); };
+    if (!external.empty()) moving_ = wrench;
     if (output.ledger != nullptr) ledger_ = std::make_unique<Ledger>(plant, work_, drive_);
     if (solver.name == "TimeStepping") {
       stepper_ = make_time_stepping(plant, work_, torque, wrench, solver.step);
@@ -33,19 +35,13 @@ class March {
       return;
     }
     if (plant.has_events() && solver.smoothing == 0.0) events_ = std::make_unique<Events>(plant, work_, torque, wrench);
-    const RightHandSide f = [this](double t, const double* x, double* dx) {
-      plant_.derivative(work_, t, x, drive_.torque(t), drive_.external(t, x), dx);
-    };
     if (solver.name == "RungeKutta4") {
-      stepper_ = make_runge_kutta4(f, solver.step);
+      stepper_ = make_runge_kutta4(right_hand_side(), solver.step);
     } else if (solver.name == "DormandPrince") {
-      stepper_ = make_dormand_prince(f, solver.rtol, solver.atol, solver.max_step);
+      stepper_ = make_dormand_prince(right_hand_side(), solver.rtol, solver.atol, solver.max_step);
+      if (std::isfinite(solver.stiff_rate)) watch_ = std::make_unique<StiffnessWatch>(plant, solver.stiff_rate);
     } else if (solver.name == "Rosenbrock") {
-      const ExternalTorque moving = external.empty() ? ExternalTorque() : ExternalTorque(wrench);
-      const Jacobian jacobian = [this, moving](double t, const double* x, double* J) {
-        plant_.jacobian(work_, t, x, drive_.torque(t), moving, J);
-      };
-      stepper_ = make_rosenbrock(f, jacobian, solver.rtol, solver.atol, solver.max_step);
+      stepper_ = implicit(solver.rtol, solver.atol);
     } else {
       throw std::invalid_argument("unknown solver " + solver.name);
     }
@@ -64,13 +60,50 @@ class March {
     }
     report.stats = stepper_->stats();
     report.events = events_ ? events_->count() : 0;
+    report.switched = t_switched_;
     report.written = row_;
     report.x = report.failure.reason.empty() ? stepper_->x() : x_finite_;
     return report;
   }
 
  private:
+  RightHandSide right_hand_side() {
+    return [this](double t, const double* x, double* dx) {
+      plant_.derivative(work_, t, x, drive_.torque(t), drive_.external(t, x), dx);
+    };
+  }
+
+  std::unique_ptr<Stepper> implicit(double rtol, double atol) {
+    const Jacobian jacobian = [this](double t, const double* x, double* J) {
+      plant_.jacobian(work_, t, x, drive_.torque(t), moving_, J);
+    };
+    return make_rosenbrock(right_hand_side(), jacobian, rtol, atol, solver_.max_step);
+  }
+
+  // DormandPrince that has met a motion too fast for it hands over, once and for all.
+  void switch_if_stiff() {
+    if (std::isfinite(t_switched_)) return;
+    const double t = stepper_->t();
+    const bool due = t >= solver_.until || (watch_ && watch_->stiff(t, stepper_->x().data(), drive_.torque(t)));
+    if (!due) return;
+    t_switched_ = t;
+    auto next = implicit(solver_.stiff_rtol, solver_.stiff_atol);
+    next->start(t, stepper_->x());
+    next->take_over(stepper_->stats());
+    stepper_ = std::move(next);
+  }
+
+  // What is left of the budget does not depend on the clock; empty: enough.
+  const char* overspent() const {
+    const StepperStats& stats = stepper_->stats();
+    if (solver_.most > 0 && stats.evaluations > solver_.most) return "more evaluations than allowed";
+    const bool more = stats.steps + stats.rejected > solver_.max_steps + 10 * intervals_;
+    return solver_.max_steps > 0 && more ? "more steps than allowed" : "";
+  }
+
   void begin_interval(bool final) {
+    ++intervals_;
+    if (++since_poll_ >= 64) poll_if_due();  // an arm that stands still takes no step
     drive_.begin(stepper_->t(), stepper_->x(), final);
     stepper_->restart();
     if (!events_) return;
@@ -102,10 +135,11 @@ class March {
         failure = {"infinitely many events in finite time", t_end};
         return;
       }
-      if (most_ > 0 && stepper_->stats().evaluations > most_) {
-        failure = {"more evaluations than allowed", t_end};
+      if (const char* reason = overspent(); *reason != '\0') {
+        failure = {reason, stepper_->t()};
         return;
       }
+      switch_if_stiff();
       if (++since_poll_ >= 64) poll_if_due();
     }
   }
@@ -170,8 +204,12 @@ class March {
   Output output_;
   const Poll& poll_;
   Plant::Workspace work_;
-  long most_;
+  SolverSettings solver_;
   std::unique_ptr<Stepper> stepper_;
+  ExternalTorque moving_;  // empty: nothing from outside acts
+  std::unique_ptr<StiffnessWatch> watch_;
+  double t_switched_ = std::numeric_limits<double>::infinity();
+  long intervals_ = 0;
   std::unique_ptr<Events> events_, at_samples_;
   std::unique_ptr<Ledger> ledger_;
   std::vector<double> at_sample_;

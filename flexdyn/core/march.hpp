@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct Report {
   Failure failure;
   StepperStats stats;
   long events = 0;
+  double switched = std::numeric_limits<double>::infinity();  // when Rosenbrock took over
   std::size_t written = 0;      // samples in the output that are valid
   std::vector<double> x;        // last state reached
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace flexdyn {
 
@@ -239,7 +240,25 @@ int Plant::follow(Workspace& w, const Law& law, const LawInput& in) const {
 }
 
 bool Plant::at_zero_corner(const Workspace& w, int which, double t, const double* x) const {
-  return corner_of(switches_[which].kind) == Corner::at_zero && region_margin(w, which, t, x) == 0.0;
+  const Law& law = switches_[which];
+  if (corner_of(law.kind) != Corner::at_zero) return false;
+  const double rounding = corner_rounding(law, x);
+  return std::abs(region_margin(w, which, t, x) - rounding) <= rounding;
+}
+
+// An unloaded gear at rest must not change sign with every last bit.
+double Plant::corner_rounding(const Law& law, const double* x) const {
+  const bool of_load = law.kind == LawKind::load_dependent_friction || law.kind == LawKind::directional_gear_loss;
+  return of_load ? load_rounding(law.joint, x) : 0.0;
+}
+
+double Plant::load_rounding(int joint, const double* x) const {
+  const int slot = rotor_slot_[joint];
+  if (slot < 0) return 0.0;
+  constexpr double bits = 4.0 * std::numeric_limits<double>::epsilon();
+  const double *speed = v(x), *rotor = x + n_;
+  const double bent = K_[joint] * (std::abs(x[joint]) + std::abs(rotor[slot]));
+  return bits * (bent + D_[joint] * (std::abs(speed[joint]) + std::abs(speed[n_ + slot])));
 }
 
 int Plant::current_region(const Workspace& w, int which, double t, const double* x) const {
@@ -249,7 +268,8 @@ int Plant::current_region(const Workspace& w, int which, double t, const double*
 
 double Plant::region_margin(const Workspace& w, int which, double t, const double* x) const {
   const Law& law = switches_[which];
-  return region_guard(law.kind, law.p, input(w, law, t, x), w.switch_input[which], w.region[which]);
+  const double margin = region_guard(law.kind, law.p, input(w, law, t, x), w.switch_input[which], w.region[which]);
+  return margin + corner_rounding(law, x);
 }
 
 bool Plant::in_gap(const Workspace& w, int joint) const {

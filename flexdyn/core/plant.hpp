@@ -156,7 +156,9 @@ class Plant {
   double level(const Workspace& w, std::size_t contact, double t, const double* x, double direction) const;
   int current_region(const Workspace& w, int which, double t, const double* x) const;
   double region_margin(const Workspace& w, int which, double t, const double* x) const;
-  // Whether a law is at the corner at which it is nothing itself: on either piece.
+  // What rounding of the state makes of the torque in a joint's spring.
+  double load_rounding(int joint, const double* x) const;
+  // Whether a law is at the corner at which it is nothing itself, to rounding: on either piece.
   bool at_zero_corner(const Workspace& w, int which, double t, const double* x) const;
 
  private:
@@ -182,6 +184,7 @@ class Plant {
   double motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const;
   LawInput input(const Workspace& w, const Law& law, double t, const double* x) const;
   double level_of(const Workspace& w, const Law& law, double t, const double* x, double direction) const;
+  double corner_rounding(const Law& law, const double* x) const;
   // The piece that a friction, dry or link law is on: the one held, else that of the point, which `follow` notes down.
   int region_at(const Workspace& w, const Law& law, const LawInput& in) const;
   int follow(Workspace& w, const Law& law, const LawInput& in) const;

@@ -107,6 +107,25 @@ class Rosenbrock : public Stepper {
     ft_ = (ft_ - f0_) / delta;
     stats_.evaluations += 2;
     fresh_ = false;
+    find_resting();
+  }
+
+  // Entries that do not change because nothing they depend on does, such as what friction holds. Elimination with
+  // pivoting would mix their rows with those that move, and they would creep by rounding.
+  void find_resting() {
+    const Eigen::Index size = f0_.size();
+    resting_.assign(static_cast<std::size_t>(size), 0);
+    for (Eigen::Index i = 0; i < size; ++i) resting_[i] = f0_[i] == 0.0 && ft_[i] == 0.0;
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (Eigen::Index i = 0; i < size; ++i) {
+        for (Eigen::Index j = 0; resting_[i] && j < size; ++j) {
+          if (J_(i, j) == 0.0 || resting_[j]) continue;
+          resting_[i] = 0;
+          changed = true;
+        }
+      }
+    }
   }
 
   double try_step(double h, double end) {
@@ -127,6 +146,9 @@ class Rosenbrock : public Stepper {
       for (int j = 0; j < s; ++j) value_ += (c[s][j] / h) * u_[j];
       if (dt_weight[s] != 0.0) value_ += (h * dt_weight[s]) * ft_;
       u_[s] = factor_.solve(value_);
+      for (Eigen::Index i = 0; i < size; ++i) {
+        if (resting_[i] && value_[i] == 0.0) u_[s][i] = 0.0;
+      }
     }
     next_ = stage_ + u_[stages - 1];
     double sum = 0.0;
@@ -163,6 +185,7 @@ class Rosenbrock : public Stepper {
   std::array<VectorXd, stages> u_;
   VectorXd f0_, ft_, value_, stage_, next_, bend_, twist_;
   std::vector<double> before_;
+  std::vector<char> resting_;
 };
 
 }  // namespace

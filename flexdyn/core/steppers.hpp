@@ -51,6 +51,8 @@ class Stepper {
   double t() const { return t_; }
   const std::vector<double>& x() const { return x_; }
   const StepperStats& stats() const { return stats_; }
+  // Go on counting where another stepper left off.
+  void take_over(const StepperStats& stats) { stats_ = stats; }
 
  protected:
   double stable_step_ = std::numeric_limits<double>::infinity();
@@ -89,7 +91,11 @@ struct SolverSettings {
   double atol = 0.0;
   double max_step = 0.0;
   double smoothing = 0.0;
-  long most = 0;  // evaluations of f after which a run has failed; 0: as many as it takes
+  long most = 0;       // evaluations of f after which a run has failed; 0: as many as it takes
+  long max_steps = 0;  // steps tried after which a run has failed, besides 10 for every interval; 0: as many as it takes
+  // DormandPrince goes on as Rosenbrock, with these tolerances, where it meets a faster rate [1/s], or from a time on.
+  double stiff_rate = std::numeric_limits<double>::infinity(), until = std::numeric_limits<double>::infinity();
+  double stiff_rtol = 0.0, stiff_atol = 0.0;
 };
 
 std::unique_ptr<Stepper> make_runge_kutta4(RightHandSide f, double step);

@@ -38,12 +38,13 @@ def normalise(model: pin.Model) -> Normalised:
         The new model.
 
     Raises:
-        InputError: a joint of another kind (free-flyer, spherical, planar, helical, composite, ...), or a body whose
-            mass or inertia no body can have.
+        InputError: a joint of another kind (free-flyer, spherical, planar, helical, composite, ...), a body whose
+            mass or inertia no body can have, or branches whose joints are not together.
     """
     for name in model.names:
         if problem := unfit_name(name):
             raise InputError(problem, key="joint", value=name, remedy="give it a short plain name")
+    _check_order(model)
     motions = [motion_of(model, index) for index in range(1, model.njoints)]
     new = pin.Model()
     new.name, new.gravity = model.name, pin.Motion(model.gravity)
@@ -68,6 +69,21 @@ def normalise(model: pin.Model) -> Normalised:
         frozenset(name for name, motion in named if motion.continuous),
         {name: motion.mimic for name, motion in named if motion.mimic is not None},
     )
+
+
+def _check_order(model: pin.Model) -> None:
+    """Pinocchio's M(q) and its derivatives need every subtree in one piece, and are wrong without a word elsewhere.
+
+    Source: github.com/stack-of-tasks/pinocchio/issues/1897. What Pinocchio reads from a URDF is in that order.
+    """
+    for index in range(2, model.njoints):
+        parent, ancestor = model.parents[index], index - 1
+        while ancestor > parent:
+            ancestor = model.parents[ancestor]
+        if ancestor != parent:
+            problem = f"it is added to '{model.names[parent]}' after another branch has begun"
+            remedy = "add all joints of a branch before those of the next: Pinocchio's M(q) is wrong otherwise"
+            raise InputError(problem, key=f"joint '{model.names[index]}'", remedy=remedy)
 
 
 def _check_body(model: pin.Model, index: int) -> None:

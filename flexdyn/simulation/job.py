@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from flexdyn import _core
 from flexdyn.checks import as_number, as_numbers
 from flexdyn.control.commands import Samples, checked_rate
-from flexdyn.errors import InputError, SimulationError
+from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive, lower_wrenches, make_drive
 from flexdyn.simulation.initial_state import first_state
@@ -21,8 +21,16 @@ from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
 from flexdyn.simulation.limits import exceeded
 from flexdyn.simulation.plant import build_plant
 from flexdyn.simulation.run import Run
-from flexdyn.simulation.solver_choice import choose_solver, core_settings
-from flexdyn.simulation.solvers import RungeKutta4, Solver, TimeStepping
+from flexdyn.simulation.solver_choice import STIFF, budget, choose_solver, core_settings, switch_notes
+from flexdyn.simulation.solvers import (
+    DormandPrince,
+    DormandPrinceThenRosenbrock,
+    Rosenbrock,
+    RungeKutta4,
+    Solver,
+    TimeStepping,
+)
+from flexdyn.simulation.stopped import stopped
 
 Array = NDArray[np.float64]
 MAX_STEPS = 1e15  # years of computing; beyond it the core's step counter would overflow
@@ -50,13 +58,16 @@ class Job:
             SimulationError: the integration could not go on.
         """
         if report["reason"]:
-            raise _failure(report, self.solver, self.model)
+            raise stopped(report, self.solver, self.model, self.out["tau"])
+        solver, switched = self.solver, float(report["switched"])
+        if math.isfinite(switched) and not isinstance(solver, DormandPrinceThenRosenbrock):
+            solver = DormandPrinceThenRosenbrock(until=switched)
         stats = {key: int(report[key]) for key in ("steps", "rejected", "evaluations", "events")}
         torques = played(self.drive, report, self.model.n, self.duration)
         inputs = Inputs(self.x0, torques, self.external, self.duration, self.drive.controller)
         signals = (self.out[name] for name in ("t", "q", "v", "tau_applied"))
-        notes = (*self.notes, *self.drive.notes, *map(str, exceeded(self.model.robot, *signals)))
-        return Run(**self.out, model=self.model, solver=self.solver, notes=notes, stats=stats, inputs=inputs)
+        notes = (*switch_notes(self.notes, solver), *self.drive.notes, *map(str, exceeded(self.model.robot, *signals)))
+        return Run(**self.out, model=self.model, solver=solver, notes=notes, stats=stats, inputs=inputs)
 
 
 class Shared:
@@ -138,7 +149,10 @@ def prepare(
     wrenches = () if external is None else tuple(external) if isinstance(external, list | tuple) else (external,)
     lowered = lower_wrenches(model, wrenches, span)
     arrays = [out[name] for name in (*SIGNALS, "z")]
-    core = _core.job(plant, drive.command, lowered, x0, span, core_settings(chosen), grid, arrays, None)
+    may_switch = solver == "auto" and isinstance(chosen, DormandPrince)
+    most = budget(Rosenbrock() if may_switch else chosen, span)
+    settings = core_settings(chosen, max_steps=most, stiff_rate=STIFF if may_switch else math.inf)
+    core = _core.job(plant, drive.command, lowered, x0, span, settings, grid, arrays, None)
     return Job(core, model, chosen, notes, out, drive, x0, wrenches, span)
 
 
@@ -181,15 +195,3 @@ def _grid(span: float, rate: float, times: ArrayLike | None) -> Array:
     if not (np.diff(grid) > 0).all():
         raise InputError("times must increase", key="times", value=grid)
     return grid
-
-
-def _failure(report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel) -> SimulationError:
-    t, reason = float(report["t"]), str(report["reason"])
-    remedy = "take a smaller step" if isinstance(solver, RungeKutta4) else "check the model's numbers and first state"
-    return SimulationError(
-        f"{model.name}: {type(solver).__name__} stopped at t = {t:.6g} s: {reason}; {remedy}",
-        t=t,
-        state=np.array(report["x"]),
-        solver=solver,
-        reason=reason,
-    )

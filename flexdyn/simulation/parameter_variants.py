@@ -18,7 +18,7 @@ from flexdyn.simulation.command_input import Drive
 from flexdyn.simulation.initial_state import first_states
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.plant import acting_effects, build_links, core_law, moves_inertia
-from flexdyn.simulation.solver_choice import core_settings
+from flexdyn.simulation.solver_choice import budget, core_settings
 from flexdyn.simulation.solvers import Solver
 
 Array = NDArray[np.float64]
@@ -95,7 +95,8 @@ class Variants:
                 done &= np.isfinite(value)
         done &= self._moves(columns.initial.get("q", {}), count)
         x0 = first_states(self.model, self.drive, columns.initial, columns.starts, count)
-        settings, arrays = core_settings(self.solver), [out[signal] for signal in SIGNALS]
+        settings = core_settings(self.solver, max_steps=budget(self.solver, self.duration))
+        arrays = [out[signal] for signal in SIGNALS]
         made = (*drives, parameters, self.drive.command, x0, self.duration, settings, self.grid, arrays, done)
         _core.simulate_pack(self._links, self._laws, *made, 1, progress)
         return done

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from functools import lru_cache
 
@@ -11,9 +12,22 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver, make_solver
+from flexdyn.simulation.solvers import (
+    DormandPrince,
+    DormandPrinceThenRosenbrock,
+    Rosenbrock,
+    RungeKutta4,
+    Solver,
+    make_solver,
+)
 
 STIFF = 2e4  # 1/s: an explicit method then takes steps below 0.2 ms for stability alone
+STEPS: dict[type[Solver], tuple[int, int]] = {
+    DormandPrince: (200_000, 50_000),
+    Rosenbrock: (50_000, 40_000),
+    DormandPrinceThenRosenbrock: (50_000, 40_000),
+}
+"""Steps that a run may try, and more for every second of it: some ten seconds of computing for seven joints."""
 
 
 def choose_solver(
@@ -22,7 +36,7 @@ def choose_solver(
     """The solver that will run, and notes on it.
 
     ``auto`` takes `DormandPrince`, the reference, unless something decays or vibrates faster than `STIFF` where the
-    run starts: then `Rosenbrock`, whose steps need not follow it.
+    run starts: then `Rosenbrock`, whose steps need not follow it. A run that meets such a rate later changes there.
 
     Args:
         model: the arm.
@@ -57,23 +71,55 @@ def choose_solver(
     return solver, tuple(notes)
 
 
+def switch_notes(notes: tuple[str, ...], solver: Solver) -> tuple[str, ...]:
+    """The notes of a run, with one more where its solver changed on the way."""
+    if not isinstance(solver, DormandPrinceThenRosenbrock):
+        return notes
+    text = f"solver: Rosenbrock from t = {solver.until:.6g} s on, where a rate above {STIFF:g} 1/s was met"
+    return (*notes, text)
+
+
 def fastest_rate(plant: _core.Plant, x0: NDArray[np.float64]) -> float:
     """The largest eigenvalue, by size, of the motion linearised at x0 [1/s]; dry friction takes no part."""
     size = plant.state_size
     jacobian = np.empty((size, size))
-    plant.jacobian(0.0, x0, np.zeros(plant.n), 1e3, jacobian)  # so wide that the smoothed friction has no slope
+    plant.jacobian(0.0, x0, np.zeros(plant.n), math.inf, jacobian)  # so wide that the smoothed friction has no slope
     if not np.isfinite(jacobian).all():
         return 0.0
     return float(np.abs(np.linalg.eigvals(jacobian)).max())
 
 
+def budget(solver: Solver, duration: float) -> int:
+    """Steps that a run may try; 0: as many as it takes, for a fixed step always comes to an end.
+
+    Args:
+        solver: of the run.
+        duration: of it [s].
+    """
+    given = getattr(solver, "max_steps", None)
+    if given is not None:
+        return max(1, int(min(given, 1e15)))
+    fixed, per_second = STEPS.get(type(solver), (0, 0))
+    return int(min(fixed + per_second * duration, 1e15))
+
+
 @lru_cache(maxsize=64)
-def core_settings(solver: Solver, most: int = 0) -> _core.SolverSettings:
+def core_settings(
+    solver: Solver, most: int = 0, *, max_steps: int = 0, stiff_rate: float = math.inf
+) -> _core.SolverSettings:
     """A solver's settings for the core.
 
     Args:
         solver: whose.
         most: evaluations of the equations of motion after which a run has failed; 0: as many as it takes.
+        max_steps: steps tried after which it has failed, see `budget`; 0: as many as it takes.
+        stiff_rate: rate from which `DormandPrince` hands over to `Rosenbrock` [1/s].
     """
+    name, until = type(solver).__name__, math.inf
+    if isinstance(solver, DormandPrinceThenRosenbrock):
+        until, solver, name = solver.until, DormandPrince(), DormandPrince.__name__
     settings = {key: float(value) for key, value in asdict(solver).items() if value is not None}
-    return _core.solver_settings(type(solver).__name__, **settings, most=most)
+    settings.pop("max_steps", None)
+    then = Rosenbrock()
+    stiff = {"stiff_rate": stiff_rate, "until": until, "stiff_rtol": then.rtol, "stiff_atol": then.atol}
+    return _core.solver_settings(name, **settings, **stiff, most=most, max_steps=max_steps)

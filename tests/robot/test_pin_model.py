@@ -139,6 +139,24 @@ def test_numbers_no_joint_can_have_are_refused(field: str, value: float, words: 
         load_robot(model)
 
 
+def test_branches_that_are_not_together_are_refused() -> None:
+    """Two arms side by side, their joints added in turns: Pinocchio's M(q) mixes them up, and nothing would say so."""
+
+    def pair(parents: tuple[int, ...]) -> pin.Model:
+        model = pin.Model()
+        for k, parent in enumerate(parents):
+            joint = model.addJoint(parent, pin.JointModelRY(), pin.SE3(np.eye(3), np.array([0.1, 0.0, 0.5])), f"j{k}")
+            model.appendBodyToJoint(joint, BODY, pin.SE3.Identity())
+        return model
+
+    mixed, together = pair((0, 0, 1, 2)), pair((0, 1, 0, 3))
+    masses = np.linalg.eigvalsh(pin.crba(together, together.createData(), np.zeros(4)))
+    assert not np.allclose(np.linalg.eigvalsh(pin.crba(mixed, mixed.createData(), np.zeros(4))), masses)
+    assert load_robot(together).n == 4
+    with pytest.raises(InputError, match=r"joint 'j2'.*'j0' after another branch"):
+        load_robot(mixed)
+
+
 def test_bodies_that_cannot_be_are_refused() -> None:
     """Negative mass, an inertia that is not positive, a placement that is not finite."""
     for field, value in (("mass", -1.0), ("lever", np.full(3, np.nan)), ("inertia", np.diag([-1.0, 1.0, 1.0]))):

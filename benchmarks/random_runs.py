@@ -1,0 +1,146 @@
+"""Does every run come to an end, and do the solvers agree? Models drawn at random through every solver.
+
+    python benchmarks/random_runs.py [--count 400] [--extreme 82] [-o FILE.json]
+
+Prints how many runs ended, how many spent their budget of steps and what the error proposed, whether that did it, and
+how far DormandPrince and Rosenbrock are from each other where both ended. Exit code 1 if a run took longer than any
+budget allows, or if one said nothing of where it stood.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from measure import Bound, write_results
+from random_models import Array, Problem, drawn
+from result_tables import markdown_table
+
+import flexdyn as fd
+
+SOLVERS: tuple[Any, ...] = ("auto", fd.solvers.DormandPrince(), fd.solvers.Rosenbrock(), fd.solvers.TimeStepping())
+LONGEST = 120.0  # s of CPU: any budget is spent by then
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a run.
+
+    Attributes:
+        seconds: of CPU.
+        q: positions at its samples; None: it stopped.
+        error: why it stopped, or nothing.
+    """
+
+    seconds: float
+    q: Array | None
+    error: fd.SimulationError | None
+    solver: str
+
+
+def name_of(solver: Any) -> str:
+    """As the tables show it."""
+    return solver if isinstance(solver, str) else type(solver).__name__
+
+
+def outcome(problem: Problem, solver: Any) -> Outcome:
+    """Make the run."""
+    begin = time.process_time()
+    try:
+        run = problem.run(solver, rate=100.0)
+    except fd.SimulationError as error:
+        return Outcome(time.process_time() - begin, None, error, name_of(solver))
+    return Outcome(time.process_time() - begin, run.q, None, type(run.solver).__name__)
+
+
+def apart(one: Array, other: Array) -> float:
+    """Greatest difference of two motions, of the size of the motion."""
+    return float(np.abs(one - other).max() / max(1e-3, np.abs(one - one[0]).max()))
+
+
+def survey(count: int, *, extreme: bool) -> dict[str, Any]:
+    """All solvers on models of the seeds 0 to count - 1."""
+    rows: dict[str, dict[str, Any]] = {}
+    for solver in SOLVERS:
+        keys = ("models", "ended", "budget spent", "other error", "rescued")
+        rows[name_of(solver)] = dict.fromkeys(keys, 0) | {"seconds": 0.0, "silent": 0, "switched": 0}
+    differ: list[tuple[int, float]] = []
+    for seed in range(count):
+        problem = drawn(seed, extreme=extreme)
+        found = {name_of(solver): outcome(problem, solver) for solver in SOLVERS}
+        for name, each in found.items():
+            _enter(rows[name], each, found)
+            if each.error is not None:
+                print(f"{'extreme ' if extreme else ''}{seed}: {each.error}", file=sys.stderr, flush=True)
+        one, other = found["DormandPrince"].q, found["Rosenbrock"].q
+        if one is not None and other is not None:
+            differ.append((seed, apart(one, other)))
+    differ.sort(key=lambda pair: -pair[1])
+    return {"rows": rows, "differ": differ}
+
+
+def _enter(row: dict[str, Any], each: Outcome, found: dict[str, Outcome]) -> None:
+    row["models"] += 1
+    row["seconds"] = max(row["seconds"], each.seconds)
+    row["switched"] += each.solver == "DormandPrinceThenRosenbrock"
+    if each.error is None:
+        row["ended"] += 1
+        return
+    spent = each.error.reason == "more steps than allowed"
+    row["budget spent" if spent else "other error"] += 1
+    row["silent"] += spent and each.error.fastest is None
+    proposed = next((name for name in found if f"take {name}" in each.error.remedy), "")
+    row["rescued"] += bool(proposed) and found[proposed].error is None
+
+
+def tables(results: dict[str, Any]) -> str:
+    """Of the surveys, as Markdown."""
+    head = ["models", "solver", "runs", "ended", "budget spent", "other error", "proposed solver ended", "worst CPU, s"]
+    body = []
+    for which, found in results.items():
+        for name, row in found["rows"].items():
+            numbers = [row[key] for key in ("models", "ended", "budget spent", "other error", "rescued")]
+            body.append([which, name, *map(str, numbers), f"{row['seconds']:.1f}"])
+    lines = [markdown_table(head, body, text=2), ""]
+    for which, found in results.items():
+        far = [pair for pair in found["differ"] if pair[1] > 1e-3]
+        said = ", ".join(f"{seed}: {size:.2g}" for seed, size in far[:12]) or "none"
+        lines.append(
+            f"{which}: of {len(found['differ'])} models that both ended, DormandPrince and Rosenbrock differ by more"
+            f" than 1e-3 of the motion on {len(far)} (seed: difference): {said}"
+        )
+    return "\n".join(lines)
+
+
+def main() -> int:
+    """Survey, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=400, help="ordinary models")
+    parser.add_argument("--extreme", type=int, default=82, help="extreme models")
+    parser.add_argument("-o", "--output", type=Path)
+    args = parser.parse_args()
+    warnings.simplefilter("ignore")  # limits of robots, which these have none of
+    results: dict[str, Any] = {"ordinary": survey(args.count, extreme=False)}
+    results["extreme"] = survey(args.extreme, extreme=True)
+    print(tables(results))
+    every = [row for found in results.values() for row in found["rows"].values()]
+    bounds = [
+        Bound("longest run, s of CPU", max(row["seconds"] for row in every), LONGEST),
+        Bound("budgets spent without a word on the fastest motion", sum(row["silent"] for row in every), 0),
+    ]
+    for bound in bounds:
+        print(bound)
+    if args.output is not None:
+        content = {"surveys": results, "bounds": [bound.to_dict() for bound in bounds]}
+        write_results(args.output, "python benchmarks/random_runs.py", content)
+    return int(not all(bound.passed for bound in bounds))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,114 @@
+"""What makes a motion fast at a point: the greatest rate there, and the spring, damper or effect it comes of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn import _core
+from flexdyn.effects import Effect
+from flexdyn.effects.memory import MemoryEffect
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import acting_effects, build_links, core_law, rotor_spin
+
+Array = NDArray[np.float64]
+WIDE = math.inf  # rad/s: dry friction smoothed so wide has no slope
+
+
+@dataclass(frozen=True)
+class Fastest:
+    """The fastest motion at a point.
+
+    Attributes:
+        rate: largest eigenvalue of the motion linearised there, by size [1/s].
+        joint: where most of it comes from.
+        cause: the number or effect of that joint it comes of, in words.
+    """
+
+    rate: float
+    joint: str
+    cause: str
+
+    def __str__(self) -> str:
+        """One clause."""
+        return f"the fastest rate there is {self.rate:.3g} 1/s, from {self.cause} of {self.joint}"
+
+
+def fastest_motion(model: FlexibleJointModel, x: Array, tau: Array, t: float = 0.0) -> Fastest | None:
+    """The fastest motion at a point and what it comes of; None where slopes are not finite.
+
+    An eigenvalue is a sum over everything that acts, each with the share ``w' J_k v / w' v`` of its own slopes J_k, for
+    the eigenvectors v and w: the largest share is named.
+
+    Args:
+        model: that moves.
+        x: state.
+        tau: torques asked for (n,) [N m or N].
+        t: time [s].
+    """
+    true = model.resolved()
+    effects = tuple(acting_effects(true))
+    parts = _Parts(true, effects)
+    J = parts.slopes(x, tau, t)
+    if not np.isfinite(J).all():
+        return None
+    values, right = np.linalg.eig(J)
+    which = int(np.abs(values).argmax())
+    rate = float(np.abs(values[which]))
+    v = right[:, which]
+    others, left = np.linalg.eig(J.T)
+    w = left[:, int(np.abs(others - values[which]).argmin())]
+    joint, cause, largest = "the arm", "the motion of the links", 0.0
+    for name, what, rest in parts.without(x, tau, t):
+        share = float(abs(w @ (J - rest) @ v))
+        if np.isfinite(share) and share > largest:
+            joint, cause, largest = name, what, share
+    return Fastest(rate, joint, cause)
+
+
+class _Parts:
+    """A plant with parts left out one by one."""
+
+    def __init__(self, true: FlexibleJointModel, effects: tuple[Effect, ...]) -> None:
+        self.true, self.effects, self.links = true, effects, build_links(true)
+        self.laws = [core_law(true, effect) for effect in effects]
+
+    def slopes(self, x: Array, tau: Array, t: float, laws: list[_core.Law] | None = None, **numbers: Array) -> Array:
+        """Of the motion at a point (nx, nx)."""
+        true = self.true
+        K, D = numbers.get("K", true.stiffness), numbers.get("D", true.damping)
+        kept = self.laws if laws is None else laws
+        plant = _core.plant(self.links, K, D, true.rotor_inertia, rotor_spin(true), kept)
+        out = np.empty((plant.state_size, plant.state_size))
+        plant.jacobian(t, np.ascontiguousarray(x), np.ascontiguousarray(tau), WIDE, out)
+        return out
+
+    def without(self, x: Array, tau: Array, t: float) -> Iterator[tuple[str, str, Array]]:
+        """Joint, part in words, and the slopes without that part, as large as those with it."""
+        true = self.true
+        for j in np.flatnonzero(true.elastic):
+            name = true.joint_names[j]
+            softer, undamped = true.stiffness.copy(), true.damping.copy()
+            softer[j] *= 1e-9
+            undamped[j] = 0.0
+            rotor = f"on its rotor of {true.rotor_inertia[j]:.3g} kg m^2, reflected"
+            yield name, f"the stiffness {true.stiffness[j]:.3g} {rotor},", self.slopes(x, tau, t, K=softer)
+            yield name, f"the damping {true.damping[j]:.3g} {rotor},", self.slopes(x, tau, t, D=undamped)
+        first = len(x) - sum(_remembers(effect) for effect in self.effects)
+        for k, effect in enumerate(self.effects):
+            name = str(getattr(effect, "joint", true.name))
+            others = [law for i, law in enumerate(self.laws) if i != k]
+            gone = [first + sum(_remembers(each) for each in self.effects[:k])] if _remembers(effect) else []
+            kept = np.delete(np.arange(len(x)), gone)
+            rest = np.zeros((len(x), len(x)))
+            rest[np.ix_(kept, kept)] = self.slopes(x[kept], tau, t, laws=others)
+            yield name, effect.name, rest
+
+
+def _remembers(effect: Effect) -> bool:
+    """Whether the law has an internal state."""
+    return isinstance(effect, MemoryEffect)

@@ -1,0 +1,80 @@
+"""Why an integration stopped, where it stood, and what would do instead."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.errors import SimulationError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.fastest_motion import Fastest, fastest_motion
+from flexdyn.simulation.solver_choice import STIFF
+from flexdyn.simulation.solvers import RungeKutta4, Solver
+
+SPENT = "more steps than allowed"
+STABLE = 2.5  # step times rate up to which the classical method is stable, whatever the phase
+RUNAWAY = 1e6  # rad/s or m/s: no joint is as fast
+EVENTFUL = 0.2  # events a step: the steps are short for their sake
+
+
+def stopped(
+    report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel, tau: NDArray[np.float64]
+) -> SimulationError:
+    """The error of a run that could not go on.
+
+    Args:
+        report: of the core.
+        solver: of the run.
+        model: that moved.
+        tau: torques at its samples (samples, n), as far as it came.
+    """
+    t, reason, state = float(report["t"]), str(report["reason"]), np.array(report["x"])
+    asked = tau[max(0, int(report["written"]) - 1)] if report["written"] else np.zeros(model.n)
+    name = type(solver).__name__ if report["switched"] > t else "Rosenbrock"
+    tried = int(report["steps"]) + int(report["rejected"])
+    endless = "infinitely many events" in reason
+    short = reason == SPENT or endless or "step fell below" in reason
+    fastest = fastest_motion(model, state, asked, t) if short and np.isfinite(state).all() else None
+    often = endless or int(report["events"]) > EVENTFUL * max(1, int(report["steps"]))
+    # At a fixed step a motion runs away because the step is too large.
+    runaway = "" if isinstance(solver, RungeKutta4) else _runaway(model, state)
+    remedy = runaway or _remedy(name, solver, fastest, short=short, often=often)
+    why = f"{reason} ({tried} tried, {int(report['events'])} events)" if reason == SPENT else reason
+    where = "" if fastest is None else f"; {fastest}"
+    return SimulationError(
+        f"{model.name}: {name} stopped at t = {t:.6g} s: {why}{where}; {remedy}",
+        t=t,
+        state=state,
+        solver=solver,
+        reason=reason,
+        fastest=fastest,
+        remedy=remedy,
+    )
+
+
+def _runaway(model: FlexibleJointModel, state: NDArray[np.float64]) -> str:
+    """What to say of a motion that no arm makes; nothing of others."""
+    n, elastic = model.n, np.flatnonzero(model.elastic)
+    speeds = np.abs(state[n + len(elastic) : 2 * (n + len(elastic))])
+    if not np.isfinite(speeds).all() or speeds.max() < RUNAWAY:
+        return ""
+    which = int(speeds.argmax())
+    joint = model.joint_names[which if which < n else elastic[which - n]]
+    unit = model.robot.angle_unit(model.index(joint))
+    return f"{joint} runs away at {speeds.max():.3g} {unit}/s: check the gains of its controller and its numbers"
+
+
+def _remedy(name: str, solver: Solver, fastest: Fastest | None, *, short: bool, often: bool) -> str:
+    if isinstance(solver, RungeKutta4):
+        return "take a smaller step"
+    if not short:
+        return "check the model's numbers and first state"
+    stepping = "TimeStepping, whose steps are fixed"
+    if often:
+        return f"take {stepping}: it does not look for single events"
+    if name == "DormandPrince" and fastest is not None and fastest.rate > STIFF:
+        return "take Rosenbrock or auto, whose steps need not follow that"
+    return f"take {stepping}, or give the solver a greater max_steps"

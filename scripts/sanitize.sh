@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Build the core with one of GCC's or Clang's sanitizers and run its tests on that build (Linux, needs .venv of test.sh).
+#
+#   scripts/sanitize.sh address      memory: out of bounds, used after it was given back
+#   scripts/sanitize.sh undefined    overflow of integers, bad shifts, null references, misaligned pointers
+#   scripts/sanitize.sh thread       data races, with simulate_many and threads of Python
+#
+# More arguments go to pytest in place of the tests below. FLEXDYN_PYTHON: another Python than .venv/bin/python.
+# FLEXDYN_BUILD: a folder that keeps the build for the next time. Exit code 1: something was found.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+. scripts/setup.sh
+
+kind=${1:-}
+[ $# -gt 0 ] && shift
+python=${FLEXDYN_PYTHON:-$PWD/.venv/bin/python}
+threads=(tests/simulation/test_simulate_many.py tests/simulation/test_threads.py tests/batch/test_together.py
+  tests/simulation/test_simulate_many_threads.py)
+core=(tests/simulation tests/solvers tests/physics)
+case $kind in
+address | undefined) tests=("${core[@]}" tests/batch/test_together.py) ;;
+thread) tests=("${threads[@]}" tests/solvers/test_together.py tests/simulation/test_users_laws.py) ;;
+*) fail "say which sanitizer: $0 address, undefined or thread" ;;
+esac
+[ $# -gt 0 ] && tests=("$@")
+[ -x "$python" ] || fail "there is no $python: run scripts/test.sh first, or set FLEXDYN_PYTHON"
+need_compiler
+
+folder=${FLEXDYN_BUILD:-}
+if [ -z "$folder" ]; then
+  folder=$(mktemp -d)
+  trap 'rm -rf "$folder"' EXIT
+fi
+"$python" -m pip install . --quiet --no-deps --upgrade --target "$folder/flexdyn" \
+  -C build-dir="$folder/build" -C cmake.build-type=Debug -C cmake.define.FLEXDYN_SANITIZE="$kind"
+
+# The interpreter is not instrumented, so that the sanitizer's library has to be there before it.
+compiler=${CXX:-c++}
+library() { "$compiler" -print-file-name="$1"; }
+case $kind in
+address)
+  preload="$(library libasan.so):$(library libstdc++.so)"
+  # Leaks are left out: CPython and NumPy keep what they allocated until the process ends.
+  export ASAN_OPTIONS="detect_leaks=0:halt_on_error=1:abort_on_error=1:strict_init_order=1"
+  ;;
+undefined)
+  preload=""
+  export UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
+  ;;
+thread)
+  preload="$(library libtsan.so):$(library libstdc++.so)"
+  export TSAN_OPTIONS="halt_on_error=0:exitcode=66:second_deadlock_stack=1"
+  ;;
+esac
+# pytest keeps what tests write: findings go to files of their own.
+rm -f "$folder"/found.*
+for options in ASAN_OPTIONS UBSAN_OPTIONS TSAN_OPTIONS; do
+  [ -z "${!options:-}" ] || export "$options=${!options}:log_path=$folder/found"
+done
+export OPENBLAS_NUM_THREADS=1 PYTHONSAFEPATH=1 PYTHONPATH="$folder/flexdyn"
+printf 'Running %s with the %s sanitizer ...\n' "${tests[*]}" "$kind"
+# Memory that is watched is not given back, and what is counted beside a run counts slower.
+left_out=(-k "not memory_is_given_back and not runs_beside and not nothing_is_left_at_exit")
+failed=0
+LD_PRELOAD=$preload "$python" -m pytest -q -p no:cacheprovider "${left_out[@]}" "${tests[@]}" || failed=1
+if compgen -G "$folder/found.*" >/dev/null; then
+  cat "$folder"/found.*
+  failed=1
+fi
+exit "$failed"
