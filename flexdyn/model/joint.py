@@ -9,6 +9,7 @@ from typing import Any
 
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.model.actuator import Actuator
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,6 +21,7 @@ class Joint:
         rotor_inertia: on the motor side [kg m^2]; J = gear_ratio^2 rotor_inertia.
         stiffness: K [N m/rad or N/m]; infinite: a rigid joint.
         damping: D across the transmission [N m s/rad or N s/m]; a rigid joint has none to act on.
+        actuator: an `Actuator` or its mapping, where the motor is driven by a voltage; None: by a torque.
 
     Raises:
         InputError: a number that is missing its sense: negative inertia, zero stiffness, an elastic joint whose rotor
@@ -35,9 +37,11 @@ class Joint:
     rotor_inertia: float = 0.0
     stiffness: float = math.inf
     damping: float = 0.0
+    actuator: Actuator | None = None
 
     def __post_init__(self) -> None:
         """Check every number."""
+        object.__setattr__(self, "actuator", Actuator.of(self.actuator))
         for name in NUMBERS:
             value = getattr(self, name)
             number = as_number(value)
@@ -67,9 +71,10 @@ class Joint:
         """J = gear_ratio^2 rotor_inertia [kg m^2 or kg]."""
         return self.gear_ratio * self.gear_ratio * self.rotor_inertia
 
-    def to_dict(self) -> dict[str, float]:
+    def to_dict(self) -> dict[str, Any]:
         """As a model file writes it."""
-        return {name: getattr(self, name) for name in NUMBERS}
+        numbers = {name: getattr(self, name) for name in NUMBERS}
+        return numbers if self.actuator is None else numbers | {"actuator": self.actuator.to_dict()}
 
     @staticmethod
     def numbers(entry: Any) -> dict[str, Any]:
@@ -79,14 +84,14 @@ class Joint:
             InputError: it is no mapping, or has a key that a joint does not have.
         """
         if isinstance(entry, Joint):
-            return entry.to_dict()
+            return {name: getattr(entry, name) for name in KEYS}
         if not isinstance(entry, Mapping):
             raise InputError(
                 "a joint is a mapping of its numbers", value=entry, remedy="write {stiffness: 4000.0, ...}"
             )
         for key in entry:
-            if key not in NUMBERS:
-                raise InputError("a joint has no such key", key=str(key), remedy=did_you_mean(str(key), NUMBERS))
+            if key not in KEYS:
+                raise InputError("a joint has no such key", key=str(key), remedy=did_you_mean(str(key), KEYS))
         return {str(key): value for key, value in entry.items()}
 
     def _above_zero(self, name: str, value: float, *, finite: bool) -> None:
@@ -95,7 +100,9 @@ class Joint:
             raise InputError("it must be above 0", key=name, value=value, remedy=remedy)
 
 
-NUMBERS = tuple(field.name for field in fields(Joint))
+KEYS = tuple(field.name for field in fields(Joint))
+"""What a model file may say of a joint."""
+NUMBERS = tuple(name for name in KEYS if name != "actuator")
 """Names of a joint's numbers."""
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from types import MappingProxyType
 from typing import Any
 
@@ -15,7 +14,7 @@ from flexdyn.control.commands import PD, Samples, per_joint
 from flexdyn.control.points import command_of
 from flexdyn.effects import Effect
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.model.joint import Joint
+from flexdyn.model.joint import NUMBERS
 
 INITIAL_KEYS = ("q", "v", "theta", "omega")
 
@@ -86,7 +85,8 @@ def check_tolerance_paths(
     """
     if not isinstance(tolerance, Mapping):
         return
-    known = ["*", *(f"joints.{joint}.{field.name}" for joint in ("*", *joints) for field in fields(Joint))]
+    numbers = (*NUMBERS, *(f"actuator.dc_motor.{number}" for number in ("torque_constant", "resistance")))
+    known = ["*", *(f"joints.{joint}.{number}" for joint in ("*", *joints) for number in numbers)]
     known += [f"effects[{i}].{field.name}" for i, effect in enumerate(effects) for field in effect.parameters()]
     known += [f"links.{link}.{number}" for link in links for number in ("mass", "com", "inertia")]
     for path in tolerance:

@@ -13,6 +13,7 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 OF_JOINT = ("rotor_inertia", "stiffness", "damping")
+OF_MOTOR = ("torque_constant", "resistance")
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 DEFAULT_TOLERANCE = 0.05
 NOTHING = 1e-12
@@ -65,6 +66,9 @@ def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
             path = f"joints.{name}.{parameter}"
             tolerance = _tolerance(model, path, f"joints.*.{parameter}")
             yield FileNumber(name, parameter, getattr(joint, parameter), tolerance, name)
+        for parameter in OF_MOTOR if joint.actuator is not None else ():
+            tolerance = _tolerance(model, *(f"joints.{each}.actuator.dc_motor.{parameter}" for each in (name, "*")))
+            yield FileNumber(name, parameter, getattr(joint.actuator.dc_motor, parameter), tolerance, name)
 
 
 def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:

@@ -26,6 +26,8 @@ UNITS = {
     "rotor_inertia": ("kg m^2", "kg"),
     "stiffness": ("N m/rad", "N/m"),
     "damping": ("N m s/rad", "N s/m"),
+    "torque_constant": ("N m/A", "N m/A"),
+    "resistance": ("ohm", "ohm"),
 }
 """Of a joint's numbers, where it turns and where it slides."""
 EDGE = 3.2
