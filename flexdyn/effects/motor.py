@@ -26,14 +26,14 @@ class SupplyLimit(MotorLaw, abstract=True):
 
     Args:
         joint: its name.
-        torque: at standstill under the full supply [N m]; infinite: no limit.
+        limit: torque at standstill under the full supply [N m]; infinite: none.
     """
 
     name = "supply_limit"
-    law = "clip(tau, -torque, torque)"
-    neutral = {"torque": math.inf}
+    law = "clip(tau, -limit, limit)"
+    neutral = {"limit": math.inf}
 
-    torque: float = parameter("N m", lower=0.0, strict=True)
+    limit: float = parameter("N m", lower=0.0, strict=True)
 
 
 class MotorTorque(MotorLaw, abstract=True):

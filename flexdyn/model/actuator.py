@@ -107,7 +107,7 @@ class Actuator:
             back_emf=kt * kt / motor.resistance,
             limit=abs(kt) * motor.current_limit,
         )
-        limit = SupplyLimit(joint, torque=abs(asked) * motor.supply)
+        limit = SupplyLimit(joint, limit=abs(asked) * motor.supply)
         return (torque,) if limit.is_neutral else (limit, torque)
 
     def scaled(self, number: str, factor: float) -> Actuator:
