@@ -5,13 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,8 +32,12 @@ class Firmware:
 
     Example:
         >>> firmware = fd.Firmware(kp=400 / 256, counts_per_turn=4096, full_pwm=885)
-        >>> firmware.duty([0.1, 1.0], [0.0, 0.0])  # of a goal of 0.1 rad, then 1 rad, held at 0
-        array([0.11412429, 1.        ])
+        >>> drive = {"gear_ratio": 50, "actuator": {"dc_motor": dict(torque_constant=0.01, resistance=2.0, supply=12)}}
+        >>> model = fd.load_model("scara_two_link").replace(joints={"*": drive}, effects=[])
+        >>> goal = fd.Samples([0.0, 1.0], {"shoulder": [0.4, 0.4], "elbow": [0.2, 0.2]})
+        >>> run = fd.simulate(model, fd.Servo(reference=goal, firmware=firmware))
+        >>> bool(abs(run.q[-1, 0] - 0.4) < 0.05)
+        True
     """
 
     kp: float
@@ -63,42 +62,10 @@ class Firmware:
             object.__setattr__(self, field.name, number)
         object.__setattr__(self, "pwm_limit", min(self.pwm_limit, self.full_pwm))
 
-    def duty(self, goal: ArrayLike, position: ArrayLike) -> Array:
-        """Duty at each tick (ticks,) [1], from rest.
-
-        Args:
-            goal: at the ticks (ticks,) [rad].
-            position: likewise.
-        """
-        controller = Ticks(self)
-        return np.array([controller.duty(*each) for each in zip(np.asarray(goal), np.asarray(position), strict=True)])
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """As the core takes them."""
+        return tuple(getattr(self, key) for key in CORE_ORDER)
 
 
-class Ticks:
-    """The firmware of one run: it remembers its sum and its last error.
-
-    Args:
-        firmware: its settings.
-    """
-
-    def __init__(self, firmware: Firmware) -> None:
-        self._set = firmware
-        self._counts = firmware.counts_per_turn / math.tau
-        self._sum = 0.0
-        self._before: float | None = None
-
-    def duty(self, goal: float, position: float) -> float:
-        """Duty [1] at the next tick, of a goal and a position [rad]."""
-        own = self._set
-        error = float(round(goal * self._counts) - round(position * self._counts))
-        if abs(error) <= own.dead_band:
-            error = 0.0
-        rise = 0.0 if self._before is None else (error - self._before) * own.rate
-        self._before = error
-        summed = self._sum + error / own.rate
-        pwm = own.kp * error + own.ki * summed + own.kd * rise
-        if abs(pwm) > own.pwm_limit:
-            pwm = math.copysign(own.pwm_limit, pwm)
-        else:
-            self._sum = summed
-        return math.trunc(pwm) / own.full_pwm
+CORE_ORDER = ("kp", "ki", "kd", "counts_per_turn", "full_pwm", "pwm_limit", "dead_band", "rate")

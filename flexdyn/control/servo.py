@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.control.commands import Samples, State, checked_rate, per_joint
-from flexdyn.control.firmware import Firmware, Ticks
+from flexdyn.control.firmware import Firmware
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
@@ -89,22 +89,17 @@ class Servo:
                 raise InputError("firmware has gains of its own", key=f"servo.{gains[0]}", remedy="leave it out")
             object.__setattr__(self, "rate", _one_rate(self.firmware))
 
-    def law(
-        self, reference: Samples, joint_names: Sequence[str], full_torques: Array | None = None
-    ) -> Callable[[float, State], Array]:
+    def law(self, reference: Samples, joint_names: Sequence[str]) -> Callable[[float, State], Array]:
         """A controller at the start of a run; it remembers what it has seen, so every run needs its own.
 
         Args:
             reference: positions over time.
             joint_names: of the model.
-            full_torques: torque at standstill that a duty of 1 gives (n,); needed with firmware.
 
         Raises:
             InputError: gains, limits or columns that do not fit the joints.
         """
         names = tuple(joint_names)
-        if full_torques is not None:
-            return self._of_firmware(_at_ticks(reference, names, self.rate), names, full_torques)
         gains = [per_joint(f"servo.{key}", getattr(self, key), names) for key in ("position_gain", "velocity_gain")]
         limit = _limits(self.limit, names)
         wanted = _at_ticks(reference, names, self.rate)
@@ -129,23 +124,9 @@ class Servo:
 
         return torque
 
-    def _of_firmware(self, wanted: Array, names: tuple[str, ...], full: Array) -> Callable[[float, State], Array]:
-        """The firmware of every joint, its duty as torque at standstill."""
-        each = self.firmware if isinstance(self.firmware, Mapping) else dict.fromkeys(names, self.firmware)
-        for name in names:
-            if not isinstance(each.get(name), Firmware):
-                raise InputError("a Firmware is needed", key=f"servo.firmware.{name}", remedy="give every joint one")
-        servos = [Ticks(firmware) for firmware in (each[name] for name in names) if firmware is not None]
-        asked: deque[Array] = deque(maxlen=self.delay + 1)
-
-        def torque(t: float, state: State) -> Array:
-            goal = wanted[min(round(t * self.rate), len(wanted) - 1)]
-            y = state.theta if self.feedback == "theta" else state.q
-            duty = [servo.duty(float(a), float(b)) for servo, a, b in zip(servos, goal, y, strict=True)]
-            asked.append(full * duty)
-            return asked[0] if len(asked) > self.delay else np.zeros_like(full)
-
-        return torque
+    def goals(self, reference: Samples, joint_names: Sequence[str]) -> Array:
+        """The reference at the controller's ticks (ticks, n)."""
+        return _at_ticks(reference, tuple(joint_names), self.rate)
 
 
 def _one_rate(firmware: Firmware | Mapping[str, Firmware]) -> float:

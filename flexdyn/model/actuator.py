@@ -31,8 +31,8 @@ class DCMotor:
 
     Example:
         >>> motor = fd.DCMotor(torque_constant=0.05, resistance=2.0, supply=12.0)
-        >>> motor.torque_constant * motor.supply / motor.resistance  # stall torque, N m
-        0.3
+        >>> round(motor.stall_torque(gear_ratio=100.0) * motor.supply, 6)  # behind a gear, N m
+        30.0
     """
 
     torque_constant: float
@@ -134,7 +134,8 @@ class Actuator:
         if entry is None or isinstance(entry, Actuator):
             return entry
         try:
-            return _made("actuator", Actuator, entry, ("dc_motor", "firmware"))
+            made: Actuator = _made("actuator", Actuator, entry, ("dc_motor", "firmware"))
+            return made
         except InputError as error:
             raise error if (error.key or "").startswith("actuator") else error.at(key="actuator") from None
 

@@ -196,8 +196,11 @@ class FlexibleJointModel(Public):
     @cached_property
     def motor_laws(self) -> tuple[MotorLaw, ...]:
         """What the joints' actuators do to the torques asked for."""
-        driven = ((name, joint) for name, joint in self.joints.items() if joint.actuator is not None)
-        return tuple(law for name, joint in driven for law in joint.actuator.laws(name, joint.gear_ratio))
+        found: list[MotorLaw] = []
+        for name, joint in self.joints.items():
+            if joint.actuator is not None:
+                found += joint.actuator.laws(name, joint.gear_ratio)
+        return tuple(found)
 
     def replace(self, **changes: Any) -> FlexibleJointModel:
         """A copy with some of the constructor's arguments changed.

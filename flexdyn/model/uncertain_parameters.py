@@ -66,9 +66,10 @@ def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
             path = f"joints.{name}.{parameter}"
             tolerance = _tolerance(model, path, f"joints.*.{parameter}")
             yield FileNumber(name, parameter, getattr(joint, parameter), tolerance, name)
-        for parameter in OF_MOTOR if joint.actuator is not None else ():
+        motor = None if joint.actuator is None else joint.actuator.dc_motor
+        for parameter in () if motor is None else OF_MOTOR:
             tolerance = _tolerance(model, *(f"joints.{each}.actuator.dc_motor.{parameter}" for each in (name, "*")))
-            yield FileNumber(name, parameter, getattr(joint.actuator.dc_motor, parameter), tolerance, name)
+            yield FileNumber(name, parameter, getattr(motor, parameter), tolerance, name)
 
 
 def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn import _core
+from flexdyn.control.firmware import Firmware
 from flexdyn.errors import InputError
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -49,6 +51,20 @@ def is_of_goals(model: FlexibleJointModel, recording: Recording) -> bool:
     return bool(driven) and all(_asked(recording, name) == "goal" for name in driven)
 
 
+def firmware_duty(firmware: Firmware, goal: Array, position: Array) -> Array:
+    """Duty at each tick (ticks,) [1], from rest.
+
+    Args:
+        firmware: its settings.
+        goal: at the ticks (ticks,) [rad].
+        position: likewise.
+    """
+    duty = np.empty(len(goal))
+    table = np.array([firmware.numbers])
+    _core.firmware_duty(table, np.ascontiguousarray(goal), np.ascontiguousarray(position), duty)
+    return duty
+
+
 def _asked(recording: Recording, joint: str) -> str | None:
     return next((signal for signal in ASKED if recording.has(signal, joint)), None)
 
@@ -85,7 +101,7 @@ def _duty_of_goal(actuator: Actuator, recording: Recording, joint: str) -> Array
     t = recording.t
     ticks = t[0] + np.arange(int((t[-1] - t[0]) * firmware.rate + 1e-6) + 1) / firmware.rate
     rows = np.clip(np.searchsorted(t, ticks + 1e-3 / firmware.rate, "right") - 1, 0, None)
-    duty = firmware.duty(recording[f"goal.{joint}"][rows], CubicSpline(t, recording[seen])(ticks))
+    duty = firmware_duty(firmware, recording[f"goal.{joint}"][rows], CubicSpline(t, recording[seen])(ticks))
     summed = np.concatenate([[0.0], np.cumsum(duty)]) / firmware.rate
     impulse = np.interp(t, np.append(ticks, ticks[-1] + 1.0 / firmware.rate), summed)
     return np.append(np.diff(impulse) / np.diff(t), duty[-1])

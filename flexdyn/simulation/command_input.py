@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from flexdyn import _core
 from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation, Samples, State, per_joint
-from flexdyn.control.firmware import Firmware
+from flexdyn.control.firmware import CORE_ORDER, Firmware
 from flexdyn.control.points import COMMAND_KEYS, Points, command_of
 from flexdyn.control.servo import Servo
 from flexdyn.errors import InputError
@@ -252,26 +252,27 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
         signal = next((name for name in known if _has(reference, name, model)), "reference")
         reference = recorded(reference, signal, model.joint_names)
     _check_reference("servo.reference", reference)
-    controller = Controller(servo.law(reference, model.joint_names, full_torques(model, servo)), servo.rate)
+    if servo.firmware is not None:
+        return Drive(_firmware(model, servo, reference), reference.duration, initial)
+    controller = Controller(servo.law(reference, model.joint_names), servo.rate)
     return Drive(_core.controller(_caller(controller), servo.rate), reference.duration, initial)
 
 
-def full_torques(model: FlexibleJointModel, servo: Servo) -> Array | None:
-    """Torque at standstill that a duty of 1 gives (n,) [N m or N]; None where no firmware asks for a duty.
-
-    Raises:
-        InputError: a joint whose motor has no voltage, or no supply.
-    """
-    if servo.firmware is None:
-        return None
-    torques = np.zeros(model.n)
+def _firmware(model: FlexibleJointModel, servo: Servo, reference: Samples) -> _core.Command:
+    """The firmware of every joint, its duty as the torque of that voltage at standstill."""
+    each = servo.firmware if isinstance(servo.firmware, Mapping) else dict.fromkeys(model.joint_names, servo.firmware)
+    settings, torques = np.zeros((model.n, len(CORE_ORDER))), np.zeros(model.n)
     for j, (name, joint) in enumerate(model.joints.items()):
-        actuator = joint.actuator
+        own, actuator = each.get(name), joint.actuator
+        if not isinstance(own, Firmware):
+            raise InputError("a Firmware is needed", key=f"servo.firmware.{name}", remedy="give every joint one")
         if actuator is None or not np.isfinite(actuator.dc_motor.supply):
             remedy = f"give joints.{name}.actuator.dc_motor with its supply in V"
             raise InputError("firmware needs a motor under voltage", key=f"servo.firmware.{name}", remedy=remedy)
+        settings[j] = own.numbers
         torques[j] = actuator.per_volt(joint.gear_ratio) * actuator.dc_motor.supply
-    return torques
+    goals = np.ascontiguousarray(servo.goals(reference, model.joint_names))
+    return _core.firmware(goals, settings, torques, servo.delay, servo.feedback == "theta")
 
 
 def _own_firmware(model: FlexibleJointModel) -> dict[str, Firmware]:

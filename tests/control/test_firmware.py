@@ -10,6 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.errors import InputError
+from flexdyn.simulation.asked_torque import firmware_duty
 from tests.simulation.test_dc_motor import model
 
 COUNT = math.tau / 4096
@@ -22,7 +23,7 @@ def firmware(**settings: float) -> fd.Firmware:
 
 def pwm(settings: fd.Firmware, errors: list[float]) -> list[int]:
     """PWM counts at the ticks, of errors in position counts."""
-    duty = settings.duty(COUNT * np.array(errors), np.zeros(len(errors)))
+    duty = firmware_duty(settings, COUNT * np.array(errors), np.zeros(len(errors)))
     return [round(each * settings.full_pwm) for each in duty]
 
 

@@ -152,8 +152,13 @@ class Equations:
         else:
             left = left + along.inverse_dynamics[:, j] - terms.link
         for law in self.motors[j]:
-            left = (left + law.back_emf * along.omega[:, j]) / law.gain
+            left = left / law.gain + self.lost(along, j)
         return np.asarray(left)
+
+    def lost(self, along: Motion, j: int) -> Array:
+        """Of the torque asked for (samples,), what the back-EMF of a motor under voltage takes; else nothing."""
+        slope = sum(law.back_emf / law.gain for law in self.motors[j])
+        return np.asarray(slope * along.omega[:, j])
 
     def of_torque(self, j: int, torque: Callable[[Motion], tuple[str, Array]]) -> Array:
         """What one torque on the motor's or link's side of a joint puts into the rows (rows,)."""
