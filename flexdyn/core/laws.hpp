@@ -54,6 +54,7 @@ enum class LawKind {
   position_torque,
   end_stop,
   callback,  // a law written in Python
+  stribeck_gear_loss,
 };
 
 // Where the pieces of a law meet.
@@ -82,6 +83,7 @@ inline constexpr LawName law_table[] = {
     {"quadratic_drag", LawKind::quadratic_drag, Stage::friction, 1},
     {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1, Corner::at_zero},
     {"directional_gear_loss", LawKind::directional_gear_loss, Stage::dry, 2, Corner::at_zero},
+    {"stribeck_gear_loss", LawKind::stribeck_gear_loss, Stage::dry, 3, Corner::at_zero},
     {"position_dependent_friction", LawKind::position_dependent_friction, Stage::dry, 3},
     {"presliding_friction", LawKind::presliding_friction, Stage::friction, 3, Corner::none, true},
     {"warm_up_friction", LawKind::warm_up_friction, Stage::friction, 2},
@@ -170,6 +172,8 @@ inline double dry_level(LawKind kind, const double* p, const LawInput& in, doubl
     // The region is the sign of the load: past its zero the branch goes on smoothly.
     case LawKind::load_dependent_friction: return p[0] * region * in.tau_s;
     case LawKind::directional_gear_loss: return (direction * region > 0.0 ? p[0] : p[1]) * region * in.tau_s;
+    case LawKind::stribeck_gear_loss:
+      return (direction * region > 0.0 ? p[0] : p[1]) * std::exp(-direction * in.u / p[2]) * region * in.tau_s;
     case LawKind::position_dependent_friction: return p[0] * (1.0 + std::sin(p[1] * in.x + p[2]));
     default: return 0.0;
   }
@@ -242,7 +246,8 @@ inline int region_of(LawKind kind, const double* p, const LawInput& in, double v
     case LawKind::dc_motor: return piece_of(free_torque(p, in, value), p[2]);
     case LawKind::asymmetric_viscous_friction: return in.u < 0.0 ? -1 : 1;
     case LawKind::load_dependent_friction:
-    case LawKind::directional_gear_loss: return in.tau_s < 0.0 ? -1 : 1;
+    case LawKind::directional_gear_loss:
+    case LawKind::stribeck_gear_loss: return in.tau_s < 0.0 ? -1 : 1;
     default: return 0;
   }
 }
@@ -266,7 +271,8 @@ inline double region_guard(LawKind kind, const double* p, const LawInput& in, do
     case LawKind::dc_motor: return piece_margin(free_torque(p, in, value), p[2], region);
     case LawKind::asymmetric_viscous_friction: return region * in.u;
     case LawKind::load_dependent_friction:
-    case LawKind::directional_gear_loss: return region * in.tau_s;
+    case LawKind::directional_gear_loss:
+    case LawKind::stribeck_gear_loss: return region * in.tau_s;
     default: return 1.0;
   }
 }

@@ -59,6 +59,10 @@ def test_dry_and_viscous_friction_are_named_beside_the_back_emf(tmp_path: Path, 
     assert abs(number.value - 0.012) < 3.0 * number.std
     assert number.std == pytest.approx(0.03 * back_emf, rel=0.5)  # of the motor's tolerance, not of the noise
     assert diagnosis.verdict == "explained"
+    diagnosis.save(tmp_path / "report")
+    assert "ohm" in (tmp_path / "report" / "report.html").read_text()
+    corrected = fd.load_model(tmp_path / "report" / "model.yaml")
+    assert corrected.joints["swing"].actuator is not None
 
 
 def test_a_right_model_lacks_nothing(tmp_path: Path) -> None:
