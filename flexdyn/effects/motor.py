@@ -39,7 +39,7 @@ class SupplyLimit(MotorLaw, abstract=True):
 class MotorTorque(MotorLaw, abstract=True):
     """The torque of a DC motor: less by its back-EMF the faster it turns, and cut where its current is limited.
 
-    ``tau_applied = clip(gain tau - back_emf omega, -limit, limit)`` with ``back_emf = kt^2/R`` and ``limit = kt i_max``.
+    ``tau_applied = clip(gain tau - back_emf omega, -limit, limit)``, ``back_emf = kt^2/R``, ``limit = kt i_max``.
 
     Args:
         joint: its name.

@@ -73,7 +73,9 @@ def _volts(actuator: Actuator, recording: Recording, joint: str) -> Array:
     """Volts asked for (samples,)."""
     signal = _asked(recording, joint)
     if signal is None:
-        remedy = f"record voltage.{joint} or duty.{joint}, or take the actuator out of the model where tau is its torque"
+        remedy = (
+            f"record voltage.{joint} or duty.{joint}, or take the actuator out of the model where tau is its torque"
+        )
         raise InputError(
             "the joint's motor is under voltage", key=f"voltage.{joint}", file=recording.name or None, remedy=remedy
         )

@@ -67,8 +67,9 @@ def test_a_servo_is_simulated_from_its_goal_alone(tmp_path: Path) -> None:
     ours = fd.simulate(arm, fd.Servo(reference=goals, firmware=settings), duration=0.9)
     by_hand = fd.simulate(arm, fd.Controller(law, rate=1000), duration=0.9)
     np.testing.assert_allclose(ours.q, by_hand.q, atol=1e-9)
-    own = arm.replace(joints={"swing": {"actuator": fd.Actuator(dc_motor=arm.joints["swing"].actuator.dc_motor,
-                                                                firmware=settings)}})
+    own = arm.replace(
+        joints={"swing": {"actuator": fd.Actuator(dc_motor=arm.joints["swing"].actuator.dc_motor, firmware=settings)}}
+    )
     recording = fd.Recording(goals.t, {"goal.swing": goals.values[:, 0], "q.swing": np.zeros(len(goals.t))})
     np.testing.assert_allclose(fd.simulate(own, recording, duration=0.9).q, ours.q, atol=1e-12)
 
@@ -78,7 +79,8 @@ def test_late_firmware(tmp_path: Path) -> None:
     arm = model(tmp_path, motor={"supply": 7.4})
     late = fd.Servo(reference=fd.Samples([0.0, 1.0], [1.0, 1.0]), firmware=firmware(), delay=2)
     run = fd.simulate(arm, late, duration=0.01)
-    assert (run.tau[:2, 0] == 0.0).all() and run.tau[2, 0] > 0.0
+    assert (run.tau[:2, 0] == 0.0).all()
+    assert run.tau[2, 0] > 0.0
 
 
 def test_mistakes(tmp_path: Path) -> None:

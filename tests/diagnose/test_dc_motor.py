@@ -104,7 +104,9 @@ def test_columns_of_the_motors_numbers_are_slopes_of_the_rows(tmp_path: Path) ->
     """Also where they have moved already."""
     moved = [ParameterError("swing", parameter="torque_constant", factor=1.1)]
     for equations in (_equations(tmp_path, []), _equations(tmp_path, list(moved))):
-        numbers = [each for each in file_numbers(equations.model) if each.parameter in ("torque_constant", "resistance")]
+        numbers = [
+            each for each in file_numbers(equations.model) if each.parameter in ("torque_constant", "resistance")
+        ]
         columns = of_numbers(equations, numbers)
         for number, column in zip(numbers, columns.T, strict=True):
             ahead, behind = (equations.of(with_factors(equations.model, {number: f})).residual for f in (1.001, 0.999))

@@ -43,9 +43,9 @@ LAWS: dict[str, Law] = {
         lambda e, t, x, u, tau: np.where(tau * u > 0, e.driving * tau, -e.driven * tau) * (u != 0)
     ),
     "stribeck_gear_loss": (
-        lambda e, t, x, u, tau: np.where(tau * u > 0, e.driving * tau, -e.driven * tau)
-        * np.exp(-abs(u) / e.velocity)
-        * (u != 0)
+        lambda e, t, x, u, tau: (
+            np.where(tau * u > 0, e.driving * tau, -e.driven * tau) * np.exp(-abs(u) / e.velocity) * (u != 0)
+        )
     ),
     "position_dependent_friction": (
         lambda e, t, x, u, tau: e.amplitude * (1 + np.sin(e.harmonic * x + e.phase)) * np.sign(u)

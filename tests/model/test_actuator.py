@@ -36,10 +36,13 @@ def test_there_and_back(tmp_path: Path) -> None:
 
 def test_with_firmware(tmp_path: Path) -> None:
     """Its settings are the servo's."""
-    text = "{dc_motor: {torque_constant: 0.04, resistance: 2.5}, firmware: {kp: 2, counts_per_turn: 4096, full_pwm: 885}}"
+    text = (
+        "{dc_motor: {torque_constant: 0.04, resistance: 2.5}, firmware: {kp: 2, counts_per_turn: 4096, full_pwm: 885}}"
+    )
     arm = read(tmp_path, text)
     actuator = arm.joints["swing"].actuator
-    assert actuator is not None and actuator.firmware == fd.Firmware(kp=2.0, counts_per_turn=4096, full_pwm=885)
+    assert actuator is not None
+    assert actuator.firmware == fd.Firmware(kp=2.0, counts_per_turn=4096, full_pwm=885)
     fd.save_model(arm, tmp_path / "again.yaml")
     assert fd.load_model(tmp_path / "again.yaml").joints == arm.joints
 
@@ -63,7 +66,9 @@ def test_mistakes_are_one_line(tmp_path: Path, actuator: str, said: str) -> None
     with pytest.raises(InputError) as caught:
         read(tmp_path, actuator)
     line = str(caught.value)
-    assert said in line and "arm.yaml" in line and "\n" not in line
+    assert said in line
+    assert "arm.yaml" in line
+    assert "\n" not in line
 
 
 def test_its_numbers_have_a_tolerance(tmp_path: Path) -> None:
@@ -80,7 +85,8 @@ def test_a_wrong_number_is_folded(tmp_path: Path) -> None:
     """Volts become the torque asked for by the file's numbers, before as after."""
     arm = model(tmp_path, [fd.effects.ParameterError("swing", parameter="torque_constant", factor=1.1)])
     true = arm.resolved().joints["swing"].actuator
-    assert true is not None and true.dc_motor.torque_constant == pytest.approx(1.1 * KT)
+    assert true is not None
+    assert true.dc_motor.torque_constant == pytest.approx(1.1 * KT)
     assert true.per_volt(N) == arm.joints["swing"].actuator.per_volt(N) == pytest.approx(N * KT / R)
     (law,) = arm.resolved().motor_laws
     assert law.values == pytest.approx((1.1, (1.1 * N * KT) ** 2 / R, float("inf")))
@@ -89,6 +95,7 @@ def test_a_wrong_number_is_folded(tmp_path: Path) -> None:
 def test_a_joint_can_lose_it(tmp_path: Path) -> None:
     """And is then driven by a torque."""
     bare = model(tmp_path).replace(joints={"swing": {"actuator": None}})
-    assert bare.motor_laws == () and bare.joints["swing"].actuator is None
+    assert bare.motor_laws == ()
+    assert bare.joints["swing"].actuator is None
     with pytest.raises(InputError, match="the joint has no actuator"):
         bare.replace(effects=[fd.effects.ParameterError("swing", parameter="resistance", factor=1.1)])

@@ -61,11 +61,11 @@ def test_supply_and_current_limit_cut_it(tmp_path: Path, solver: Any, error: flo
     """30 V asked for are the 12 V there are; up to the speed where 12 V make 1.5 A the torque is constant."""
     limited = model(tmp_path, motor={"supply": 12.0, "current_limit": 1.5})
     run = fd.simulate(limited, steps(30.0, 30.0), solver=solver, rate=200)
-    k, I = N * KT, ROTOR + ROD
+    k, inertia = N * KT, ROTOR + ROD
     knee = (12.0 - 1.5 * R) / k
-    reached = knee * I / (1.5 * k)
-    after = 12.0 / k + (knee - 12.0 / k) * np.exp(-(run.t - reached) * B / I)
-    wanted = np.where(run.t < reached, 1.5 * k / I * run.t, after)
+    reached = knee * inertia / (1.5 * k)
+    after = 12.0 / k + (knee - 12.0 / k) * np.exp(-(run.t - reached) * B / inertia)
+    wanted = np.where(run.t < reached, 1.5 * k / inertia * run.t, after)
     np.testing.assert_allclose(run.v[:, 0], wanted, atol=error * 12.0 / k)
     middle = run.t < 0.9 * reached
     np.testing.assert_allclose(run.electrical.current[middle, 0], 1.5, rtol=1e-12)
@@ -97,7 +97,8 @@ def test_too_little_voltage_does_not_move_it(tmp_path: Path, solver: Any) -> Non
     dry = model(tmp_path, [fd.effects.CoulombFriction("swing", side="motor", level=PER_VOLT * 2.0)])
     run = fd.simulate(dry, steps(1.99, -1.99, 2.01), solver=solver, rate=100)
     held = run.t <= 1.0
-    assert (run.v[held, 0] == 0.0).all() and (run.q[held, 0] == 0.0).all()
+    assert (run.v[held, 0] == 0.0).all()
+    assert (run.q[held, 0] == 0.0).all()
     assert run.v[-1, 0] > 0.0
 
 
@@ -107,7 +108,8 @@ def test_mujoco_does_the_same(tmp_path: Path) -> None:
     xml = f"""<mujoco><option timestep="1e-4" integrator="RK4" gravity="0 0 -9.81"/><worldbody><body>
       <joint name="swing" axis="0 1 0" armature="{ROTOR}"/>
       <inertial pos="0 0 -0.1" mass="0.49" diaginertia="1e-9 1e-9 1e-9"/></body></worldbody>
-      <actuator><general joint="swing" gainprm="{PER_VOLT}" biastype="affine" biasprm="0 0 {-B}"/></actuator></mujoco>"""
+      <actuator><general joint="swing" gainprm="{PER_VOLT}" biastype="affine" biasprm="0 0 {-B}"/>
+      </actuator></mujoco>"""
     theirs = mujoco.MjModel.from_xml_string(xml)
     data = mujoco.MjData(theirs)
     t = np.arange(0.0, 2.0, 0.01)
@@ -119,7 +121,6 @@ def test_mujoco_does_the_same(tmp_path: Path) -> None:
         mujoco.mj_step(theirs, data, nstep=100)
     ours = fd.simulate(model(tmp_path, gravity=9.81), fd.Recording(t, {"voltage.swing": volts}), solver=EXACT, times=t)
     np.testing.assert_allclose(ours.q[:, 0], seen, atol=1e-6)
-
 
 
 def test_power_is_heat_and_work(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flexdyn as fd
+from flexdyn.simulation.asked_torque import with_asked_torque
 
 Array = NDArray[np.float64]
 HERE = Path(__file__).parent
@@ -73,11 +74,34 @@ def _read(folder: Path, gain: int, motion: str) -> Log:
     return Log(gain, name, recording, float(whole.t[off[0]]) if len(off) else None)
 
 
-def with_firmware(model: fd.FlexibleJointModel, log: Log) -> fd.FlexibleJointModel:
-    """The model with the firmware's gain of a log."""
+def of_duties(logs: Sequence[Log]) -> list[fd.Recording]:
+    """Position and duty of logs in which the motor is driven for long enough to be diagnosed.
+
+    The duty is that of the firmware's law along the measured positions, as `fd.diagnose` takes it of goals; the logs
+    have different gains, and a model file has one.
+    """
+    plain = fd.load_model(HERE / "plain.yaml")
+    motor = motor_of(plain)
+    found = []
+    for log in logs:
+        servo = {"servo": {"actuator": fd.Actuator(dc_motor=motor, firmware=log.firmware)}}
+        asked = with_asked_torque(plain.replace(joints=servo), log.powered)["tau.servo"]
+        duty = asked / (motor.stall_torque(1.0) * motor.supply)
+        channels = {"q.servo": log.powered["q.servo"], "duty.servo": duty}
+        found.append(fd.Recording(log.powered.t, channels, name=log.name))
+    return found
+
+
+def motor_of(model: fd.FlexibleJointModel) -> fd.DCMotor:
+    """The servo's motor.
+
+    Raises:
+        ValueError: the model has none.
+    """
     actuator = model.joints["servo"].actuator
-    assert actuator is not None
-    return model.replace(joints={"servo": {"actuator": fd.Actuator(dc_motor=actuator.dc_motor, firmware=log.firmware)}})
+    if actuator is None:
+        raise ValueError("the servo has no actuator")
+    return actuator.dc_motor
 
 
 def from_goals(model: fd.FlexibleJointModel, logs: Sequence[Log]) -> list[Array]:

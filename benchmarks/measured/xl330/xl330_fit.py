@@ -3,9 +3,9 @@
     python benchmarks/measured/xl330/xl330_fit.py --data ../shared/data --start fitted.yaml -o fitted.yaml
     python benchmarks/measured/xl330/xl330_fit.py --data ../shared/data --gains 100 400 -o fitted_100_400.yaml
 
-A run that sticks a tick earlier or later goes another way, so the error is no smooth function of the numbers: a search
-that needs no slopes does it. The cost is the mean absolute error over the logs. N. Hansen, The CMA Evolution Strategy: A
-Tutorial, arXiv 1604.00772.
+A run that sticks a tick earlier or later goes another way, so the error is no smooth function of the numbers, and a
+search that needs no slopes does it. The cost is the mean absolute error over the logs. Source: N. Hansen, The CMA
+Evolution Strategy: A Tutorial, arXiv 1604.00772.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from xl330_data import HERE, Log, errors, read_logs
+from xl330_data import HERE, Log, errors, motor_of, read_logs
 
 import flexdyn as fd
 
@@ -45,15 +45,20 @@ def model_of(x: Array, plain: fd.FlexibleJointModel) -> fd.FlexibleJointModel:
         e.StribeckGearLoss("servo", driving=more, driven=held, velocity=creep),
         e.PositionTorque("servo", cos_1=OFFSET_SCALE * x[-1], sin_1=0.0, cos_2=0.0, sin_2=0.0),
     ]
-    drive = {"rotor_inertia": rotor, "stiffness": stiffness, "damping": damping, "actuator": fd.Actuator(dc_motor=motor)}
+    drive = {
+        "rotor_inertia": rotor,
+        "stiffness": stiffness,
+        "damping": damping,
+        "actuator": fd.Actuator(dc_motor=motor),
+    }
     return plain.replace(joints={"servo": drive}, effects=laws)
 
 
 def point_of(model: fd.FlexibleJointModel) -> Array:
     """The point of the search that a fitted model is at."""
     joint, laws = model.joints["servo"], {each.name: each for each in model.effects}
-    assert joint.actuator is not None
-    kt, R = joint.actuator.dc_motor.torque_constant, joint.actuator.dc_motor.resistance
+    motor = motor_of(model)
+    kt, R = motor.torque_constant, motor.resistance
     numbers = [kt / R, kt * kt / R, joint.rotor_inertia, joint.stiffness, joint.damping]
     for name in ("viscous_friction", "coulomb_friction"):
         numbers += laws[name].values
@@ -108,7 +113,9 @@ def search(cost: Callable[[Array], float], x: Array, evaluations: int, step: flo
     return best
 
 
-def fitted(logs: list[Log], start: fd.FlexibleJointModel, evaluations: int) -> fd.FlexibleJointModel:
+def fitted(
+    logs: list[Log], start: fd.FlexibleJointModel, evaluations: int, step: float = STEP
+) -> fd.FlexibleJointModel:
     """The model with the least mean error over some logs."""
     plain = fd.load_model(HERE / "plain.yaml")
 
@@ -119,7 +126,7 @@ def fitted(logs: list[Log], start: fd.FlexibleJointModel, evaluations: int) -> f
             return FAILED
         return found if np.isfinite(found) else FAILED
 
-    return model_of(search(cost, point_of(start), evaluations), plain)
+    return model_of(search(cost, point_of(start), evaluations, step), plain)
 
 
 def main() -> None:
@@ -130,10 +137,11 @@ def main() -> None:
     parser.add_argument("--gains", type=int, nargs="+", default=[100, 200, 400, 800], help="of the logs to fit")
     parser.add_argument("--start", type=Path, help="model to start from; default: the data sheet and a guess")
     parser.add_argument("--evaluations", type=int, default=4000)
+    parser.add_argument("--step", type=float, default=STEP, help="first standard deviation of the logarithms")
     options = parser.parse_args()
     logs = [log for log in read_logs(options.data / "bam_xl330") if log.gain in options.gains]
     start = guess() if options.start is None else fd.load_model(options.start)
-    fd.save_model(fitted(logs, start, options.evaluations), options.o)
+    fd.save_model(fitted(logs, start, options.evaluations, options.step), options.o)
 
 
 if __name__ == "__main__":

@@ -157,8 +157,11 @@ class Equations:
 
     def lost(self, along: Motion, j: int) -> Array:
         """Of the torque asked for (samples,), what the back-EMF of a motor under voltage takes; else nothing."""
-        slope = sum(law.back_emf / law.gain for law in self.motors[j])
-        return np.asarray(slope * along.omega[:, j])
+        return np.asarray(self.back_emf(j) * along.omega[:, j])
+
+    def back_emf(self, j: int) -> float:
+        """Slope [N m s/rad] by which a motor under voltage gives less of the torque asked for the faster it turns."""
+        return sum(law.back_emf / law.gain for law in self.motors[j])
 
     def of_torque(self, j: int, torque: Callable[[Motion], tuple[str, Array]]) -> Array:
         """What one torque on the motor's or link's side of a joint puts into the rows (rows,)."""
