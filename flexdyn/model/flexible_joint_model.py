@@ -71,7 +71,7 @@ class FlexibleJointModel(Public):
     def __init__(
         self,
         robot: Robot,
-        joints: Mapping[str, Joint | Mapping[str, float]] | None = None,
+        joints: Mapping[str, Joint | Mapping[str, Any]] | None = None,
         effects: Iterable[Effect | Mapping[str, Any]] = (),
         *,
         initial: Mapping[str, Mapping[str, float]] | None = None,

@@ -17,7 +17,7 @@ from flexdyn.effects import CoulombFriction, Effect, ParameterError, ViscousFric
 from flexdyn.model.uncertain_parameters import file_numbers, with_factors
 from flexdyn.simulation.asked_torque import with_asked_torque
 from tests.diagnose.slides import named
-from tests.simulation.test_dc_motor import model
+from tests.simulation.test_dc_motor import B, model
 
 RATE, SECONDS, NOISE = 500.0, 10.0, 2e-5
 FIRMWARE = {"kp": 3.0, "counts_per_turn": 65536, "full_pwm": 14160}
@@ -31,7 +31,8 @@ def arm(folder: Path, effects: Any = ()) -> fd.FlexibleJointModel:
     """A pendulum on a servo, without friction as given."""
     bare = model(folder, effects, gravity=9.81, motor={"supply": 12.0}).replace(tolerance=0.03)
     actuator = fd.Actuator(dc_motor=bare.joints["swing"].actuator.dc_motor, firmware=fd.Firmware(**FIRMWARE))
-    return bare.replace(joints={"swing": {"actuator": actuator}})
+    made: fd.FlexibleJointModel = bare.replace(joints={"swing": {"actuator": actuator}})
+    return made
 
 
 def record(truth: fd.FlexibleJointModel, *, goal: bool = False, size: float = 1.0) -> fd.Recording:
@@ -55,7 +56,7 @@ def test_dry_and_viscous_friction_are_named_beside_the_back_emf(tmp_path: Path, 
     assert found["coulomb_friction"]["level"] == pytest.approx(0.03, rel=0.02)
     viscous = next(each for each in diagnosis.findings if each.suspect.effect == "viscous_friction")
     number = viscous.suspect.parameters["coefficient"]
-    back_emf = 0.32**2 / 2.5
+    back_emf = B
     assert abs(number.value - 0.012) < 3.0 * number.std
     assert number.std == pytest.approx(0.03 * back_emf, rel=0.5)  # of the motor's tolerance, not of the noise
     assert diagnosis.verdict == "explained"
