@@ -35,7 +35,7 @@ class Firmware:
         >>> drive = {"gear_ratio": 50, "actuator": {"dc_motor": dict(torque_constant=0.01, resistance=2.0, supply=12)}}
         >>> model = fd.load_model("scara_two_link").replace(joints={"*": drive}, effects=[])
         >>> goal = fd.Samples([0.0, 1.0], {"shoulder": [0.4, 0.4], "elbow": [0.2, 0.2]})
-        >>> run = fd.simulate(model, fd.Servo(reference=goal, firmware=firmware))
+        >>> run = fd.simulate(model, fd.Servo(reference=goal, firmware=firmware), duration=0.1, q0=[0.0, 0.0])
         >>> run.electrical.voltage[0]  # of errors of 261 and 130 counts, which are 407 and 203 of the PWM
         array([5.51864407, 2.75254237])
     """

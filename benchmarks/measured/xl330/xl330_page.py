@@ -61,20 +61,14 @@ def _errors(made: Study) -> Iterator[str]:
 def _named(made: Study) -> Iterator[str]:
     yield "## What a diagnosis names"
     yield f"{gap_text(made.diagnosis)}\n\n{findings_text(made.diagnosis)}"
+    for each in made.diagnosis.findings:
+        if each.experiment:
+            yield f"What would separate {each.suspect.effect.replace('_', ' ')} from its rivals: {each.experiment}."
     yield (
-        "Four logs at 190 Hz with one encoder, on the output. What happens at the rotor is seen through the gear "
-        "alone, "
-        "so link and motor side of viscous friction are hard to tell apart, and so are a loss by direction and one "
-        "that is "
-        "the same both ways: the pendulum's load changes its sign with the angle, and the arm seldom moves with the "
-        "load "
-        "under power. Holding a weight at one side and moving it up and down at several steady speeds would separate "
-        "them; "
-        "an encoder at the motor would tell the side. The fitted model holds more than the diagnosis names: the loss "
-        "of "
-        "torque at high current and what the gear holds at rest show in when the arm sticks and lets go, which "
-        "equations "
-        "along the motion hardly see."
+        "Four logs at 190 Hz with one encoder, on the output: what happens at the rotor is seen through the gear alone. "
+        "The fitted model holds more than the diagnosis names. The loss of torque at high current and what the gear "
+        "holds at rest decide when the arm sticks and lets go, which equations along the motion hardly see; they are "
+        "fitted, not named, and carry no probability."
     )
 
 
