@@ -147,7 +147,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("-o", "--output", type=Path, help="write the results as JSON")
     options = parser.parse_args()
-    warnings.simplefilter("error")  # a ledger that does not close would warn
+    warnings.simplefilter("error", fd.EnergyWarning)  # a ledger that does not close would warn
     rows = {name: measured(acting(kind)) for name, kind in fd.effects.catalogue().items() if own(kind)}
     results = {"solvers": [type(solver).__name__ for solver in SOLVERS], "effects": rows}
     print(effect_checks_table(results), end="\n\n")

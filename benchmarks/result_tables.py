@@ -130,6 +130,7 @@ MEASURED = {
     "double_pendulum": "double pendulum, two quasi-direct drives",
     "kuka_kr300": "KUKA KR 300, six axes",
     "screw_drives": "screw drives",
+    "xl330": "XL330, a hobby servo from its goal alone",
 }
 """Studies of measured robots, in the order of the table."""
 

@@ -26,9 +26,11 @@ from flexdyn.analysis import (
 from flexdyn.batch import run_study
 from flexdyn.comparison.compare import ChannelError, Comparison, compare
 from flexdyn.control.commands import PD, Controller, FrameWrench, Samples, State
+from flexdyn.control.firmware import Firmware
 from flexdyn.control.servo import Servo
 from flexdyn.diagnose import Diagnosis, diagnose
 from flexdyn.errors import FlexdynError, InputError, MissingExtra, SimulationError
+from flexdyn.model.actuator import Actuator, DCMotor
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.joint import Joint
 from flexdyn.model.model_file import load_model, save_model, shipped_models
@@ -48,6 +50,7 @@ from flexdyn.records import (
 )
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.simulation import solvers
+from flexdyn.simulation.electrical import Electrical
 from flexdyn.simulation.energy import Energy, EnergyWarning
 from flexdyn.simulation.limits import Exceeded, LimitWarning, enforce_limits
 from flexdyn.simulation.plant import LinkSide
@@ -59,17 +62,21 @@ __version__ = _version("flexdyn")
 
 __all__ = [
     "PD",
+    "Actuator",
     "BaseParameters",
     "ChannelError",
     "ChannelMap",
     "Comparison",
     "Controller",
+    "DCMotor",
     "Derivatives",
     "Diagnosis",
+    "Electrical",
     "Energy",
     "EnergyWarning",
     "Equilibrium",
     "Exceeded",
+    "Firmware",
     "FlexdynError",
     "FlexibleJointModel",
     "FrameWrench",

@@ -13,6 +13,7 @@ from flexdyn.control.commands import PD, Controller, Interpolation, Samples
 from flexdyn.control.servo import Servo
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
+from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
 from flexdyn.simulation.command_input import followed, recorded, resolve_command
 from flexdyn.simulation.run import Run
 
@@ -72,7 +73,10 @@ def aim_of(command: Any, model: FlexibleJointModel, duration: float) -> Aim:
     if isinstance(command, Controller):
         return Aim(None)
     if isinstance(command, Recording):
-        command = recorded(command, "tau", model.joint_names)
+        if is_of_goals(model, command):
+            reference = recorded(command, "goal", model.joint_names)
+            return Aim(_still(reference.t, reference.values, duration, True), reference)
+        command = recorded(with_asked_torque(model, command), "tau", model.joint_names)
     return Aim(_played_out(command, duration))
 
 

@@ -16,7 +16,7 @@ from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
-HELD = ("tau", "tau_applied")
+HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that hold from their sample to the next; all others go straight from one sample to the next."""
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.control.commands import Samples, State, checked_rate, per_joint
+from flexdyn.control.firmware import Firmware
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
@@ -28,17 +29,21 @@ class Servo:
     its drives' gains this puts the controller into the loop: what is held against the recording is then the torque that
     the model asks for. After the reference's end the arm is held where it ended.
 
+    With `firmware` it is the position controller of a smart servo instead, whose duty goes onto the joints' motors:
+    they need an `Actuator` with a supply.
+
     Args:
-        reference: positions [rad or m]: `Samples`, or a recording with ``reference``, ``theta`` or ``q`` columns (the
-            first of these that it has; it gives the first state too), or its path.
-        position_gain: [1/s], one for all, one per joint, or a mapping by joint.
+        reference: positions [rad or m]: `Samples`, or a recording with ``goal``, ``reference``, ``theta`` or ``q``
+            columns (the first of these that it has; it gives the first state too), or its path.
+        position_gain: [1/s], one for all, one per joint, or a mapping by joint; not with firmware.
         velocity_gain: [N m s/rad], likewise.
-        rate: of the controller [Hz].
+        firmware: one `Firmware` for all joints, or a mapping by joint; span, speed_feedforward and limit are not its.
+        rate: of the controller [Hz]; with firmware it is the firmware's.
         feedback: ``theta`` (motor side) or ``q`` (link side).
         span: samples over which the velocity is taken; 2 is the difference of means of two samples; 0: the true one.
         speed_feedforward: share of the reference's velocity that the velocity loop is given [1].
         limit: of the torque [N m], one for all, one per joint, or a mapping by joint.
-        delay: samples by which the controller's torque is late.
+        delay: samples by which the controller's torque or duty is late.
         added: torques behind the limit (`Samples`), such as a test signal at the amplifier's input.
 
     Raises:
@@ -53,8 +58,9 @@ class Servo:
     """
 
     reference: Any
-    position_gain: Gains
-    velocity_gain: Gains
+    position_gain: Gains | None = None
+    velocity_gain: Gains | None = None
+    firmware: Firmware | Mapping[str, Firmware] | None = None
     rate: float = 1000.0
     feedback: Literal["theta", "q"] = "theta"
     span: int = 1
@@ -74,6 +80,14 @@ class Servo:
         if self.added is not None and not isinstance(self.added, Samples):
             raise InputError("Samples are needed", key="servo.added", value=self.added)
         object.__setattr__(self, "rate", checked_rate("servo.rate", self.rate))
+        gains = [key for key in ("position_gain", "velocity_gain") if getattr(self, key) is not None]
+        if self.firmware is None and len(gains) < 2:
+            remedy = "give position_gain and velocity_gain, or firmware"
+            raise InputError("a servo needs its gains", key="servo", remedy=remedy)
+        if self.firmware is not None:
+            if gains:
+                raise InputError("firmware has gains of its own", key=f"servo.{gains[0]}", remedy="leave it out")
+            object.__setattr__(self, "rate", _one_rate(self.firmware))
 
     def law(self, reference: Samples, joint_names: Sequence[str]) -> Callable[[float, State], Array]:
         """A controller at the start of a run; it remembers what it has seen, so every run needs its own.
@@ -109,6 +123,19 @@ class Servo:
             return np.asarray(tau + added[k] if added is not None and k < len(added) else tau)
 
         return torque
+
+    def goals(self, reference: Samples, joint_names: Sequence[str]) -> Array:
+        """The reference at the controller's ticks (ticks, n)."""
+        return _at_ticks(reference, tuple(joint_names), self.rate)
+
+
+def _one_rate(firmware: Firmware | Mapping[str, Firmware]) -> float:
+    """The rate of all firmware [Hz]."""
+    each = tuple(firmware.values()) if isinstance(firmware, Mapping) else (firmware,)
+    rates = {one.rate for one in each if isinstance(one, Firmware)}
+    if len(rates) != 1:
+        raise InputError("one rate for all joints is needed", key="servo.firmware.rate", value=sorted(rates))
+    return rates.pop()
 
 
 def _limits(given: Gains, names: tuple[str, ...]) -> Array:

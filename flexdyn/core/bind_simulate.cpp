@@ -4,6 +4,7 @@
 
 #include "bindings.hpp"
 #include "commands.hpp"
+#include "firmware.hpp"
 #include "march.hpp"
 #include "spread.hpp"
 
@@ -44,6 +45,36 @@ CommandFactory tracking(Signal reference, std::optional<Signal> feedforward, std
             "reference, kp, kd and feedforward have one column a joint");
     return std::make_unique<Tracking>(reference, ahead, TrackingGains{kp, kd, feedback_theta}, rate, n);
   }};
+}
+
+std::vector<FirmwareSettings> firmware_settings(Array table) {
+  require(table.ndim() == 2 && table.shape(1) == 8 && table.shape(0) > 0, "firmware has eight numbers a joint");
+  std::vector<FirmwareSettings> found;
+  for (std::size_t j = 0; j < table.shape(0); ++j) {
+    const double* p = table.data() + 8 * j;
+    found.push_back({p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]});
+    require(p[7] == found.front().rate && p[7] > 0.0, "all joints have one rate");
+  }
+  return found;
+}
+
+CommandFactory firmware(Array goals, Array table, Array full, int delay, bool feedback_theta) {
+  const auto settings = firmware_settings(table);
+  const std::vector<double> rows = to_vector(goals), torques = to_vector(full);
+  require(goals.ndim() == 2 && goals.shape(0) > 0 && goals.shape(1) == settings.size() &&
+              torques.size() == settings.size() && delay >= 0,
+          "goals, firmware and full have one column a joint");
+  return {[=](int n) {
+    require(static_cast<int>(torques.size()) == n, "the command has one column a joint");
+    return std::make_unique<FirmwareServo>(rows, settings, torques, delay, feedback_theta);
+  }};
+}
+
+// Duties (ticks,) of one servo at its ticks.
+void firmware_duty(Array table, Array goal, Array position, OutArray out) {
+  require(goal.size() == out.size() && position.size() == out.size(), "sizes differ");
+  Firmware servo(firmware_settings(table).front());
+  for (std::size_t i = 0; i < out.size(); ++i) out.data()[i] = servo.duty(goal.data()[i], position.data()[i]);
 }
 
 nb::object copy_to_numpy(const double* data, int n) {
@@ -194,6 +225,9 @@ void bind_simulate(nb::module_& m) {
   m.def("open_loop", &open_loop, nb::arg("samples") = nb::none());
   m.def("tracking", &tracking, nb::arg("reference"), nb::arg("feedforward"), nb::arg("kp"), nb::arg("kd"),
         nb::arg("feedback_theta"), nb::arg("rate"));
+  m.def("firmware", &firmware, nb::arg("goals"), nb::arg("settings"), nb::arg("full"), nb::arg("delay"),
+        nb::arg("feedback_theta"));
+  m.def("firmware_duty", &firmware_duty, nb::arg("settings"), nb::arg("goal"), nb::arg("position"), nb::arg("out"));
   m.def("controller", &callback, nb::arg("law"), nb::arg("rate"));
   nb::class_<ExternalWrench>(m, "ExternalWrench");
   m.def("external_wrench", &external_wrench, nb::arg("joint"), nb::arg("rotation"), nb::arg("translation"),

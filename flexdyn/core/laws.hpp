@@ -47,11 +47,14 @@ enum class LawKind {
   torque_ripple,
   torque_saturation,
   torque_speed_limit,
+  supply_limit,
+  dc_motor,
   command_delay,  // acts on the command's time, not on its value
   parallel_spring,
   position_torque,
   end_stop,
   callback,  // a law written in Python
+  stribeck_gear_loss,
 };
 
 // Where the pieces of a law meet.
@@ -80,6 +83,7 @@ inline constexpr LawName law_table[] = {
     {"quadratic_drag", LawKind::quadratic_drag, Stage::friction, 1},
     {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1, Corner::at_zero},
     {"directional_gear_loss", LawKind::directional_gear_loss, Stage::dry, 2, Corner::at_zero},
+    {"stribeck_gear_loss", LawKind::stribeck_gear_loss, Stage::dry, 3, Corner::at_zero},
     {"position_dependent_friction", LawKind::position_dependent_friction, Stage::dry, 3},
     {"presliding_friction", LawKind::presliding_friction, Stage::friction, 3, Corner::none, true},
     {"warm_up_friction", LawKind::warm_up_friction, Stage::friction, 2},
@@ -94,6 +98,8 @@ inline constexpr LawName law_table[] = {
     {"torque_ripple", LawKind::torque_ripple, Stage::actuator, 3},
     {"torque_saturation", LawKind::torque_saturation, Stage::actuator, 1},
     {"torque_speed_limit", LawKind::torque_speed_limit, Stage::actuator, 2, Corner::somewhere},
+    {"supply_limit", LawKind::supply_limit, Stage::actuator, 1, Corner::somewhere},
+    {"dc_motor", LawKind::dc_motor, Stage::actuator, 3, Corner::somewhere},
     {"command_delay", LawKind::command_delay, Stage::actuator, 1},
     {"parallel_spring", LawKind::parallel_spring, Stage::link, 2},
     {"position_torque", LawKind::position_torque, Stage::link, 4},
@@ -166,6 +172,8 @@ inline double dry_level(LawKind kind, const double* p, const LawInput& in, doubl
     // The region is the sign of the load: past its zero the branch goes on smoothly.
     case LawKind::load_dependent_friction: return p[0] * region * in.tau_s;
     case LawKind::directional_gear_loss: return (direction * region > 0.0 ? p[0] : p[1]) * region * in.tau_s;
+    case LawKind::stribeck_gear_loss:
+      return (direction * region > 0.0 ? p[0] : p[1]) * std::exp(-direction * in.u / p[2]) * region * in.tau_s;
     case LawKind::position_dependent_friction: return p[0] * (1.0 + std::sin(p[1] * in.x + p[2]));
     default: return 0.0;
   }
@@ -192,6 +200,15 @@ inline double link_torque(LawKind kind, const double* p, const LawInput& in, int
   }
 }
 
+// Torque of a DC motor whose current nothing limits: p is gain on tau, back-EMF kt^2/R, and the limit kt i_max.
+inline double free_torque(const double* p, const LawInput& in, double tau) { return p[0] * tau - p[1] * in.u; }
+
+// Inside, above or below a limit on both sides.
+inline int piece_of(double value, double limit) { return value > limit ? 1 : value < -limit ? -1 : 0; }
+inline double piece_margin(double value, double limit, int region) {
+  return region == 0 ? limit - std::abs(value) : region * value - limit;
+}
+
 // tau_applied out of tau [N m]; x, u are theta, omega.
 inline double actuator_torque(LawKind kind, const double* p, const LawInput& in, double tau, int region) {
   switch (kind) {
@@ -203,6 +220,9 @@ inline double actuator_torque(LawKind kind, const double* p, const LawInput& in,
       // Regions: 0 inside, +-1 on the upper or lower line, +-2 past its end, where nothing is left.
       if (region == 0) return tau;
       return std::abs(region) == 2 ? 0.0 : region * p[0] - p[0] * in.u / p[1];
+    // Regions of both: 0 inside, +-1 at the upper or lower limit.
+    case LawKind::supply_limit: return region == 0 ? tau : region * p[0];
+    case LawKind::dc_motor: return region == 0 ? free_torque(p, in, tau) : region * p[2];
     default: return tau;
   }
 }
@@ -221,10 +241,13 @@ inline int region_of(LawKind kind, const double* p, const LawInput& in, double v
       if (in.x > p[1]) return p[2] * (in.x - p[1]) + p[3] * in.u > 0.0 ? 1 : 0;
       if (in.x < p[0]) return p[2] * (in.x - p[0]) + p[3] * in.u < 0.0 ? -1 : 0;
       return 0;
-    case LawKind::backlash: return value > p[0] ? 1 : value < -p[0] ? -1 : 0;
+    case LawKind::backlash:
+    case LawKind::supply_limit: return piece_of(value, p[0]);
+    case LawKind::dc_motor: return piece_of(free_torque(p, in, value), p[2]);
     case LawKind::asymmetric_viscous_friction: return in.u < 0.0 ? -1 : 1;
     case LawKind::load_dependent_friction:
-    case LawKind::directional_gear_loss: return in.tau_s < 0.0 ? -1 : 1;
+    case LawKind::directional_gear_loss:
+    case LawKind::stribeck_gear_loss: return in.tau_s < 0.0 ? -1 : 1;
     default: return 0;
   }
 }
@@ -243,10 +266,13 @@ inline double region_guard(LawKind kind, const double* p, const LawInput& in, do
       if (region == 0) return -std::max(std::min(in.x - p[1], up), std::min(p[0] - in.x, down));
       return region > 0 ? std::min(up, in.x - p[1]) : std::min(down, p[0] - in.x);
     }
-    case LawKind::backlash: return region == 0 ? p[0] - std::abs(value) : region * value - p[0];
+    case LawKind::backlash:
+    case LawKind::supply_limit: return piece_margin(value, p[0], region);
+    case LawKind::dc_motor: return piece_margin(free_torque(p, in, value), p[2], region);
     case LawKind::asymmetric_viscous_friction: return region * in.u;
     case LawKind::load_dependent_friction:
-    case LawKind::directional_gear_loss: return region * in.tau_s;
+    case LawKind::directional_gear_loss:
+    case LawKind::stribeck_gear_loss: return region * in.tau_s;
     default: return 1.0;
   }
 }

@@ -20,6 +20,7 @@ from flexdyn.effects.friction import (
     PreslidingFriction,
     QuadraticDrag,
     StribeckFriction,
+    StribeckGearLoss,
     ViscousFriction,
     WarmUpFriction,
 )
@@ -75,6 +76,7 @@ __all__ = [
     "SensorOffset",
     "SpringHysteresis",
     "StribeckFriction",
+    "StribeckGearLoss",
     "TorqueConstantError",
     "TorqueOffset",
     "TorqueRipple",

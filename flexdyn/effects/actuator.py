@@ -146,7 +146,7 @@ class CommandDelay(JointEffect):
     neutral = {"delay": 0.0}
     no_torque = "it shifts the command in time"
     shown = {"delay": 0.005}
-    order = 0
+    order = -1
     grids = {"delay": ("one", (0.0005, 0.001, 0.002, 0.004, 0.008))}
     prevalence = "often"
 

@@ -239,6 +239,36 @@ class DirectionalGearLoss(JointEffect):
     driven: float = parameter("1", lower=0.0)
 
 
+class StribeckGearLoss(JointEffect):
+    """Loss of a gear that falls with speed, in proportion to the load and by the direction of power.
+
+    ``f = (driving if tau_s omega > 0 else driven) exp(-abs(omega)/velocity) abs(tau_s) Sgn(omega)``: what a gear holds
+    at rest beyond its `DirectionalGearLoss` in motion. It stands beside that as `StribeckFriction` stands beside
+    `CoulombFriction`, and its interval at rest is of the same kind. A diagnosis does not propose it: in the equations
+    of motion slow rows alone tell it from the loss in motion, so that it is fitted in simulations.
+
+    Source: the Stribeck part of the load-dependent friction in models M4 to M6 of Duclusaud, Passault, Padois, Ly,
+    Extended Friction Models for the Physics Simulation of Servo Actuators (IEEE ICRA 2025).
+
+    Args:
+        joint: its name; it must be elastic.
+        driving: friction torque over transmission torque at rest where the motor drives the load [1].
+        driven: the same where the load drives the motor [1].
+        velocity: at which 1/e of it is left [rad/s].
+    """
+
+    sides = ("motor",)
+    stage = "dry"
+    law = "(driving if tau_s*u > 0 else driven)*exp(-abs(u)/velocity)*abs(tau_s)*Sgn(u)"
+    neutral = {"driving": 0.0, "driven": 0.0}
+    shown = {"driving": 0.3, "driven": 0.2, "velocity": 0.3}
+    takes_load = True
+
+    driving: float = parameter("1", lower=0.0)
+    driven: float = parameter("1", lower=0.0)
+    velocity: float = parameter("rad/s", lower=0.0, strict=True)
+
+
 class PositionDependentFriction(JointEffect):
     """Dry friction that comes and goes over a turn: an eccentric bearing, teeth of uneven fit.
 

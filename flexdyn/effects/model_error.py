@@ -16,7 +16,8 @@ class ParameterError(base.Effect):
     Which numbers: of a joint ``gear_ratio``, ``rotor_inertia``, ``stiffness``, ``damping`` and, of the URDF's
     <dynamics>, ``urdf_damping``, ``urdf_friction``; of a link ``link_mass``, ``link_com`` (all of the centre of mass'
     position in the link's frame), ``link_inertia`` (all of the inertia about it), each by itself; of another effect
-    any parameter of it. Several on one number multiply.
+    any parameter of it; of a joint with a DC motor ``torque_constant`` and ``resistance``. Several on one number
+    multiply.
 
     Args:
         of: name of the joint or link, or ``effects[i]``, counting the model's own effects from 0.

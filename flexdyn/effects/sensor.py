@@ -14,7 +14,7 @@ from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
 POSITIONS = ("q", "theta")
-HELD = ("tau", "tau_applied")
+HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that keep their value from one sample to the next."""
 SAME_INSTANT = 1e-10
 """Times closer than this are one [s]."""

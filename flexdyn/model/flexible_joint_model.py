@@ -18,6 +18,7 @@ from flexdyn.effects import (
     ParameterError,
     ViscousFriction,
 )
+from flexdyn.effects.motor import MotorLaw
 from flexdyn.errors import InputError
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.effect_checks import fitted
@@ -104,7 +105,8 @@ class FlexibleJointModel(Public):
         self.tolerance = tolerance_checked(tolerance)
         self.command = command_checked(command, robot.joint_names)
         self.links: Mapping[str, GivenNumber] = link_inertias({} if links is None else links, robot)
-        self.effects: tuple[Effect, ...] = fitted(robot, self.joints, effects)
+        given = (each for each in effects if not isinstance(each, MotorLaw))  # those are of the joints' actuators
+        self.effects: tuple[Effect, ...] = fitted(robot, self.joints, given)
         self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
         self.__dict__["_locked"] = True
         self.resolved()  # refuses parameter errors that fit nothing
@@ -199,8 +201,17 @@ class FlexibleJointModel(Public):
 
     @cached_property
     def all_effects(self) -> tuple[Effect, ...]:
-        """The model's effects, then those that come from the URDF's <dynamics>."""
-        return self.effects + self.urdf_effects
+        """The model's effects, then the laws of motors under voltage, then what comes from the URDF's <dynamics>."""
+        return self.effects + self.motor_laws + self.urdf_effects
+
+    @cached_property
+    def motor_laws(self) -> tuple[MotorLaw, ...]:
+        """What the joints' actuators do to the torques asked for."""
+        found: list[MotorLaw] = []
+        for name, joint in self.joints.items():
+            if joint.actuator is not None:
+                found += joint.actuator.laws(name, joint.gear_ratio)
+        return tuple(found)
 
     def replace(self, **changes: Any) -> FlexibleJointModel:
         """A copy with some of the constructor's arguments changed.

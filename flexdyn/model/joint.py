@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.model.actuator import Actuator
 from flexdyn.model.given_number import UNKNOWN, GivenNumber, given_number
 
 
@@ -24,6 +25,7 @@ class Joint:
         rotor_inertia: on the motor side [kg m^2]; J = gear_ratio^2 rotor_inertia.
         stiffness: K [N m/rad or N/m]; infinite: a rigid joint.
         damping: D across the transmission [N m s/rad or N s/m]; a rigid joint has none to act on.
+        actuator: an `Actuator` or its mapping, where the motor is driven by a voltage; None: by a torque.
         tolerances: absolute ones by name of the number; infinite: the number is unknown. Read from the numbers.
 
     Raises:
@@ -40,10 +42,12 @@ class Joint:
     rotor_inertia: float = 0.0
     stiffness: float = math.inf
     damping: float = 0.0
+    actuator: Actuator | None = None
     tolerances: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         """Check every number."""
+        object.__setattr__(self, "actuator", Actuator.of(self.actuator))
         self._read()
         if self.gear_ratio == 0 or math.isinf(self.gear_ratio):
             raise InputError("it must be finite and not 0", key="gear_ratio", value=self.gear_ratio)
@@ -77,7 +81,8 @@ class Joint:
 
     def to_dict(self) -> dict[str, Any]:
         """As a model file writes it."""
-        return {name: self.given(name).entry() for name in NUMBERS}
+        numbers = {name: self.given(name).entry() for name in NUMBERS}
+        return numbers if self.actuator is None else numbers | {"actuator": self.actuator.to_dict()}
 
     def values(self) -> dict[str, Any]:
         """Every number without its tolerance; ``unknown`` where it is."""
@@ -91,14 +96,14 @@ class Joint:
             InputError: it is no mapping, or has a key that a joint does not have.
         """
         if isinstance(entry, Joint):
-            return entry.to_dict()
+            return {name: getattr(entry, name) for name in KEYS}
         if not isinstance(entry, Mapping):
             raise InputError(
                 "a joint is a mapping of its numbers", value=entry, remedy="write {stiffness: 4000.0, ...}"
             )
         for key in entry:
-            if key not in NUMBERS:
-                raise InputError("a joint has no such key", key=str(key), remedy=did_you_mean(str(key), NUMBERS))
+            if key not in KEYS:
+                raise InputError("a joint has no such key", key=str(key), remedy=did_you_mean(str(key), KEYS))
         return {str(key): value for key, value in entry.items()}
 
     def _read(self) -> None:
@@ -116,7 +121,9 @@ class Joint:
         object.__setattr__(self, "tolerances", tuple(sorted(tolerances.items())))
 
 
-NUMBERS = tuple(field.name for field in fields(Joint) if field.name != "tolerances")
+KEYS = tuple(field.name for field in fields(Joint) if field.name != "tolerances")
+"""What a model file may say of a joint."""
+NUMBERS = tuple(name for name in KEYS if name != "actuator")
 """Names of a joint's numbers."""
 ALWAYS_KNOWN = {
     "gear_ratio": "all signals are reflected, so a wrong one shows in the rotor's inertia: make rotor_inertia unknown",

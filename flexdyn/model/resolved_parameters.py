@@ -17,6 +17,7 @@ from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot
 
 OF_JOINT = ("gear_ratio", "rotor_inertia", "stiffness", "damping")
+OF_MOTOR = ("torque_constant", "resistance")
 OF_URDF = {"urdf_damping": "damping", "urdf_friction": "friction"}
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 
@@ -48,6 +49,9 @@ def folded(robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect])
         InputError: a number that is not there or that the factor makes senseless; its key is ``effects[i]``.
     """
     numbers = {name: joint.values() for name, joint in joints.items()}
+    for name, joint in joints.items():
+        if joint.actuator is not None:
+            numbers[name]["actuator"] = joint.actuator.held(joint.gear_ratio)
     true = list(effects)
     for i, error in enumerate(effects):
         if not isinstance(error, ParameterError) or error.is_neutral:
@@ -88,19 +92,25 @@ def _fold_joint(robot: Robot, numbers: dict[str, dict[str, Any]], error: Paramet
     if error.of not in numbers:
         remedy = did_you_mean(error.of, [*numbers, *robot.frame_names])
         raise InputError("no such joint, link or effect", key="of", value=error.of, remedy=remedy)
-    _check_parameter(error, [*OF_JOINT, *OF_URDF, *OF_LINK], "a joint")
+    _check_parameter(error, [*OF_JOINT, *OF_MOTOR, *OF_URDF, *OF_LINK], "a joint")
+    own = numbers[error.of]
+    if error.parameter in OF_MOTOR:
+        if own["actuator"] is None:
+            raise InputError("the joint has no actuator", key="parameter", value=error.parameter)
+        own["actuator"] = own["actuator"].scaled(error.parameter, error.factor)
+        return robot
     if error.parameter in OF_URDF:
         attribute = OF_URDF[error.parameter]
         values = np.array(getattr(robot, attribute))
         values[robot.joint_index(error.of)] *= error.factor
         changed: dict[str, Any] = {attribute: values, "source": None}
         return dataclasses.replace(robot, **changed)
-    given = numbers[error.of][error.parameter]
+    given = own[error.parameter]
     if given == UNKNOWN:
         raise InputError("the number is unknown: no factor can change it", key="parameter", value=error.parameter)
     if math.isinf(given):
         raise InputError("the joint is rigid: it has no stiffness", key="parameter", value=error.parameter)
-    numbers[error.of][error.parameter] = given * error.factor
+    own[error.parameter] = given * error.factor
     return robot
 
 

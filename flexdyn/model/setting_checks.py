@@ -85,7 +85,8 @@ def check_tolerance_paths(
     """
     if not isinstance(tolerance, Mapping):
         return
-    known = ["*", *(f"joints.{joint}.{name}" for joint in ("*", *joints) for name in NUMBERS)]
+    numbers = (*NUMBERS, *(f"actuator.dc_motor.{number}" for number in ("torque_constant", "resistance")))
+    known = ["*", *(f"joints.{joint}.{number}" for joint in ("*", *joints) for number in numbers)]
     known += [f"effects[{i}].{field.name}" for i, effect in enumerate(effects) for field in effect.parameters()]
     known += [f"links.{link}.{number}" for link in links for number in ("mass", "com", "inertia")]
     for path in tolerance:

@@ -15,6 +15,7 @@ from flexdyn.model.given_number import GivenNumber
 from flexdyn.model.link_numbers import robot_with_links
 
 OF_JOINT = ("rotor_inertia", "stiffness", "damping")
+OF_MOTOR = ("torque_constant", "resistance")
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 DEFAULT_TOLERANCE = 0.05
 OPEN = 10.0
@@ -75,6 +76,10 @@ def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
             tolerance = _tolerance(model, path, f"joints.*.{parameter}")
             given = joint.given(parameter)
             yield FileNumber(name, parameter, given.value, _relative(given, tolerance), name)
+        motor = None if joint.actuator is None else joint.actuator.dc_motor
+        for parameter in () if motor is None else OF_MOTOR:
+            tolerance = _tolerance(model, *(f"joints.{each}.actuator.dc_motor.{parameter}" for each in (name, "*")))
+            yield FileNumber(name, parameter, getattr(motor, parameter), tolerance, name)
 
 
 def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:

@@ -14,6 +14,9 @@ SIGNALS: Mapping[str, str] = {
     "tau": "N m",
     "tau_applied": "N m",
     "tau_s": "N m",
+    "voltage": "V",
+    "duty": "1",
+    "goal": "rad",
     "temperature": "degC",
 }
 """Unit of each signal at a revolute joint; anything else before the dot is no signal of a joint."""

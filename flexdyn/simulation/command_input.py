@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from flexdyn import _core
 from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation, Samples, State, per_joint
+from flexdyn.control.firmware import CORE_ORDER, Firmware
 from flexdyn.control.points import COMMAND_KEYS, Points, command_of
 from flexdyn.control.servo import Servo
 from flexdyn.errors import InputError
@@ -21,6 +22,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
 from flexdyn.records.given import as_recording
 from flexdyn.records.near_names import asked_back
+from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
 
 Array = NDArray[np.float64]
 RECORDED: Interpolation = "monotone"
@@ -64,8 +66,10 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
     command = resolve_command(command)
     if command is None:
         return Drive(_core.open_loop(None), None, {})
+    if isinstance(command, Recording) and is_of_goals(model, command):
+        return _servo(model, Servo(reference=command, firmware=_own_firmware(model)))
     if isinstance(command, Recording):
-        samples = recorded(command, "tau", model.joint_names)
+        samples = recorded(with_asked_torque(model, command), "tau", model.joint_names)
         made = _open_loop(samples, model, command.duration, first_state(command, model))
         return replace(made, notes=_gaps("command", command, "its last value is held"))
     if isinstance(command, Samples):
@@ -246,12 +250,37 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
     initial: Mapping[str, Mapping[str, float]] = {}
     if isinstance(reference, Recording):
         initial = first_state(reference, model)
-        signal = next((name for name in ("reference", "theta", "q") if _has(reference, name, model)), "reference")
+        known = ("goal", "reference", "theta", "q")
+        signal = next((name for name in known if _has(reference, name, model)), "reference")
         reference = recorded(reference, signal, model.joint_names)
     _check_reference("servo.reference", reference)
+    if servo.firmware is not None:
+        return Drive(_firmware(model, servo, reference), reference.duration, initial)
     controller = Controller(servo.law(reference, model.joint_names), servo.rate)
     caller = _core.controller(_caller(controller), servo.rate)
     return Drive(caller, reference.duration, initial, controller=servo)
+
+
+def _firmware(model: FlexibleJointModel, servo: Servo, reference: Samples) -> _core.Command:
+    """The firmware of every joint, its duty as the torque of that voltage at standstill."""
+    each = servo.firmware if isinstance(servo.firmware, Mapping) else dict.fromkeys(model.joint_names, servo.firmware)
+    settings, torques = np.zeros((model.n, len(CORE_ORDER))), np.zeros(model.n)
+    for j, (name, joint) in enumerate(model.joints.items()):
+        own, actuator = each.get(name), joint.actuator
+        if not isinstance(own, Firmware):
+            raise InputError("a Firmware is needed", key=f"servo.firmware.{name}", remedy="give every joint one")
+        if actuator is None or not np.isfinite(actuator.dc_motor.supply):
+            remedy = f"give joints.{name}.actuator.dc_motor with its supply in V"
+            raise InputError("firmware needs a motor under voltage", key=f"servo.firmware.{name}", remedy=remedy)
+        settings[j] = own.numbers
+        torques[j] = actuator.per_volt(joint.gear_ratio) * actuator.dc_motor.supply
+    goals = np.ascontiguousarray(servo.goals(reference, model.joint_names))
+    return _core.firmware(goals, settings, torques, servo.delay, servo.feedback == "theta")
+
+
+def _own_firmware(model: FlexibleJointModel) -> dict[str, Firmware]:
+    driven = ((name, joint.actuator) for name, joint in model.joints.items() if joint.actuator is not None)
+    return {name: actuator.firmware for name, actuator in driven if actuator.firmware is not None}
 
 
 def _check_reference(key: str, reference: Any) -> None:

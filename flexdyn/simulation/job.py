@@ -86,7 +86,8 @@ class Shared:
 
     def drive(self, model: FlexibleJointModel, command: Any, duration: Any) -> Drive:
         """The command made ready for a model."""
-        key = (id(command), model.joint_names, model.elastic.tobytes(), str(duration))
+        motors = tuple((joint.gear_ratio, joint.actuator) for joint in model.joints.values() if joint.actuator)
+        key = (id(command), model.joint_names, model.elastic.tobytes(), motors, str(duration))
         if key not in self._drives:
             self._drives[key] = (command, make_drive(model, command, duration))
         return self._drives[key][1]

@@ -69,6 +69,7 @@ class Variants:
             and model.rotor_coupling == "reduced"
             and not any(effect.is_python for effect in self._acting)
             and all(model.joints[joint].elastic for joint in columns.joints)
+            and all(model.joints[joint].actuator is None for joint in columns.joints)
             and all(any(effect is each for each in self._acting) and _is_plain(effect) for effect in effects)
         )
 

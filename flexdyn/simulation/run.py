@@ -17,6 +17,7 @@ from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.robot import frame_positions
+from flexdyn.simulation.electrical import Electrical, asked_voltage, electrical
 from flexdyn.simulation.energy import Energy
 from flexdyn.simulation.energy_ledger import ledger
 from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
@@ -118,6 +119,11 @@ class Run(Public):
         return self.theta - self.q
 
     @cached_property
+    def electrical(self) -> Electrical:
+        """Volts, amperes, power and heat of the motors under voltage, at the samples."""
+        return electrical(self.model, self.tau, self.omega)
+
+    @cached_property
     def energy(self) -> Energy:
         """The energy ledger: kinetic, spring, gravity, supplied, dissipated by effect; it closes.
 
@@ -154,6 +160,8 @@ class Run(Public):
                 channels[channel] = measure(sensors.get(channel, ()), getattr(self, signal)[:, j], self.t)
                 if self.model.robot.kinds[j] == "prismatic":
                     units[f"{signal}.{joint}"] = _PRISMATIC_UNITS[signal]
+        volts = asked_voltage(self.model, self.tau)
+        channels |= {f"voltage.{name}": volts[:, j] for name, j in self._motors()}
         seen = [f"{e.name} acts on the channel {e.channel}" for each in sensors.values() for e in each]
         meta: dict[str, Any] = {"solver": self.solver.to_dict(), "notes": [*self.notes, *seen]}
         if self.model.robot.source is not None:
@@ -177,6 +185,10 @@ class Run(Public):
         from flexdyn.simulation.run_dataset import run_dataset
 
         return run_dataset(self.to_recording(), self.energy if energy else None)
+
+    def _motors(self) -> list[tuple[str, int]]:
+        """Joints whose motor is under voltage, and their places."""
+        return [(name, j) for j, (name, joint) in enumerate(self.model.joints.items()) if joint.actuator is not None]
 
     def _sensors(self) -> dict[str, list[SensorEffect]]:
         """Sensor effects that do something, by channel."""

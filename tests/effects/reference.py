@@ -37,6 +37,9 @@ def level(e: Any, x: float, u: float, tau_s: float, direction: float) -> float:
         return float(e.coefficient * abs(tau_s))
     if e.name == "directional_gear_loss":
         return float(max(e.driving * direction * tau_s, -e.driven * direction * tau_s))
+    if e.name == "stribeck_gear_loss":
+        share = math.exp(-abs(u) / e.velocity)
+        return float(share * max(e.driving * direction * tau_s, -e.driven * direction * tau_s))
     if e.name == "position_dependent_friction":
         return float(e.amplitude * (1.0 + math.sin(e.harmonic * x + e.phase)))
     return 0.0

@@ -42,6 +42,11 @@ LAWS: dict[str, Law] = {
     "directional_gear_loss": (
         lambda e, t, x, u, tau: np.where(tau * u > 0, e.driving * tau, -e.driven * tau) * (u != 0)
     ),
+    "stribeck_gear_loss": (
+        lambda e, t, x, u, tau: (
+            np.where(tau * u > 0, e.driving * tau, -e.driven * tau) * np.exp(-abs(u) / e.velocity) * (u != 0)
+        )
+    ),
     "position_dependent_friction": (
         lambda e, t, x, u, tau: e.amplitude * (1 + np.sin(e.harmonic * x + e.phase)) * np.sign(u)
     ),
@@ -68,6 +73,7 @@ ODD = [
     "quadratic_drag",
     "load_dependent_friction",
     "directional_gear_loss",
+    "stribeck_gear_loss",
     "warm_up_friction",
     "joint_elasticity",
     "transmission_damping",

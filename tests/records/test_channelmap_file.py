@@ -112,7 +112,7 @@ MISTAKES = [
     (elbow(unit="degs"), "channels.q.elbow.unit: no such unit, got 'degs'; did you mean 'deg'? or give factor"),
     (elbow(unit="N m"), "channels.q.elbow.unit: a unit of torque does not fit q.elbow, got 'N m'; known: rad, "),
     (elbow(unit="degC"), "channels.q.elbow.unit: a unit of temperature does not fit q.elbow, got 'degC'"),
-    (motor(unit="V"), "channels.tau.elbow.unit: no such unit, got 'V'; "),
+    (motor(unit="V"), "channels.tau.elbow.unit: a unit of voltage does not fit tau.elbow, got 'V'; "),
     (
         motor(unit="A"),
         "channels.tau.elbow.torque_constant: unit: A needs torque_constant; give it here or as joints.el",

@@ -24,6 +24,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recordings
 from flexdyn.records.signals.gaps import apart_at_gaps
+from flexdyn.simulation.asked_torque import with_asked_torque
 
 COMPARED = 0.65
 """Share of the work after which the structures have been compared, as a rule [1]."""
@@ -127,7 +128,7 @@ def _diagnosed(
     from flexdyn.diagnose.inference.passes import posterior
 
     _say(STAGES[0], 0.0)
-    fitted, test = parts(model, fit, check)
+    fitted, test = parts(model, *([with_asked_torque(model, each) for each in given] for given in (fit, check)))
     data = tuple(each.data for each in fitted)
     notes = (*said, *check_recordings(model, data), *advice(model, data))
     know(fitted=fitted, notes=notes, noise=recorded_noise(data))

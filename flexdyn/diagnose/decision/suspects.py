@@ -16,7 +16,13 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
 
 PLACES = ("channel", "other", "frame", "of", "parameter")
-SIDES = {"rotor_inertia": "motor", "stiffness": "transmission", "damping": "transmission"}
+SIDES = {
+    "rotor_inertia": "motor",
+    "torque_constant": "motor",
+    "resistance": "motor",
+    "stiffness": "transmission",
+    "damping": "transmission",
+}
 RANKED = 20
 """Structures that are told."""
 FAR = "It was compared as an addition to the most probable structure alone, where it was far too improbable to go on."

@@ -66,7 +66,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
     if isinstance(effect, JointElasticity):  # to first order
         return of_compliance(equations, j) / (effect.stiffness * scale)
     if isinstance(effect, TorqueConstantError):
-        return equations.of_torque(j, lambda along: ("motor", effect.gain * equations.needed(along, j))) / scale
+        return equations.of_torque(j, lambda along: ("motor", effect.gain * _given(equations, along, j))) / scale
     if stands_alone(equations, effect):
         return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
     with_it = equations.of_joint(j, true, [*true.all_effects, effect])
@@ -98,6 +98,11 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         return of_change(equations, effect, moved) / step
     effects = [moved if e is effect or e == effect else e for e in true.all_effects]
     return (equations.of_joint(j, true, effects) - equations.own(j)) / step
+
+
+def _given(equations: Equations, along: Motion, j: int) -> Array:
+    """Torque (samples,) that the model needs of a motor, in recorded torque."""
+    return equations.needed(along, j) - equations.lost(along, j)
 
 
 def on_joint(effect: Effect) -> JointEffect:

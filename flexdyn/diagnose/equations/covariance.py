@@ -99,6 +99,7 @@ def _coefficients(equations: Equations, along: Motion) -> dict[tuple[str, int], 
     for row, (j, kind) in enumerate(equations.kinds):
         if kind in (MOTOR, TOTAL):
             add(("tau", j), 0, row, 1.0)
+            add(("theta" if along.data.has_theta[j] else "q", j), 1, row, -equations.back_emf(j))
         if kind == SENSOR:
             add(("tau_s", j), 0, row, 1.0)
         if kind == MOTOR:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,6 +20,7 @@ from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
 from flexdyn.effects import Effect, TorqueConstantError
+from flexdyn.effects.motor import MotorTorque
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
 
@@ -146,8 +148,20 @@ class Equations:
         terms = joint_terms(self.true, effects, along, j)
         left = along.tau[:, j] - terms.motor
         if self.true.elastic[j]:
-            return np.asarray(left + self.true.rotor_inertia[j] * along.alpha[:, j])
-        return np.asarray(left + along.inverse_dynamics[:, j] - terms.link)
+            left = left + self.true.rotor_inertia[j] * along.alpha[:, j]
+        else:
+            left = left + along.inverse_dynamics[:, j] - terms.link
+        for law in self.motors[j]:
+            left = left / law.gain + self.lost(along, j)
+        return np.asarray(left)
+
+    def lost(self, along: Motion, j: int) -> Array:
+        """Of the torque asked for (samples,), what the back-EMF of a motor under voltage takes; else nothing."""
+        return np.asarray(self.back_emf(j) * along.omega[:, j])
+
+    def back_emf(self, j: int) -> float:
+        """Slope [N m s/rad] by which a motor under voltage gives less of the torque asked for the faster it turns."""
+        return sum(law.back_emf / law.gain for law in self.motors[j])
 
     def of_torque(self, j: int, torque: Callable[[Motion], tuple[str, Array]]) -> Array:
         """What one torque on the motor's or link's side of a joint puts into the rows (rows,)."""
@@ -288,6 +302,12 @@ class Equations:
         return ratio
 
     @lazy
+    def motors(self) -> tuple[tuple[MotorTorque, ...], ...]:
+        """The law of each joint's motor under voltage, none where the motor is under torque."""
+        laws = [law for law in self.true.motor_laws if isinstance(law, MotorTorque)]
+        return tuple(tuple(law for law in laws if law.joint == name) for name in self.true.joint_names)
+
+    @lazy
     def gains(self) -> Array:
         """True torque over recorded torque (n,): the equations are in recorded torque, whose noise stays as it is.
 
@@ -297,6 +317,8 @@ class Equations:
         for effect in self.true.all_effects:
             if isinstance(effect, TorqueConstantError):
                 gains[self.true.index(effect.joint)] += effect.gain
+        for j, laws in enumerate(self.motors):
+            gains[j] *= math.prod(law.gain for law in laws)
         return np.where(np.abs(gains) < 0.05, np.copysign(0.05, gains), gains)
 
     def _lifted(self, along: Motion, motor: Array | None, link: Array | None, only: int | None) -> Array:

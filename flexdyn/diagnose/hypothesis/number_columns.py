@@ -13,7 +13,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.effects import JointEffect, JointElasticity, ParameterError
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.uncertain_parameters import OF_LINK, FileNumber
+from flexdyn.model.uncertain_parameters import OF_LINK, OF_MOTOR, FileNumber
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -66,7 +66,8 @@ def _of_joint(equations: Equations, number: FileNumber) -> Array:
             return equations.of_damper(j)
     model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + STEP)])
     moved = model.resolved()
-    if number.parameter == "stiffness":  # the scale of the link's equation moves with it
+    # The scale of the link's equation moves with it, or that of the motor's.
+    if number.parameter in ("stiffness", *OF_MOTOR):
         return (equations.of(model).residual - equations.residual) / STEP
     if number.parameter == "rotor_inertia" and not true.elastic[j]:
         return equations.of_links([LinkSide(moved)])[:, 0] / STEP

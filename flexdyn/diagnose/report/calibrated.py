@@ -15,6 +15,7 @@ from flexdyn.diagnose.report.words import number_phrase
 from flexdyn.effects import unit_for
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.uncertain_parameters import OF_MOTOR
 
 SHOWN = 12
 """Rows that stand open; the others are folded away."""
@@ -26,6 +27,8 @@ UNITS = {
     "rotor_inertia": ("kg m^2", "kg"),
     "stiffness": ("N m/rad", "N/m"),
     "damping": ("N m s/rad", "N s/m"),
+    "torque_constant": ("N m/A", "N m/A"),
+    "resistance": ("ohm", "ohm"),
 }
 """Of a joint's numbers, where it turns and where it slides."""
 EDGE = 3.2
@@ -117,7 +120,9 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
             if entry.name == parameter:
                 return float(getattr(effect, parameter)), unit_for(str(entry.metadata["unit"]), prismatic=slides)
     if of in model.joint_names and parameter in UNITS:
-        return float(getattr(model.joints[of], parameter)), UNITS[parameter][model.robot.angle_unit(of) == "m"]
+        joint = model.joints[of]
+        holder = joint.actuator.dc_motor if parameter in OF_MOTOR and joint.actuator is not None else joint
+        return float(getattr(holder, parameter)), UNITS[parameter][model.robot.angle_unit(of) == "m"]
     if of in model.links and parameter == "link_inertia":
         return model.links[of].value, UNITS["rotor_inertia"][0]
     return math.nan, FACTOR

@@ -59,7 +59,7 @@ def conversion(channel: Channel, stated: str | None = None) -> Conversion:
     unit = _unit(channel, name)
     label = SI[unit.quantity] if unit.quantity else "" if channel.factor is not None else name
     numerator, denominator = channel.sign * unit.numerator, unit.denominator
-    if name.partition("/")[0] == "counts" and channel.factor is None:
+    if name.partition("/")[0] == "counts" and channel.factor is None and channel.full_counts is None:
         denominator *= _needed(channel, "counts_per_turn", f"unit: {name}")
     quantity = unit.quantity or _quantity(channel.signal)
     if quantity == "current" and channel.signal and channel.factor is None:
@@ -95,6 +95,8 @@ def _unit(channel: Channel, name: str) -> Unit:
     signal = channel.signal
     fitting = _fitting(signal) if signal else tuple(SI)
     unit = UNITS.get(name)
+    if channel.full_counts is not None or channel.full_scale is not None:
+        return _converter(channel, name)
     if channel.factor is not None:
         if unit is not None and unit.quantity in fitting and unit.quantity != "current":
             key, remedy = _key(channel, "factor"), "leave one of them out"
@@ -109,6 +111,15 @@ def _unit(channel: Channel, name: str) -> Unit:
         remedy = f"{near} or give factor, in SI per raw unit"
         raise InputError(problem, key=_key(channel, "unit"), value=channel.unit or name, remedy=remedy)
     return unit
+
+
+def _converter(channel: Channel, name: str) -> Unit:
+    """Counts of a PWM or an ADC."""
+    if channel.factor is not None or name not in ("", "counts"):
+        problem, key = "full_counts says it all", _key(channel, "full_counts")
+        raise InputError(problem, key=key, remedy="leave factor and unit out; the offset may stay")
+    counts = _needed(channel, "full_counts", "full_scale")
+    return Unit("", 1.0 if channel.signal == "duty" else _needed(channel, "full_scale", "full_counts"), counts)
 
 
 def _quantity(signal: str) -> str:

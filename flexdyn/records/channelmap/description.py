@@ -27,6 +27,8 @@ class Channel:
         offset: added last, in the channel's SI unit.
         factor: SI per raw unit, where no unit tells it.
         counts_per_turn: of an encoder.
+        full_counts: of a PWM or an ADC: raw counts at the full scale.
+        full_scale: what those are in the channel's SI unit; 1 for a duty.
         side: ``motor`` where the raw numbers hold at the motor's shaft: positions and velocities are then divided by
             the gear ratio, torques multiplied by it.
         gear_ratio: 1, or rad/m for a prismatic joint.
@@ -41,6 +43,8 @@ class Channel:
     offset: float = 0.0
     factor: float | None = None
     counts_per_turn: float | None = None
+    full_counts: float | None = None
+    full_scale: float | None = None
     side: str = "link"
     gear_ratio: float | None = None
     torque_constant: float | None = None

@@ -15,6 +15,8 @@ An example of what a map can say; `Channel`, `TimeSource`, `Coupling` and `Layou
       tau.elbow: {from: i1, unit: A, side: motor}
       q.slide: 4                                   # column 4, in SI already
       tau.slide: {from: vir, unit: V, factor: 35.15, delay: 0.002}
+      duty.wrist: {from: pwm, full_counts: 885}    # PWM counts at full voltage
+      voltage.arm: {from: adc, full_counts: 4095, full_scale: 24, offset: -12}  # counts of an ADC, 0 V at half of them
       theta.pitch: m1                              # motors of a differential wrist
       theta.roll: m2
     computed:                                      # of channels above, in SI, with + - * / and brackets
@@ -186,7 +188,7 @@ def _channel(name: str, entry: Any, shared: Mapping[str, Any]) -> Channel:
         if isinstance(entry["sign"], bool) or entry["sign"] not in (1, -1):
             raise InputError("1 or -1 is needed", key=f"{key}.sign", value=entry["sign"], remedy="scale with factor")
         given["sign"] = int(entry["sign"])
-    for number in (*POSITIVE, "factor", "offset", "delay"):
+    for number in (*POSITIVE, "full_scale", "factor", "offset", "delay"):
         if number in entry:
             given[number] = as_finite(key, number, entry[number])
     return Channel(name, **_with_shared(key, given, shared))

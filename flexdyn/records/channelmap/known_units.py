@@ -17,6 +17,8 @@ SI: Mapping[str, str] = {
     "force": "N",
     "temperature": "degC",
     "current": "A",
+    "voltage": "V",
+    "duty": "1",
     "time": "s",
 }
 """Quantities, and the unit that their values are converted to."""
@@ -52,6 +54,7 @@ _TIMES = {"s": (1.0, 1.0), "ms": (1.0, 1e3), "us": (1.0, 1e6), "ns": (1.0, 1e9),
 def _known_units() -> dict[str, Unit]:
     units = {"rpm": Unit("angular velocity", 2 * math.pi, 60.0), "kN": Unit("force", 1e3), "N": Unit("force")}
     units |= {"A": Unit("current"), "mA": Unit("current", 1.0, 1e3)}
+    units |= {"V": Unit("voltage"), "mV": Unit("voltage", 1.0, 1e3), "%": Unit("duty", 1.0, 100.0)}
     units |= {"degC": Unit("temperature"), "K": Unit("temperature", zero=-273.15)}
     units |= {"degF": Unit("temperature", 5.0, 9.0, -160.0 / 9.0)}
     for quantity, names in (("angle", _ANGLES), ("length", _LENGTHS), ("torque", _TORQUES), ("time", _TIMES)):
@@ -75,6 +78,8 @@ _SPELLINGS = {
     "degF": ("°F", "fahrenheit", "deg F"),
     "K": ("kelvin", "Kelvin"),
     "A": ("amp", "amps", "ampere", "amperes"),
+    "V": ("volt", "volts", "Volt"),
+    "%": ("percent", "per cent"),
     "min": ("minute", "minutes"),
     "rpm": ("RPM", "r/min", "1/min", "min-1", "U/min"),
     "turn/s": ("U/s", "rps"),

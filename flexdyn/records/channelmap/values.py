@@ -9,7 +9,7 @@ from typing import Any
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
-POSITIVE = ("gear_ratio", "torque_constant", "counts_per_turn")
+POSITIVE = ("gear_ratio", "torque_constant", "counts_per_turn", "full_counts")
 """Numbers that a reversed sign would be hidden in: they have none."""
 
 
@@ -66,6 +66,6 @@ def as_finite(key: str, name: str, value: Any, *, positive: bool = False) -> flo
     if (positive or name in POSITIVE) and number <= 0:
         remedy = "a reversed channel has sign: -1" if name in POSITIVE else None
         raise InputError("a number above zero is needed", key=f"{key}.{name}", value=value, remedy=remedy)
-    if name == "factor" and number == 0:
+    if name in ("factor", "full_scale") and number == 0:
         raise InputError("a number other than zero is needed", key=f"{key}.{name}", value=value)
     return number

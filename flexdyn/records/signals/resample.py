@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 METHODS = ("spline", "hermite", "linear")
-HELD = ("tau", "tau_applied")
+HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that are held from each sample to the next (contract, section 4)."""
 
 _SMOOTH = ("q", "v", "theta", "omega", "tau_s")

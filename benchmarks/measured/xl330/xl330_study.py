@@ -1,0 +1,78 @@
+"""XL330: name what a plain servo lacks, then simulate it from its goal alone.
+
+    python benchmarks/measured/xl330/xl330_study.py -o benchmarks/results/xl330.json
+
+The names come from a diagnosis of four logs, volts from the firmware's law along the measured positions. The numbers
+come from `xl330_fit.py`, which fits the motion from the goal alone: ``fitted.yaml`` to all eight logs,
+``fitted_100_400.yaml`` to those of the gains 100 and 400, which is tested on the gains 200 and 800. Without the data
+folder it says so and does nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from xl330_data import HERE, errors, from_goals, of_duties, read_logs
+from xl330_page import write_page
+from xl330_result import WITHOUT, Study
+
+import flexdyn as fd
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from command import Outcome, command
+from measure import Bound
+
+DIAGNOSED = ("kp100_sin_sin", "kp200_sin_time_square", "kp400_sin_sin", "kp800_sin_time_square")
+"""Logs with 2 s of motion and more under a driven motor."""
+ALL, UNSEEN = 0.016, 0.045
+"""Bounds of the mean absolute error of all logs, and of the gains 200 and 800 by a fit to 100 and 400 [rad]."""
+
+
+def study(folder: Path) -> Study:
+    """Everything, from the folder of logs."""
+    logs = read_logs(folder)
+    diagnosis = fd.diagnose(fd.load_model(HERE / "plain.yaml"), of_duties([x for x in logs if x.name in DIAGNOSED]))
+    fitted = fd.load_model(HERE / "fitted.yaml")
+    models = {
+        "plain": fd.load_model(HERE / "plain.yaml"),
+        "fitted": fitted,
+        "fitted to gains 100 and 400": fd.load_model(HERE / "fitted_100_400.yaml"),
+    }
+    for name in WITHOUT:
+        kept = [each for each in fitted.effects if each.name != name]
+        models[f"fitted, less {name}"] = fitted.replace(effects=kept)
+    made = {name: errors(model, logs) for name, model in models.items()}
+    return Study(diagnosis, logs, fitted, made, from_goals(fitted, logs))
+
+
+def bounds(made: Study) -> list[Bound]:
+    """What must hold."""
+    return [
+        Bound("mean absolute error from the goal alone, 8 logs [rad]", made.mean("fitted"), ALL),
+        Bound("the same, fitted to gains 100 and 400, on 200 and 800 [rad]", made.unseen(), UNSEEN),
+    ]
+
+
+def results(made: Study, held: list[Bound]) -> dict[str, Any]:
+    """As the result file holds it."""
+    names = [log.name for log in made.logs]
+    return {
+        "bounds": [each.to_dict() for each in held],
+        "errors": {key: dict(zip(names, each.tolist(), strict=True)) for key, each in made.errors.items()},
+        "unseen_gains": made.unseen(),
+        "diagnosis": made.diagnosis.to_dict(),
+    }
+
+
+def outcome(folder: Path) -> Outcome:
+    """The study with its bounds and its page."""
+    made = study(folder)
+    held = bounds(made)
+    return Outcome(held, results(made, held), lambda place: write_page(made, held, place))
+
+
+if __name__ == "__main__":
+    sys.exit(command(__file__, __doc__, "bam_xl330", ("xl330_kp100_sin_sin.csv",), outcome))

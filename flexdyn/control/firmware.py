@@ -1,0 +1,71 @@
+"""Firmware: the position controller that runs inside a servo, in counts of its encoder and of its PWM."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+from flexdyn.checks import as_number
+from flexdyn.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Firmware:
+    """Position error in counts to PWM, as the firmware of a hobby or smart servo computes it.
+
+    At every tick ``e`` is the goal less the position, both in whole counts, 0 inside the dead band;
+    ``pwm = kp e + ki sum(e)/rate + kd (e - e_before) rate``, cut at the limit and rounded towards 0. The sum stands
+    still while the PWM is cut. A duty of 1 is `full_pwm`.
+
+    Args:
+        kp: PWM counts per position count [1].
+        ki: PWM counts per position count and second [1/s].
+        kd: PWM counts per position count per second [s].
+        counts_per_turn: of the position, behind the gear.
+        full_pwm: PWM counts that put the whole supply on the motor.
+        pwm_limit: at which the controller cuts its output; default: `full_pwm`.
+        dead_band: position counts of error that are taken for none.
+        rate: of the controller [Hz].
+
+    Raises:
+        InputError: a number that makes no sense.
+
+    Example:
+        >>> firmware = fd.Firmware(kp=400 / 256, counts_per_turn=4096, full_pwm=885)
+        >>> drive = {"gear_ratio": 50, "actuator": {"dc_motor": dict(torque_constant=0.01, resistance=2.0, supply=12)}}
+        >>> model = fd.load_model("scara_two_link").replace(joints={"*": drive}, effects=[])
+        >>> goal = fd.Samples([0.0, 1.0], {"shoulder": [0.4, 0.4], "elbow": [0.2, 0.2]})
+        >>> run = fd.simulate(model, fd.Servo(reference=goal, firmware=firmware), duration=0.1, q0=[0.0, 0.0])
+        >>> run.electrical.voltage[0]  # of errors of 261 and 130 counts, which are 407 and 203 of the PWM
+        array([5.51864407, 2.75254237])
+    """
+
+    kp: float
+    counts_per_turn: float
+    full_pwm: float
+    ki: float = 0.0
+    kd: float = 0.0
+    pwm_limit: float = math.inf
+    dead_band: float = 0.0
+    rate: float = 1000.0
+
+    def __post_init__(self) -> None:
+        """Check every number."""
+        for field in fields(self):
+            number = as_number(getattr(self, field.name))
+            above = field.name in ("counts_per_turn", "full_pwm", "pwm_limit", "rate")
+            sense = number > 0.0 if above else number >= 0.0
+            if not sense or (math.isinf(number) and field.name != "pwm_limit"):
+                bound = "above 0" if above else "of at least 0"
+                value = getattr(self, field.name)
+                raise InputError(f"a finite number {bound} is needed", key=field.name, value=value)
+            object.__setattr__(self, field.name, number)
+        object.__setattr__(self, "pwm_limit", min(self.pwm_limit, self.full_pwm))
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """As the core takes them."""
+        return tuple(getattr(self, key) for key in CORE_ORDER)
+
+
+CORE_ORDER = ("kp", "ki", "kd", "counts_per_turn", "full_pwm", "pwm_limit", "dead_band", "rate")

@@ -1,0 +1,158 @@
+"""What turns a joint's motor: a DC motor under voltage, and the position controller in its firmware."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from flexdyn.checks import as_number
+from flexdyn.control.firmware import Firmware
+from flexdyn.effects.motor import MotorLaw, MotorTorque, SupplyLimit
+from flexdyn.errors import InputError, did_you_mean
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class DCMotor:
+    """A DC motor with a voltage at its terminals, all numbers on the motor's side of the gear.
+
+    ``tau = kt i``, ``V = R i + kt omega``: so ``tau = kt V/R - (kt^2/R) omega``, the current cut at its limit and the
+    voltage at the supply. The winding's inductance is left out: L/R of small motors is well below 1 ms.
+
+    Args:
+        torque_constant: kt [N m/A], which is the back-EMF constant [V s/rad] as well.
+        resistance: R of the winding and its driver [ohm].
+        supply: largest voltage [V], which a duty of 1 gives; infinite: no limit, and no duty.
+        current_limit: [A]; infinite: none.
+
+    Raises:
+        InputError: a number that is not above 0, or not finite where it must be.
+
+    Example:
+        >>> motor = fd.DCMotor(torque_constant=0.05, resistance=2.0, supply=12.0)
+        >>> round(motor.stall_torque(gear_ratio=100.0) * motor.supply, 6)  # behind a gear, N m
+        30.0
+    """
+
+    torque_constant: float
+    resistance: float
+    supply: float = math.inf
+    current_limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        """Check every number."""
+        for name in MOTOR_NUMBERS:
+            number = as_number(getattr(self, name))
+            if not number > 0.0 or (math.isinf(number) and name in ("torque_constant", "resistance")):
+                raise InputError("a number above 0 is needed", key=name, value=getattr(self, name))
+            object.__setattr__(self, name, number)
+
+    def stall_torque(self, gear_ratio: float) -> float:
+        """Torque per volt at standstill behind a gear, ``N kt/R`` [N m/V]."""
+        return gear_ratio * self.torque_constant / self.resistance
+
+
+MOTOR_NUMBERS = tuple(field.name for field in dataclasses.fields(DCMotor))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Actuator:
+    """What drives a joint's motor: it is asked for volts, not for a torque.
+
+    A recording says by ``voltage.JOINT`` [V], ``duty.JOINT`` [1], or, where there is firmware, ``goal.JOINT`` [rad]
+    what it was asked for. The signal ``tau`` is then the torque that this voltage gives at standstill.
+
+    Args:
+        dc_motor: a `DCMotor` or the mapping of its numbers.
+        firmware: a `Firmware`, the mapping of its settings, or None: the voltage comes from elsewhere.
+        torque_per_volt: at standstill, behind the gear, by which volts become torque asked for [N m/V]; None: of the
+            motor's own numbers. It stays what it was where a diagnosis moves them.
+
+    Raises:
+        InputError: a number that makes no sense.
+
+    Example:
+        >>> servo = fd.Actuator(dc_motor=fd.DCMotor(torque_constant=0.5, resistance=5.0, supply=12.0))
+        >>> model = fd.load_model("scara_two_link").replace(joints={"elbow": {"actuator": servo}})
+        >>> volts = fd.Recording([0.0, 0.5, 1.0], {"voltage.elbow": [6.0, 6.0, 6.0], "tau.shoulder": [0.0, 0.0, 0.0]})
+        >>> run = fd.simulate(model, volts)
+        >>> bool(abs(run.electrical.current[0, 1] - 6.0 / 5.0) < 1e-12)
+        True
+    """
+
+    dc_motor: DCMotor
+    firmware: Firmware | None = None
+    torque_per_volt: float | None = None
+
+    def __post_init__(self) -> None:
+        """Make mappings what they describe."""
+        for name, kind in (("dc_motor", DCMotor), ("firmware", Firmware)):
+            value = getattr(self, name)
+            if isinstance(value, kind) or (value is None and name == "firmware"):
+                continue
+            object.__setattr__(self, name, _made(name, kind, value))
+
+    def per_volt(self, gear_ratio: float) -> float:
+        """Torque asked for per volt [N m/V]."""
+        return self.dc_motor.stall_torque(gear_ratio) if self.torque_per_volt is None else self.torque_per_volt
+
+    def laws(self, joint: str, gear_ratio: float) -> tuple[MotorLaw, ...]:
+        """What it does to the torque asked for, behind the gear."""
+        motor, asked = self.dc_motor, self.per_volt(gear_ratio)
+        kt = gear_ratio * motor.torque_constant
+        torque = MotorTorque(
+            joint,
+            gain=kt / motor.resistance / asked,
+            back_emf=kt * kt / motor.resistance,
+            limit=abs(kt) * motor.current_limit,
+        )
+        limit = SupplyLimit(joint, limit=abs(asked) * motor.supply)
+        return (torque,) if limit.is_neutral else (limit, torque)
+
+    def scaled(self, number: str, factor: float) -> Actuator:
+        """With one number of the motor times a factor."""
+        motor = dataclasses.replace(self.dc_motor, **{number: getattr(self.dc_motor, number) * factor})
+        return dataclasses.replace(self, dc_motor=motor)
+
+    def held(self, gear_ratio: float) -> Actuator:
+        """The same, whose volts become torque asked for as now, whatever is changed of its numbers or the gear."""
+        return dataclasses.replace(self, torque_per_volt=self.per_volt(gear_ratio))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As a model file writes it."""
+        content = {"dc_motor": {k: v for k, v in dataclasses.asdict(self.dc_motor).items() if math.isfinite(v)}}
+        return content if self.firmware is None else content | {"firmware": dataclasses.asdict(self.firmware)}
+
+    @staticmethod
+    def of(entry: Any) -> Actuator | None:
+        """Of a model file's entry, or as it is.
+
+        Raises:
+            InputError: no mapping of ``dc_motor`` and ``firmware``, or a number that makes no sense.
+        """
+        if entry is None or isinstance(entry, Actuator):
+            return entry
+        try:
+            made: Actuator = _made("actuator", Actuator, entry, ("dc_motor", "firmware"))
+            return made
+        except InputError as error:
+            raise error if (error.key or "").startswith("actuator") else error.at(key="actuator") from None
+
+
+def _made(name: str, kind: Any, entry: Any, allowed: tuple[str, ...] = ()) -> Any:
+    """A frozen settings class of a mapping of its fields."""
+    fields = {field.name: field for field in dataclasses.fields(kind)}
+    known = allowed or tuple(fields)
+    if not isinstance(entry, Mapping):
+        raise InputError("a mapping is needed", key=name, value=entry, remedy=f"its keys are {', '.join(known)}")
+    for key in entry:
+        if key not in known:
+            raise InputError("there is no such key", key=f"{name}.{key}", remedy=did_you_mean(str(key), known))
+    for key in known:
+        if fields[key].default is dataclasses.MISSING and key not in entry:
+            raise InputError("it is needed", key=f"{name}.{key}", remedy="give it")
+    try:
+        return kind(**entry)
+    except InputError as error:
+        raise error.at(key=name) from None
