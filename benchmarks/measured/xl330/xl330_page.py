@@ -66,9 +66,9 @@ def _named(made: Study) -> Iterator[str]:
             yield f"What would separate {each.suspect.effect.replace('_', ' ')} from its rivals: {each.experiment}."
     yield (
         "Four logs at 190 Hz with one encoder, on the output: what happens at the rotor is seen through the gear "
-        "alone. The fitted model holds more than the diagnosis names. The loss of torque at high current and what the gear "
-        "holds at rest decide when the arm sticks and lets go, which equations along the motion hardly see; they are "
-        "fitted, not named, and carry no probability."
+        "alone. The fitted model holds more than the diagnosis names. The loss of torque at high current and what "
+        "the gear holds at rest decide when the arm sticks and lets go, which equations along the motion hardly "
+        "see; they are fitted, not named, and carry no probability."
     )
 
 
