@@ -12,6 +12,7 @@ from typing import Any
 _LONGEST_TEXT = 1_000_000
 _LONGEST_LINE = 1000
 _LONGEST_WORD = 120
+_LONGEST_ERROR = 1500
 _LONG_WORD = re.compile(rf"\S{{{_LONGEST_WORD + 1},}}")
 
 
@@ -85,7 +86,8 @@ class InputError(FlexdynError, ValueError):
         where = "".join(f"{_clipped(str(part))}: " for part in (self.file, self.key) if part)
         got = "" if self.value is None else f", got {shown(self.value)}"
         remedy = f"; {one_line(str(self.remedy))}" if self.remedy else ""
-        return " ".join(f"{where}{one_line(self.problem)}{got}{remedy}".split())
+        line = " ".join(f"{where}{one_line(self.problem)}{got}{remedy}".split())
+        return line if len(line) <= _LONGEST_ERROR else f"{line[: _LONGEST_ERROR - 3]}..."
 
     def at(self, *, file: str | Path | None = None, key: str | None = None) -> InputError:
         """The same error with the place it was found in filled in by a caller that knows it."""

@@ -139,5 +139,6 @@ def test_lines_are_bounded_and_printable() -> None:
     assert one_line("a\nb\tc\x1b[31m\u202e d") == "a b c [31m d"
     assert len(one_line("x " * 10_000)) == 1000
     assert one_line("n" * 10_000 + " is no joint").endswith("nnn is no joint")
+    assert len(str(fd.InputError("x " * 900, key="k " * 900, value="v " * 900, remedy="y " * 900))) == 1500
     assert visible("a\x1b\n\u202e") == r"a\x1b\n\u202e"
     assert visible("a\n\x07", lines=True) == "a\n\\x07"
