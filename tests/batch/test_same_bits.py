@@ -46,6 +46,7 @@ def test_a_store_is_the_same(tmp_path: Path) -> None:
     trees = []
     for blas, workers in COUNTS:
         stores = tmp_path / f"stores{blas}{workers}"
+        stores.mkdir()
         said(STUDY, blas, workers, *(tmp_path / name / "study.yaml" for name in solvers), stores)
         trees.append(tree(stores))
     assert trees[0]
