@@ -12,6 +12,8 @@ import tempfile
 import time
 from pathlib import Path
 
+import flexdyn  # noqa: F401 - the installed one: the folder of the same name beside the tests has no core
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from tests.fuzz.harness import Tally, run
 from tests.fuzz.table import table

@@ -48,6 +48,7 @@ users import as `flexdyn`; ``_core`` is the compiled core, which recordings and 
 """
 EXCEPTIONS = {
     ("simulation/run.py", "plots"): "Run.plot is a method because users look for it there; imported when it is called",
+    ("simulation/run.py", "viewer"): "Run.show plays in a notebook, likewise",
     ("comparison/compare.py", "plots"): "Comparison.plot, likewise",
     ("batch/store.py", "__init__"): "the version of flexdyn, which a store of results states",
     ("batch/run_study.py", "__init__"): "the version, compared with that of the store which is to be continued",

@@ -96,7 +96,7 @@ class Joint:
             InputError: it is no mapping, or has a key that a joint does not have.
         """
         if isinstance(entry, Joint):
-            return {name: getattr(entry, name) for name in KEYS}
+            return entry.to_dict() | {"actuator": entry.actuator}
         if not isinstance(entry, Mapping):
             raise InputError(
                 "a joint is a mapping of its numbers", value=entry, remedy="write {stiffness: 4000.0, ...}"

@@ -50,8 +50,7 @@ def folded(robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect])
     """
     numbers = {name: joint.values() for name, joint in joints.items()}
     for name, joint in joints.items():
-        if joint.actuator is not None:
-            numbers[name]["actuator"] = joint.actuator.held(joint.gear_ratio)
+        numbers[name]["actuator"] = None if joint.actuator is None else joint.actuator.held(joint.gear_ratio)
     true = list(effects)
     for i, error in enumerate(effects):
         if not isinstance(error, ParameterError) or error.is_neutral:

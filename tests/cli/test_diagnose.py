@@ -42,10 +42,11 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> Answer:
             fit: Sequence[fd.Recording],
             check: Sequence[fd.Recording] = (),
             *,
+            hold_out: Sequence[tuple[float, float]] = (),
             expect: Sequence[str] = (),
         ) -> Diagnosis:
             names = {"fit": [each.name for each in fit], "check": [each.name for each in check]}
-            given.update(model=model, **names, expect=list(expect))
+            given.update(model=model, **names, hold_out=list(hold_out), expect=list(expect))
             if isinstance(outcome, BaseException):
                 raise outcome
             return outcome

@@ -21,6 +21,7 @@ from flexdyn.effects import (
     KinematicError,
     LoadDependentFriction,
     SpringHysteresis,
+    StribeckGearLoss,
     TransmissionDamping,
 )
 from tests.effects.arms import ELASTIC, RIGID, model_of, own, states
@@ -34,6 +35,7 @@ NEEDS_SPRING: list[Effect] = [
     KinematicError("elbow", amplitude=0.01, harmonic=1.0, phase=0.0),
     LoadDependentFriction("elbow", coefficient=0.1),
     DirectionalGearLoss("elbow", driving=0.1, driven=0.3),
+    StribeckGearLoss("elbow", driving=0.1, driven=0.3, velocity=0.2),
 ]
 SLIDER = """<robot name="slider"><link name="base"/>
 <link name="a"><inertial><mass value="2.5"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>

@@ -49,7 +49,7 @@ def test_memoryless_friction_never_supplies_power(
 
 def test_every_memoryless_friction_has_been_asked() -> None:
     """All of the contract's but the coupling, which acts on another joint's velocity and may supply power."""
-    assert len(MEMORYLESS) == 10
+    assert len(MEMORYLESS) == 11
     (coupling,) = [effect for effect in FRICTION if effect.name == "joint_coupling"]
     assert coupling.torque(0.0, 2.0) == 1.0
 

@@ -30,6 +30,7 @@ from flexdyn.effects import (
     QuadraticDrag,
     SpringHysteresis,
     StribeckFriction,
+    StribeckGearLoss,
     TorqueConstantError,
     TorqueOffset,
     TorqueRipple,
@@ -126,6 +127,7 @@ DRY: dict[str, list[Effect]] = {
     "position_dependent": [PositionDependentFriction("elbow", side="link", amplitude=0.3, **WAVE)],
     "position_dependent_motor": [PositionDependentFriction("elbow", side="motor", amplitude=0.3, **WAVE)],
     "load_dependent": [LoadDependentFriction("shoulder", coefficient=0.3)],
+    "load_stribeck": [StribeckGearLoss("shoulder", driving=0.2, driven=0.6, velocity=0.5)],
     "load_directional": [DirectionalGearLoss("shoulder", driving=0.2, driven=0.6)],
     "load_directional_with_all": [
         DirectionalGearLoss("elbow", driving=0.5, driven=0.1),
