@@ -7,7 +7,7 @@ Run by scripts/release.sh and by cibuildwheel on every wheel. Exit code 1: somet
 
 from __future__ import annotations
 
-import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -68,9 +68,9 @@ def main(version: str | None) -> int:
     """Test and say so."""
     with tempfile.TemporaryDirectory() as folder:
         wrong = problem(Path(folder), version)
-    python = ".".join(map(str, sys.version_info[:3]))
-    libraries = ", ".join(f"{name} {metadata.version(name)}" for name in ("pin", "numpy", "scipy"))
-    print(f"flexdyn {metadata.version('flexdyn')}, Python {python}, {os.uname().machine}, {libraries}: {wrong or 'works'}")
+    names = ("flexdyn", "pin", "numpy", "scipy")
+    versions = ", ".join(f"{name} {metadata.version(name)}" for name in names)
+    print(f"Python {platform.python_version()} on {platform.machine()}, {versions}: {wrong or 'works'}")
     return int(wrong is not None)
 
 
