@@ -5,7 +5,7 @@
 #   scripts/release.sh all    wheels for every Python by cibuildwheel (on Linux it needs Docker or Podman); more
 #                             arguments go to it: scripts/release.sh all --archs aarch64
 #
-# Every wheel is built from the source archive. Nothing is uploaded: docs/howto/release.md says what is left to do.
+# Every wheel is built from the source archive. Nothing is uploaded: docs/howto/install.md says what is left to do.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/setup.sh

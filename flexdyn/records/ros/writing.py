@@ -60,7 +60,7 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
     serialize: Callable[[Any, str], memoryview] = store.serialize_cdr if cdr else store.serialize_ros1
     exact = np.array_equal(seconds(stamps, zero).view(np.int64), rec.t.view(np.int64))
     groups = list(_groups(channels if exact else [*channels, "t"]))
-    with TemporaryDirectory(dir=path.parent) as folder:
+    with TemporaryDirectory(dir=path.parent, prefix=".") as folder:
         bag = Path(folder) / "bag"
         with _refusals_as_usual(), _writer(bag, suffix) as writer:
             text = writer.add_connection(META_TOPIC, _STRING, typestore=store)
