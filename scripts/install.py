@@ -2,7 +2,7 @@
 
 A stamp in the environment holds a digest of the sources, one of the package as pip recorded it, and the extras.
 It is removed before every installation and written after it, so an installation that was interrupted is done again,
-and so is one after pip installed another state by hand.
+and so is one after pip installed another state by hand. A wheel, where one is given, takes the place of the sources.
 """
 
 from __future__ import annotations
@@ -33,6 +33,11 @@ def source_digest(root: Path) -> str:
     return digest.hexdigest()
 
 
+def wheel_digest(wheel: Path) -> str:
+    """A digest of a wheel, which is never that of sources."""
+    return hashlib.sha256(b"wheel\0" + wheel.read_bytes()).hexdigest()
+
+
 def installed_digest(site: Path) -> str | None:
     """A digest of pip's list of the installed files, which holds theirs; None where flexdyn is not installed."""
     records = sorted(site.glob("flexdyn-*.dist-info/RECORD"))
@@ -57,7 +62,7 @@ def write_stamp(stamp: Path, sources: str, site: Path, extras: set[str]) -> None
     stamp.write_text(json.dumps(noted), encoding="utf-8")
 
 
-def main(root: Path, site: Path, stamp: Path, extras: str, pip: Sequence[str]) -> int:
+def main(root: Path, site: Path, stamp: Path, extras: str, pip: Sequence[str], wheel: Path | None = None) -> int:
     """Install where it is needed; pip's exit code, 0 where nothing was to be done.
 
     Args:
@@ -66,9 +71,10 @@ def main(root: Path, site: Path, stamp: Path, extras: str, pip: Sequence[str]) -
         stamp: file that notes what is installed.
         extras: names of extras, with commas between.
         pip: the command that runs pip.
+        wheel: installed in place of the checkout, so that nothing is compiled.
     """
     wanted = set(extras.split(","))
-    sources = source_digest(root)
+    sources = source_digest(root) if wheel is None else wheel_digest(wheel)
     missing = missing_extras(stamp, sources, site, wanted)
     if missing is not None and not missing:
         print(f"flexdyn[{extras}] in .venv is up to date.")
@@ -76,9 +82,16 @@ def main(root: Path, site: Path, stamp: Path, extras: str, pip: Sequence[str]) -
     # Extras of the same state stay noted: test.sh and docs.sh want different ones in turn.
     known = set() if missing is None else set(json.loads(stamp.read_text(encoding="utf-8"))["extras"])
     stamp.unlink(missing_ok=True)
-    print(f"Installing flexdyn[{extras}] into .venv (the core is compiled: a minute or two) ...", flush=True)
-    install = [*pip, "install", "--quiet", "--disable-pip-version-check", f".[{extras}]"]
-    code = subprocess.run(install, cwd=root, check=False).returncode
+    how = "the core is compiled: a minute or two" if wheel is None else f"from {wheel.name}"
+    print(f"Installing flexdyn[{extras}] into .venv ({how}) ...", flush=True)
+    install = [*pip, "install", "--quiet", "--disable-pip-version-check"]
+    what = "." if wheel is None else str(wheel)
+    code = 0
+    if wheel is not None and missing is None:
+        # Pip would keep an installed state of the same version; what the wheel asks for comes with its extras.
+        code = subprocess.run([*install, "--force-reinstall", "--no-deps", what], cwd=root, check=False).returncode
+    if code == 0:
+        code = subprocess.run([*install, f"{what}[{extras}]"], cwd=root, check=False).returncode
     if code == 0:
         write_stamp(stamp, sources, site, known | wanted | BOTH_HOLD)
     return code
@@ -96,4 +109,5 @@ def _files(root: Path) -> Iterator[Path]:
 
 if __name__ == "__main__":
     SITE, STAMP = Path(sysconfig.get_path("platlib")), Path(sys.prefix) / "flexdyn-installed.json"
-    sys.exit(main(Path(__file__).parents[1], SITE, STAMP, sys.argv[1], [sys.executable, "-m", "pip"]))
+    WHEEL = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else None
+    sys.exit(main(Path(__file__).parents[1], SITE, STAMP, sys.argv[1], [sys.executable, "-m", "pip"], WHEEL))

@@ -27,10 +27,15 @@ need_compiler() {
 }
 
 # make_venv EXTRA: .venv with flexdyn[EXTRA] built from this checkout; nothing to do where that is there already.
+# FLEXDYN_WHEEL=flexdyn-....whl installs that wheel instead, which needs no compiler.
 make_venv() {
-  local python
+  local python wheel=${FLEXDYN_WHEEL:-}
   python=$(find_python) || exit 2
-  need_compiler
+  if [ -z "$wheel" ]; then
+    need_compiler
+  elif [ ! -f "$wheel" ]; then
+    fail "there is no wheel $wheel (FLEXDYN_WHEEL): scripts/release.sh makes one"
+  fi
   # Without pip, an earlier attempt was interrupted.
   if [ ! -x .venv/bin/python ] || [ ! -x .venv/bin/pip ]; then
     "$python" -m venv .venv || {
@@ -38,7 +43,7 @@ make_venv() {
       fail "python's venv module does not work. Debian, Ubuntu: apt install python3-venv"
     }
   fi
-  .venv/bin/python scripts/install.py "$1" ||
+  .venv/bin/python scripts/install.py "$1" ${wheel:+"$wheel"} ||
     fail "the installation failed; the lines above say why. Behind a proxy or without a network, point pip at your package index"
 }
 

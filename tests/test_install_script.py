@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 
-Run = Callable[[str], tuple[int, list[str]]]
+Run = Callable[..., tuple[int, list[str]]]
 
 PIP = """
 import hashlib, pathlib, sys
@@ -44,9 +44,9 @@ def run(tmp_path: Path) -> Run:
     (tmp_path / "pip.py").write_text(PIP)
     (tmp_path / "log").touch()
 
-    def install(extras: str) -> tuple[int, list[str]]:
+    def install(extras: str, wheel: Path | None = None) -> tuple[int, list[str]]:
         pip = [sys.executable, str(tmp_path / "pip.py")]
-        code = script.main(tmp_path / "checkout", tmp_path / "site", tmp_path / "stamp.json", extras, pip)
+        code = script.main(tmp_path / "checkout", tmp_path / "site", tmp_path / "stamp.json", extras, pip, wheel)
         return code, (tmp_path / "log").read_text().split()
 
     return install
@@ -78,6 +78,19 @@ def test_a_change_is_installed(run: Run, tmp_path: Path, name: str) -> None:
     (tmp_path / "checkout" / name).write_text("a = 2\n")
     assert len(run("all")[1]) == 2
     assert len(run("all")[1]) == 2
+
+
+def test_a_wheel_takes_the_place_of_the_checkout(run: Run, tmp_path: Path) -> None:
+    """Once for each wheel; a further extra leaves the package as it is, and without the wheel the checkout is back."""
+    wheel = tmp_path / "arm.whl"
+    wheel.write_bytes(b"one")
+    asked = [str(wheel), f"{wheel}[all]"]
+    assert run("all", wheel) == (0, asked)
+    assert run("all", wheel) == (0, asked)
+    assert run("test", wheel) == (0, [*asked, f"{wheel}[test]"])
+    wheel.write_bytes(b"two")
+    assert len(run("all", wheel)[1]) == 5
+    assert run("all")[1][5:] == [".[all]"]
 
 
 def test_a_file_that_went_is_a_change(run: Run, tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ def replacing(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror or error})", file=path) from None
     finally:
-        with suppress(FileNotFoundError):
+        with suppress(OSError):  # it took the path's place, or the disk is read-only
             fresh.unlink()
 
 

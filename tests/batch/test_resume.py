@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import json
 import os
 import shutil
 from collections.abc import Callable
@@ -145,6 +146,18 @@ def test_a_store_of_another_version(whole: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(fd, "__version__", "99.0")
     with pytest.raises(InputError, match=r"flexdyn is 99\.0 here and"):
         fd.run_study(whole.parent / "study.yaml", whole, resume=True)
+
+
+def test_a_store_of_another_format(whole: Path) -> None:
+    """One line that says which it is and which is read; nothing in it is touched."""
+    file = whole / "zarr.json"
+    content = json.loads(file.read_text(encoding="utf-8"))
+    content["attributes"]["flexdyn_batch"] += 1
+    file.write_text(json.dumps(content), encoding="utf-8")
+    before = tree(whole)
+    with pytest.raises(InputError, match=r"not the store of a batch study, got 2; this version reads format 1"):
+        fd.run_study(whole.parent / "study.yaml", whole, resume=True)
+    assert tree(whole) == before
 
 
 def test_a_study_that_was_moved(whole: Path, tmp_path: Path) -> None:

@@ -9,17 +9,17 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 import numpy as np
 
-from flexdyn.errors import InputError, MissingExtra
+from flexdyn.errors import InputError
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.array_columns import parts_of
 from flexdyn.records.bounds import check_count, check_size
+from flexdyn.records.hdf5.library import check_library, library, new_file
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
 from flexdyn.records.table import RESERVED, Table, check_name, damage_named
@@ -35,7 +35,7 @@ _LONGEST_TEXT = 999
 def write(rec: Recording, path: Path) -> None:
     """Write flat datasets ``t``, ``q.elbow``, ... in order, each with its unit, and meta as ``__meta__``."""
     h5py = library()
-    with h5py.File(path, "x", track_order=True, libver=("v110", "v110")) as file:
+    with new_file(path) as file:
         for name, values in {"t": rec.t, **rec.channels}.items():
             plain = _plain(name)
             dataset = file.create_dataset(plain, data=values)
@@ -88,25 +88,6 @@ def read_here(path: Path, request: Request) -> Table:
                 table.units[part.key] = attribute(h5py, dataset, "units")
             request.report((done + 1) / len(parts))
     return table
-
-
-def check_library() -> None:
-    """Refuse where h5py is not installed, without loading it.
-
-    Raises:
-        MissingExtra: it is not there.
-    """
-    if find_spec("h5py") is None:
-        raise MissingExtra("h5py", "hdf5")
-
-
-def library() -> Any:
-    """The module h5py."""
-    try:
-        import h5py
-    except ImportError:
-        raise MissingExtra("h5py", "hdf5") from None
-    return h5py
 
 
 def _fixed(h5py: Any, text: str) -> Any:

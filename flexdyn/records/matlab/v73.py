@@ -15,7 +15,8 @@ import numpy as np
 from flexdyn.errors import InputError
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import MOST_COLUMNS, check_size
-from flexdyn.records.hdf5.file import attribute, check_library, check_storage, library, member
+from flexdyn.records.hdf5.file import attribute, check_storage, member
+from flexdyn.records.hdf5.library import check_library, library, new_file
 from flexdyn.records.matlab.columns import Columns, Leaf
 from flexdyn.records.request import Request
 from flexdyn.records.table import FloatArray, Table, damage_named
@@ -32,8 +33,7 @@ def write(variables: dict[str, Any], path: Path) -> None:
         variables: by name: arrays (samples,), mappings of such, and strings.
         path: of the new file.
     """
-    h5py = library()
-    with h5py.File(path, "x", userblock_size=_BLOCK, libver=("v110", "v110"), track_order=True) as file:
+    with new_file(path, userblock_size=_BLOCK) as file:
         for name, value in variables.items():
             if isinstance(value, str):
                 text = file.create_dataset(name, data=np.frombuffer(value.encode("utf-16-le"), "<u2").reshape(-1, 1))

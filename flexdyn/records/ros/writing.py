@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import sqlite3
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -58,9 +60,9 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
     serialize: Callable[[Any, str], memoryview] = store.serialize_cdr if cdr else store.serialize_ros1
     exact = np.array_equal(seconds(stamps, zero).view(np.int64), rec.t.view(np.int64))
     groups = list(_groups(channels if exact else [*channels, "t"]))
-    with TemporaryDirectory(dir=path.parent) as folder:
+    with TemporaryDirectory(dir=path.parent, prefix=".") as folder:
         bag = Path(folder) / "bag"
-        with _writer(bag, suffix) as writer:
+        with _refusals_as_usual(), _writer(bag, suffix) as writer:
             text = writer.add_connection(META_TOPIC, _STRING, typestore=store)
             links = [writer.add_connection(group.topic, group.msgtype, typestore=store) for group in groups]
             writer.write(text, int(stamps[0]), serialize(store.types[_STRING](note), _STRING))
@@ -72,6 +74,15 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
                     for link, block in zip(links, blocks, strict=True):
                         writer.write(link, stamp, block[row].tobytes())
         os.replace(bag / f"bag{suffix}" if cdr else bag, path)
+
+
+@contextmanager
+def _refusals_as_usual() -> Iterator[None]:
+    """A full disk is an OSError for SQLite too, which holds the messages of a .db3 bag."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise OSError(str(error)) from None
 
 
 @cache

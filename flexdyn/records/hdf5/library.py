@@ -1,0 +1,111 @@
+"""h5py, and a new file of it that survives a full disk."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from flexdyn.errors import MissingExtra
+
+
+def check_library() -> None:
+    """Refuse where h5py is not installed, without loading it.
+
+    Raises:
+        MissingExtra: it is not there.
+    """
+    if find_spec("h5py") is None:
+        raise MissingExtra("h5py", "hdf5")
+
+
+def library() -> Any:
+    """The module h5py."""
+    try:
+        import h5py
+    except ImportError:
+        raise MissingExtra("h5py", "hdf5") from None
+    return h5py
+
+
+@contextmanager
+def new_file(path: Path, **settings: Any) -> Iterator[Any]:
+    """A new file to write to, in a layout that HDF5 1.10 reads.
+
+    Args:
+        path: of the file, which must not be there.
+        settings: more of them for `h5py.File`.
+
+    Raises:
+        OSError: the disk is full, or refuses otherwise.
+        MissingExtra: h5py is not installed.
+    """
+    h5py = library()
+    with _Target(path) as target:
+        with h5py.File(target, "w", track_order=True, libver=("v110", "v110"), **settings) as file:
+            yield file
+        if target.refusal is not None:
+            raise target.refusal
+
+
+class _Target(io.RawIOBase):
+    """A file that never refuses to take what is written to it; what the disk refuses is noted, and goes into memory.
+
+    HDF5 crashes the process, then or later, where it cannot close a file because the disk is full (h5py issue 914).
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._at: io.FileIO | io.BytesIO = open(path, "x+b", buffering=0)  # noqa: SIM115 - closed by `close`
+        self.refusal: OSError | None = None
+
+    def readable(self) -> bool:
+        return True
+
+    def writable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        return self._at.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._at.tell()
+
+    def readinto(self, buffer: Any) -> int:
+        return self._at.readinto(buffer) or 0
+
+    def write(self, data: Any) -> int:
+        left = memoryview(data).cast("B")
+        while left:
+            try:
+                left = left[self._at.write(left) or 0 :]
+            except OSError as error:
+                self._go_on_in_memory(error)
+        return memoryview(data).nbytes
+
+    def truncate(self, size: int | None = None) -> int:
+        size = self.tell() if size is None else size
+        try:
+            return self._at.truncate(size)
+        except OSError as error:
+            self._go_on_in_memory(error)
+            return size
+
+    def close(self) -> None:
+        self._at.close()
+        super().close()
+
+    def _go_on_in_memory(self, refusal: OSError) -> None:
+        """From where the file stands."""
+        self.refusal = refusal
+        place = self._at.tell()
+        self._at.seek(0)
+        memory = io.BytesIO(self._at.read() or b"")
+        self._at.close()
+        memory.seek(place)
+        self._at = memory

@@ -1,0 +1,76 @@
+"""What a release is made from says the same everywhere, and the compiled core stands by itself."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ruamel.yaml import YAML
+
+import flexdyn as fd
+from flexdyn import _core
+
+ROOT = Path(__file__).parents[1]
+CONDA_NAMES = {"pin": "pinocchio", "meshcat": "meshcat-python"}
+ALONE = """
+import importlib.util, sys
+spec = importlib.util.spec_from_file_location("_core", sys.argv[1])
+core = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(core)
+print("numpy" in sys.modules, "pinocchio" in sys.modules, core.Plant.__name__)
+"""
+
+
+@pytest.fixture(scope="module")
+def project() -> dict[str, Any]:
+    """The file pyproject.toml."""
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def recipe() -> dict[str, Any]:
+    """The conda recipe."""
+    content = YAML(typ="safe").load((ROOT / "scripts" / "conda" / "recipe.yaml").read_text(encoding="utf-8"))
+    assert isinstance(content, dict)
+    return content
+
+
+def test_one_version(project: dict[str, Any], recipe: dict[str, Any]) -> None:
+    """That of pyproject.toml; where a file must name it too, it is the same."""
+    version = project["project"]["version"]
+    assert fd.__version__ == version
+    assert str(recipe["context"]["version"]) == version
+    assert str(YAML(typ="safe").load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))["version"]) == version
+    heading = re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert heading is not None
+    assert heading[1] == version
+
+
+def test_the_conda_recipe_asks_for_the_same_libraries(project: dict[str, Any], recipe: dict[str, Any]) -> None:
+    """By their names there."""
+    asked = [re.fullmatch(r"([\w.-]+?)([<>=].*)", entry) for entry in project["project"]["dependencies"]]
+    wanted = {CONDA_NAMES.get(found[1], found[1]): found[2] for found in asked if found}
+    assert len(wanted) == len(project["project"]["dependencies"])
+    there = dict(entry.split() for entry in recipe["requirements"]["run"])
+    assert there.pop("python") == project["project"]["requires-python"]
+    assert there == wanted
+
+
+def test_a_wheel_for_every_python_that_is_promised(project: dict[str, Any]) -> None:
+    """The classifiers name the Pythons that cibuildwheel builds for."""
+    prefix = "Programming Language :: Python :: 3."
+    promised = [text.removeprefix(prefix) for text in project["project"]["classifiers"] if text.startswith(prefix)]
+    assert [f"cp3{minor}-*" for minor in promised] == project["tool"]["cibuildwheel"]["build"]
+    assert f">=3.{promised[0]}" == project["project"]["requires-python"]
+
+
+def test_the_core_needs_no_other_package() -> None:
+    """A Python that sees no installed package loads it: it is linked to no library of Pinocchio's or NumPy's."""
+    words = [sys.executable, "-I", "-S", "-c", ALONE, str(_core.__file__)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("False False Plant\n", "")
