@@ -41,7 +41,7 @@ autodoc_typehints = "none"  # signatures show them; attributes are documented in
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
-napoleon_custom_sections = [("Class attributes", "params_style")]
+napoleon_custom_sections = [("Class attributes", "params_style"), ("Class attributes for a diagnosis", "params_style")]
 suppress_warnings = ["mystnb.unknown_mime_type"]
 
 

@@ -77,7 +77,9 @@ class Effect:
         takes_load: its torque depends on what the transmission carries, so that it needs an elastic joint.
         order: place among the effects on the motor's torque; the least acts first, users' own last.
 
-    Class attributes for a diagnosis, which proposes every class that names `linear` or `grids`:
+    A diagnosis proposes every class that names `linear` or `grids`.
+
+    Class attributes for a diagnosis:
         linear: parameters in which the torque is linear, all together: it is nothing where they are 0.
         grids: values to try of the others, in units of what the joint does: the greatest torque that its motor must
             have ``given``, its greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of

@@ -203,7 +203,7 @@ class DirectionalGearLoss(JointEffect):
         tau_s > 0:   f in [-driven tau_s, driving tau_s],
         tau_s < 0:   f in [-driving |tau_s|, driven |tau_s|].
 
-    A rotor at rest has ``tau_m = tau_s + f``, so that it stays there while
+    A rotor at rest has ``tau_m = tau_s + f``, so that it stays there while::
 
         (1 - driven) |tau_s| <= tau_m sign(tau_s) <= (1 + driving) |tau_s|.
 
