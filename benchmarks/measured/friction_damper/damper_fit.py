@@ -46,9 +46,7 @@ def model_of(x: Array) -> tuple[fd.FlexibleJointModel, Bench]:
         e.AsymmetricFriction(
             "damper", side="link", level_positive=n["level_positive"], level_negative=n["level_negative"]
         ),
-        e.PreslidingFriction(
-            "damper", side="motor", level=n["presliding_level"], stiffness=n["presliding_stiffness"]
-        ),
+        e.PreslidingFriction("damper", side="motor", level=n["presliding_level"], stiffness=n["presliding_stiffness"]),
         e.Payload(frame="drum", mass=n["drum"]),
     ]
     drive = {"gear_ratio": 1.0, "rotor_inertia": 1.0, "stiffness": n["stiffness"], "damping": n["damping"]}
