@@ -27,8 +27,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from command import Outcome, command
 from measure import Bound
 
-MOST = {"1Hz_20lb": 0.17, "1Hz_35lb": 0.135, "1Hz_80lb": 0.11}
-"""Bounds of the force errors of cycles that took no part [1]; 0.12 was wanted at 35 lb, and is missed."""
+MOST = {"1Hz_20lb": 0.17, "1Hz_35lb": 0.12, "1Hz_80lb": 0.11}
+"""Bounds of the force errors of cycles that took no part [1]; that of 35 lb is missed."""
 PARTS = ("backlash", "asymmetric_friction", "presliding_friction", "drum's mass")
 """What is left out one by one, the other numbers as they are."""
 
