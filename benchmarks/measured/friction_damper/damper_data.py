@@ -87,7 +87,8 @@ def needed_force(model: fd.FlexibleJointModel, bench: Bench, t: Array, position:
         if isinstance(each, fd.effects.PreslidingFriction):
             force = force + each.along(q, v)
     ring = signal.filtfilt(*signal.butter(2, RING, "high", fs=rate), a)
-    return np.interp(t + bench.lead, t, force + bench.mass * ring + bench.offset)
+    measured: Array = np.interp(t + bench.lead, t, force + bench.mass * ring + bench.offset)
+    return measured
 
 
 def error(measured: Array, force: Array, t: Array, span: tuple[float, float]) -> float:
