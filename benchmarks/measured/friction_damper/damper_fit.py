@@ -1,9 +1,9 @@
 """Fit the damper's numbers to the force of three cycles of a 1 Hz file.
 
-    python benchmarks/measured/friction_damper/damper_fit.py --data ../shared/data -o fitted.json
+    python benchmarks/measured/friction_damper/damper_fit.py --data ../shared/data --start fitted.json -o fitted.json
 
-The error of a model with dry friction and backlash has corners and valleys: many random starts, the best polished by
-Nelder and Mead. Only cycles of `FIT` are read.
+The error of a model with dry friction and backlash has corners and valleys: without a start the best of many random
+points is polished by Nelder and Mead. The numbers of ``fitted.json`` are the best of several such starts. Only cycles of `FIT` are read.
 """
 
 from __future__ import annotations
