@@ -3,7 +3,8 @@
     python benchmarks/measured/friction_damper/damper_fit.py --data ../shared/data --start fitted.json -o fitted.json
 
 The error of a model with dry friction and backlash has corners and valleys: without a start the best of many random
-points is polished by Nelder and Mead. The numbers of ``fitted.json`` are the best of several such starts. Only cycles of `FIT` are read.
+points is polished by Nelder and Mead. Those of ``fitted.json`` come from searches by CMA-ES over 3000 random points of
+the same model, written a second time, and were polished here. Only cycles of `FIT` are read.
 """
 
 from __future__ import annotations
