@@ -131,6 +131,7 @@ MEASURED = {
     "kuka_kr300": "KUKA KR 300, six axes",
     "screw_drives": "screw drives",
     "xl330": "XL330, a hobby servo from its goal alone",
+    "friction_damper": "friction damper, prescribed motion",
 }
 """Studies of measured robots, in the order of the table."""
 
@@ -165,7 +166,9 @@ def measured_names_table(results: Mapping[str, Mapping[str, Any]]) -> str:
 
 def _named(found: Mapping[str, Any]) -> str:
     """The effects that a study named, each with its joint, or with the drive and direction."""
-    if "drives" in found:
+    if "named" in found:
+        names = found["named"]
+    elif "drives" in found:
         names = [
             f"{name} ({drive['what']}, {direction})"
             for drive in found["drives"].values()
