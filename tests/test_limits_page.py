@@ -22,10 +22,13 @@ ROWS = (
     ("", f"{bounds.MOST_BYTES // 2**30} GiB of numbers; no more than {bounds.USUAL_EXPANSION} times the file's size"),
     ("", f"{bounds.MOST_EXPANSION} times the file's size where that is up to {bounds.SMALL // MIB} MiB"),
     ("", f"{bounds.MOST_COLUMNS:,} columns, arrays, variables or datasets"),
-    ("", f"{bounds.MOST_ROWS:,} rows"),
+    ("", f"{bounds.MOST_SAMPLES:,} rows"),
     ("", f"{table._LONGEST_NAME} letters in a channel's name; {meta._LONGEST // MIB} MiB of meta"),
     ("CSV", f"{csv_file._LONGEST_LINE // MIB} MiB in a line"),
-    ("HDF5 and MAT 7.3", f"{limits.SECONDS} s of computing, and 1 s more for every {limits.BYTES_A_SECOND:,} bytes"),
+    (
+        "HDF5 and MAT 7.3",
+        f"{limits.COMPUTING_SECONDS} s of computing, and 1 s more for every {limits.BYTES_A_SECOND:,} bytes",
+    ),
     ("", f"{limits.WAITING} times that by the clock"),
     ("", f"{limits.BYTES // 2**30} GiB of memory, and twice what the numbers may take (Linux)"),
     ("", f"{hdf5_file._LARGEST_CHUNK // 2**30} GiB in a chunk; {hdf5_file._LONGEST_TEXT} bytes in a unit"),
@@ -35,10 +38,13 @@ ROWS = (
     ("", f"{guard._MOST_OPEN // 2**30} GiB of chunks that overlap in time"),
     ("", f"{walk._MOST_STEPS:,} fields in a message, {walk._MOST_DEPTH} in each other"),
     ("", f"{definitions._LONGEST // 1024} KiB in the definition of a message"),
-    ("every YAML file", f"{yaml.MAX_BYTES:,} bytes; {yaml.MAX_DEPTH} lists and mappings in each other"),
+    ("every YAML file", f"{yaml.MAX_YAML_BYTES:,} bytes; {yaml.MAX_DEPTH} lists and mappings in each other"),
     ("", f"{yaml.MAX_NODES:,} entries once aliases are unfolded; {yaml.MAX_BRACKETS:,} open brackets"),
     ("study", f"{studyfile.MAX_RUNS:,} runs; {distributions.MAX_GRID:,} values in a grid"),
-    ("URDF", f"{xmlfile.MAX_BYTES:,} bytes; 256 elements in each other; {xmlfile.MAX_ATTRIBUTES:,} attributes in one"),
+    (
+        "URDF",
+        f"{xmlfile.MAX_URDF_BYTES:,} bytes; 256 elements in each other; {xmlfile.MAX_ATTRIBUTES:,} attributes in one",
+    ),
     ("", f"{urdf.MAX_LINKS:,} links; {urdf.MAX_JOINTS} joints that move; {values.LONGEST_NAME} letters in a name"),
 )
 

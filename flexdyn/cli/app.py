@@ -8,7 +8,7 @@ import typer
 from typer.core import TyperGroup
 
 from flexdyn.cli import completion
-from flexdyn.cli.failures import Interrupted
+from flexdyn.cli.failures import ProgramInterrupted
 from flexdyn.errors import InputError, did_you_mean
 
 
@@ -34,7 +34,7 @@ class Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            raise Interrupted from None
+            raise ProgramInterrupted from None
 
 
 def build() -> Any:

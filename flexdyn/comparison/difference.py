@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.comparison.motion_sources import HELD, Source
+from flexdyn.comparison.motion_sources import HELD, MotionSource
 from flexdyn.errors import InputError
 from flexdyn.records.signals.gaps import in_gaps
 from flexdyn.records.units import split_name
@@ -45,7 +45,7 @@ class Difference:
         return root_mean_square(self.error)
 
 
-def common_rows(one: Source, two: Source, start: float | None = None, end: float | None = None) -> slice:
+def common_rows(one: MotionSource, two: MotionSource, start: float | None = None, end: float | None = None) -> slice:
     """Which samples of the first lie in the time that both cover.
 
     Raises:
@@ -63,7 +63,7 @@ def common_rows(one: Source, two: Source, start: float | None = None, end: float
     return slice(first, last)
 
 
-def difference(one: Source, two: Source, channel: str, rows: slice) -> Difference:
+def difference(one: MotionSource, two: MotionSource, channel: str, rows: slice) -> Difference:
     """A channel of two motions at the times of the first's samples.
 
     Args:
@@ -87,7 +87,7 @@ def difference(one: Source, two: Source, channel: str, rows: slice) -> Differenc
     return Difference(t, first, second)
 
 
-def taken_at(source: Source, channel: str, t: Array) -> Array:
+def taken_at(source: MotionSource, channel: str, t: Array) -> Array:
     """A channel at other times: held where the signal is, else on the line between two samples.
 
     Args:
@@ -109,6 +109,6 @@ def root_mean_square(values: Array) -> float:
     return scale * math.sqrt(float(np.mean((values / scale) ** 2))) if scale > 0 else 0.0
 
 
-def slack(source: Source) -> float:
+def slack(source: MotionSource) -> float:
     """Times of a motion closer than this are one [s]."""
     return SAME_TIME * source.recording.duration / len(source.recording)

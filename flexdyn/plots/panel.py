@@ -13,7 +13,7 @@ from flexdyn.plots.palette import INK
 Array = NDArray[np.float64]
 GREATEST, SMALLEST = 1e150, 1e-150
 """Numbers beyond the one are not drawn, differences below the other not seen: renderers square them."""
-LONGEST = 48
+LONGEST_NAME_SHOWN = 48
 """Letters of a name that are shown."""
 
 
@@ -142,7 +142,7 @@ class Panel:
 
 def short(name: str) -> str:
     """A name of bounded length, which keeps its end, where numbers stand."""
-    return name if len(name) <= LONGEST else f"{name[:30]}…{name[31 - LONGEST :]}"
+    return name if len(name) <= LONGEST_NAME_SHOWN else f"{name[:30]}…{name[31 - LONGEST_NAME_SHOWN :]}"
 
 
 def limits(*values: Array, margin: float = 0.06) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.priors import SHARE
-from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Space, Structure
+from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, PLACE_BETA, UBIQUITOUS, Space, Structure
 from flexdyn.effects import Effect
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.arms import two_link
@@ -200,7 +200,7 @@ class Case:
         chosen = [self.given[c].kind for c, _ in structure]
         total = 0.0
         for kind in set(chosen):
-            n, odds = kinds.count(kind), UBIQUITOUS if kind in EXPECTED else ODDS
+            n, odds = kinds.count(kind), UBIQUITOUS if kind in EXPECTED else PLACE_BETA
             total += math.log(share(chosen.count(kind), n, odds) / share(0, n, odds))
         for c, p in structure:
             each = self.given[c]
@@ -283,7 +283,7 @@ def most_likely(mean: float) -> float:
 
 
 @lru_cache
-def share(m: int, n: int, odds: tuple[float, float] = ODDS) -> float:
+def share(m: int, n: int, odds: tuple[float, float] = PLACE_BETA) -> float:
     """Probability of an effect at m given ones of n places, that at each one having a Beta prior."""
     a, b = odds
     if b < a:  # the density's pole is at 1: of places without it the share has one at 0

@@ -17,7 +17,7 @@ from flexdyn.diagnose.experiment.apart import Known
 from flexdyn.diagnose.experiment.design import AMPLE, CLEAR, _rehearsed, with_experiment
 from flexdyn.diagnose.experiment.moves import moves
 from flexdyn.diagnose.experiment.reach import Reach
-from flexdyn.diagnose.experiment.rehearsal import Bench
+from flexdyn.diagnose.experiment.rehearsal import RehearsalBench
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.workspace import workspace
@@ -197,7 +197,7 @@ def test_motions_after_one_that_is_ample_are_left_out(tmp_path: Path) -> None:
     question = Question(tmp_path, [at_one_speed(COULOMB)])
     equations, known = question.space.equations, tuple(Known.of(question.explained(law)) for law in (COULOMB, VISCOUS))
     reach = Reach.of(equations)
-    bench = Bench(question.space, window_noise(question.noise), known, reach)
+    bench = RehearsalBench(question.space, window_noise(question.noise), known, reach)
     made = moves(reach, 0, equations.true, reach.poses[0])
     slow = [move for move in made if bench.rehearse(move).apart() < 1.0]
     telling = [move for move in made if bench.rehearse(move).apart() > 2.0 * AMPLE]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose.hypothesis.proposal import Proposal
-from flexdyn.diagnose.inference.apart import CHANCE, GUESSED, ODDS, OFTEN, SELDOM, UNSURE, genuine, shares
+from flexdyn.diagnose.inference.apart import CHANCE, GUESSED, OFTEN, PREVALENCE_ODDS, SELDOM, UNSURE, genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.space import Space, Structure
@@ -267,7 +267,7 @@ def test_a_genuine_effect_is_more_likely_than_an_imitation(kind: str, ratio: flo
     stands_out = drawn / (1.0 - drawn)  # a share s is R = s/(1 - s) over the rest
     imitation = float((stands_out >= ratio).mean())
     known = fd.effects.registered().get(kind)
-    odds = OFTEN if kind in GUESSED else SELDOM if known is None else ODDS[known.prevalence]
+    odds = OFTEN if kind in GUESSED else SELDOM if known is None else PREVALENCE_ODDS[known.prevalence]
     assert genuine(_candidate(kind), ratio) == pytest.approx(odds / (odds + imitation), rel=5e-3)
 
 

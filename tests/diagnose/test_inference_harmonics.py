@@ -12,7 +12,7 @@ from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.inference.autoregression import runs_of
-from flexdyn.diagnose.inference.harmonics import MOST, PEAKS, peaks
+from flexdyn.diagnose.inference.harmonics import HIGHEST_HARMONIC, PEAKS, peaks
 from tests.diagnose.truths import Levels, slider_model, slider_recording
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ def test_peaks_are_harmonics_that_are_looked_for(tmp_path: Path) -> None:
     """Of noise alone as well."""
     found, _ = _found(tmp_path, ())
     assert len(found) <= PEAKS
-    assert all(1.0 <= h <= MOST for h in found)
+    assert all(1.0 <= h <= HIGHEST_HARMONIC for h in found)
 
 
 def test_a_joint_that_rests_has_no_harmonics(tmp_path: Path) -> None:

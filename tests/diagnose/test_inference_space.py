@@ -14,7 +14,7 @@ from scipy.stats import multivariate_normal
 
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.priors import CERTAIN
-from flexdyn.diagnose.inference.space import SPARE, Structure
+from flexdyn.diagnose.inference.space import SPARE_COLUMNS, Structure
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column, in_order
@@ -176,7 +176,7 @@ def test_nothing_grows_where_nothing_can() -> None:
     case = _case(6)
     assert case.space().grow(NUMBER, (0.3,)) is None
     assert replace(case, later=None).space().grow(STRIBECK, (0.3,)) is None
-    wide = replace(case, later=column(np.ones((TIMES * EQUATIONS, SPARE - 1)))).space()
+    wide = replace(case, later=column(np.ones((TIMES * EQUATIONS, SPARE_COLUMNS - 1)))).space()
     assert wide.grow(STRIBECK, (0.3,)) == 3
     assert wide.grow(STRIBECK, (0.35,)) is None
     assert wide.candidates[STRIBECK].points == [(0.1,), (0.2,), (0.4,), (0.3,)]

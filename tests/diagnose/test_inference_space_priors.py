@@ -13,7 +13,7 @@ from scipy.stats import norm
 
 from flexdyn.diagnose.inference.candidate import Column
 from flexdyn.diagnose.inference.priors import SHARE, SMALLEST
-from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Structure
+from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, PLACE_BETA, UBIQUITOUS, Structure
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, EXPECTED, TIMES, Case, Given, column, share
@@ -80,7 +80,7 @@ def test_priors_of_all_structures_add_up_to_one(kind: str) -> None:
     plain = [frozenset(zip(mine, at, strict=True)) for mine in everywhere for at in product(range(2), repeat=len(mine))]
     gridded = [EMPTY, *(frozenset({(3, p)}) for p in range(3))]
     total = sum(math.exp(space.log_prior(one | other)) for one in plain for other in gridded)
-    none = share(0, 3, UBIQUITOUS if kind in EXPECTED else ODDS) * share(0, 1)
+    none = share(0, 3, UBIQUITOUS if kind in EXPECTED else PLACE_BETA) * share(0, 1)
     assert total * none == pytest.approx(1.0, abs=1e-8)
 
 
@@ -90,7 +90,7 @@ def test_an_effect_on_all_joints_costs_less_than_its_members_apart() -> None:
     priors = [space.log_prior(frozenset((c, 0) for c in range(m))) for m in range(4)]
     assert priors[1] < 0.0
     assert np.diff(priors)[2] > np.diff(priors)[1] > np.diff(priors)[0]
-    assert math.exp(space.log_prior(frozenset({(3, 0)}))) == pytest.approx(ODDS[0] / ODDS[1] / 3)
+    assert math.exp(space.log_prior(frozenset({(3, 0)}))) == pytest.approx(PLACE_BETA[0] / PLACE_BETA[1] / 3)
 
 
 def test_a_harmonic_that_is_no_whole_number_costs_more() -> None:

@@ -14,9 +14,9 @@ from flexdyn.simulation.plant import LinkSide
 
 FAST = 2500.0
 """Rates above are decimated [Hz]: nothing that a diagnosis asks for is so fast, and its work grows with the rate."""
-ENOUGH = 1000.0
+LEAST_KEPT_RATE = 1000.0
 """The least rate that is left [Hz]."""
-SLOW = 100.0
+SLOW_RATE = 100.0
 """Below this rate reversals and impacts lie between the samples [Hz]."""
 WANTED = 250.0
 """Rate that is advised [Hz]."""
@@ -29,7 +29,7 @@ def at_needed_rates(recordings: Sequence[Recording]) -> tuple[tuple[Recording, .
     found: list[Recording] = []
     said: list[str] = []
     for rec in recordings:
-        factor = int(rec.rate / ENOUGH * (1.0 + 1e-6))
+        factor = int(rec.rate / LEAST_KEPT_RATE * (1.0 + 1e-6))
         if rec.rate <= FAST or factor < 2:
             found.append(rec)
             continue
@@ -52,7 +52,7 @@ def advice(model: FlexibleJointModel, data: Sequence[Measured]) -> Iterator[str]
     slowest = min(data, key=lambda each: 1.0 / each.dt)
     rate = 1.0 / slowest.dt
     name = slowest.name or "A recording"
-    if rate < SLOW * (1.0 - 1e-6):
+    if rate < SLOW_RATE * (1.0 - 1e-6):
         yield (
             f"{name} has {rate:.4g} samples in a second: reversals and impacts lie between them, and effects that"
             f" differ there are hard to tell apart. Record at {WANTED:g} Hz or more."

@@ -15,7 +15,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 Array = NDArray[np.float64]
 ROUNDS, SETTLED = 20, 1e-15
 """Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
-SPARE = 16
+SPARE_SAMPLES = 16
 """Samples beyond either end, as many as a spline's coefficients take notice of."""
 
 
@@ -63,8 +63,8 @@ def advanced(x: Array, delay: float, dt: float) -> Array:
 
     whole, part = divmod(delay / dt, 1.0)
     count = len(x)
-    coefficients = spline_filter1d(np.pad(x, SPARE, mode="reflect", reflect_type="odd"), order=3)
+    coefficients = spline_filter1d(np.pad(x, SPARE_SAMPLES, mode="reflect", reflect_type="odd"), order=3)
     taps = np.array([(1 - part) ** 3, 4 - 6 * part**2 + 3 * part**3, 1 + 3 * part * (1 + part - part**2), part**3]) / 6
-    between = np.convolve(coefficients[SPARE - 1 : SPARE + count + 2], taps[::-1], "valid")
+    between = np.convolve(coefficients[SPARE_SAMPLES - 1 : SPARE_SAMPLES + count + 2], taps[::-1], "valid")
     at = np.arange(count) + int(np.clip(whole, -count, count))
     return np.where(at + part > count - 1.0, x[-1], between[np.clip(at, 0, count - 1)])

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, Equations
-from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 
 Array = NDArray[np.float64]
 SIGMAS = 5.0
 """A velocity of fewer standard deviations than this has no certain sign."""
 
 
-def sign_mask(equations: Equations, noise: Noise, *, alone: bool = False) -> NDArray[np.bool_]:
+def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) -> NDArray[np.bool_]:
     """Rows (rows,) whose filters reach an instant at which a velocity of their joint has no certain sign.
 
     Args:
@@ -36,7 +36,7 @@ def sign_mask(equations: Equations, noise: Noise, *, alone: bool = False) -> NDA
     return np.concatenate(found)
 
 
-def _uncertain(equations: Equations, along: Motion, noise: Noise, j: int, kind: str) -> NDArray[np.bool_]:
+def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int, kind: str) -> NDArray[np.bool_]:
     """Samples from which an uncertain sign is within reach of the filters."""
     filters = equations.filters
     data = along.data

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.data.kernel import Kernel
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
-from flexdyn.diagnose.equations.motion import Motion, Smoothed, motion, smoothed
+from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
@@ -21,7 +21,7 @@ from flexdyn.simulation.plant import LinkSide
 Array = NDArray[np.float64]
 SMOOTHING = 0.012
 """Standard deviation of the filter [s]: wide enough that a coarse encoder's acceleration says something."""
-STRIDE = 0.006
+INSTANT_SPACING = 0.006
 """Between the instants that are looked at [s]."""
 DEGREE = 180.0 / np.pi
 AMBIGUOUS = 5.0
@@ -30,11 +30,11 @@ APART, CLOSE = 3.0, 2.0
 """A torque fits a unit, and another assignment of channels, where its gain is 1 within these factors."""
 WOUND = 3.0
 """An elastic joint with one encoder says nothing where it moves by less than so many times what its spring may wind."""
-GOOD = 0.8
+EXPLAINED_SHARE = 0.8
 """Share of a torque's variance that a mistake, once undone, must explain [1]."""
 FAR, COURSE = 10.0, 0.3
 """A torque at a gain beyond this factor has a wrong unit where it has this share of the needed one's course."""
-AGAINST = 0.4
+WRONG_SIGN_SHARE = 0.4
 """A torque against the needed one has a wrong sign where it has this share of its course [1]."""
 
 
@@ -118,7 +118,9 @@ def match(model: FlexibleJointModel, links: LinkSide, data: Measured, *, springs
     return Match(gain, share, plain, (says > 0.5) & ~held)
 
 
-def _needed_and_friction(model: FlexibleJointModel, along: Motion, j: int, springs: bool) -> tuple[Array, Array, Array]:
+def _needed_and_friction(
+    model: FlexibleJointModel, along: SmoothedMotion, j: int, springs: bool
+) -> tuple[Array, Array, Array]:
     terms = joint_terms(model, model.all_effects, along, j)
     load = along.inverse_dynamics[:, j]
     if model.elastic[j]:
@@ -173,7 +175,7 @@ def liveliest(data: Measured, seconds: float) -> Measured:
 
 
 def _thinned(signals: Smoothed) -> Smoothed:
-    every = max(1, round(STRIDE / signals.dt))
+    every = max(1, round(INSTANT_SPACING / signals.dt))
     columns: dict[str, Any] = {k: x[::every] for k, x in vars(signals).items() if isinstance(x, np.ndarray)}
     return replace(signals, **columns, dt=signals.dt * every)
 
@@ -185,7 +187,7 @@ def far(gain: Array | float) -> NDArray[np.bool_]:
 
 def needed_share(gain: Array | float) -> Array:
     """Share of the needed torque's course that makes one believe in a torque's wrong unit or sign."""
-    return np.where(far(gain), COURSE, np.where(np.asarray(gain) < 0.0, AGAINST, GOOD))
+    return np.where(far(gain), COURSE, np.where(np.asarray(gain) < 0.0, WRONG_SIGN_SHARE, EXPLAINED_SHARE))
 
 
 def fits(mistake: Mistake, undone: Match) -> NDArray[np.bool_]:
@@ -198,7 +200,7 @@ def wanted_share(mistake: Mistake, gain: Array) -> Array:
     """Share of every torque's variance (n,) that a mistake, once undone, must explain; `gain` as the recording is."""
     if mistake.of_torques:
         return needed_share(gain)
-    return np.where(far(gain) & mistake.of_units, COURSE, GOOD)
+    return np.where(far(gain) & mistake.of_units, COURSE, EXPLAINED_SHARE)
 
 
 def mistakes(model: FlexibleJointModel, seen: Match) -> Iterator[Mistake]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.equations.covariance import Noise, variances
+from flexdyn.diagnose.equations.covariance import SampleNoise, variances
 from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, Equations
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ def recorded_torque_noise(data: tuple[Measured, ...]) -> Array:
     return np.array([max(_rough(each.tau[:, j]) for each in data) for j in range(data[0].tau.shape[1])])
 
 
-def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], encoders: Noise) -> Array:
+def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], encoders: SampleNoise) -> Array:
     """Standard deviation of each joint's torque channel (n,) [N m or N].
 
     Second differences of what the equations leave hold noise and hardly anything of a missing effect; what the encoders

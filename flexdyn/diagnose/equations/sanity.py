@@ -11,7 +11,7 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.mistakes import (
     AMBIGUOUS,
     DEGREE,
-    GOOD,
+    EXPLAINED_SHARE,
     WOUND,
     Match,
     Mistake,
@@ -30,17 +30,17 @@ from flexdyn.model.uncertain_parameters import file_numbers
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
-SHORTEST = 1.5
+LEAST_MOVING_TIME = 1.5
 """Least time in which something moves, in all recordings of the fit together [s]: three windows of 0.5 s."""
-LEAST = 0.5
+SHORTEST_RECORDING = 0.5
 """Least length of one recording [s]: a window."""
 REMEDY = (
-    f"{SHORTEST:g} s of motion to fit are the least, three windows of 0.5 s; several short recordings add up;"
+    f"{LEAST_MOVING_TIME:g} s of motion to fit are the least, three windows of 0.5 s; several short recordings add up;"
     " without test data of their own (check), the last fifth of it is kept apart, and at least 1 s"
 )
-SLOWEST = 20.0
+LEAST_RATE = 20.0
 """Least rate [Hz]: below it no acceleration of an arm is seen, and a clock in ms is likely."""
-STILL = 10.0
+MOVING_SIGMAS = 10.0
 """A joint moves where its positions range over more than so many standard deviations of the encoder's noise."""
 ALIKE = 0.9
 """Share of the variance that two encoders of one joint have in common at least, if both are its own [1]."""
@@ -52,9 +52,9 @@ LOOKED_AT = 12.0
 """Length of the liveliest part of a recording, in which mistakes are looked for [s]."""
 BETTER = 0.2
 """A mistake about several joints explains this much more of every one's torque, if not all of it [1]."""
-LOOSE = 0.5
+NOTED_VARIANCE_SHARE = 0.5
 """Less than this of its variance is worth a note."""
-SIZE = 0.1
+SIZE_WEIGHT = 0.1
 """Of two mistakes the better has torques of the right size: what a factor of e costs in share [1]."""
 UNCHECKED = "Units and signs of the torques were not checked, as numbers of the model are not known."
 ALSO = 5.0
@@ -91,12 +91,12 @@ def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> t
 
 
 def _check_clock(data: Measured) -> None:
-    if data.dt > 1.0 / SLOWEST:
+    if data.dt > 1.0 / LEAST_RATE:
         remedy = "times are in s: divide them by 1000 if they are in ms; else record at 100 Hz or more"
         problem = f"samples {data.dt:g} s apart are too slow to see an arm accelerate"
         raise InputError(problem, file=data.name, key="t", remedy=remedy)
     length = data.dt * (len(data.t) - 1)
-    if length < LEAST - data.dt or len(data.t) <= 2 * reach(data.dt):
+    if length < SHORTEST_RECORDING - data.dt or len(data.t) <= 2 * reach(data.dt):
         raise InputError("the recording is too short", file=data.name, key="t", value=f"{length:.3g} s", remedy=REMEDY)
 
 
@@ -118,13 +118,13 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
     for j, (joint, signal) in enumerate(zip(model.joint_names, signals, strict=True)):
         sigma = float(noise[signal == "theta"][j])
         wide = max(_range(getattr(each, signal)[:, j], each.dt) for each in data)
-        if wide <= STILL * sigma:
+        if wide <= MOVING_SIGMAS * sigma:
             remedy = f"move it, or lock it in the model (robot.lock: {{{joint}: ...}})"
             problem = "the joint does not move beyond its encoder's noise"
             value = f"a range of {wide:.2g} at a noise of {sigma:.2g}"
             raise InputError(problem, file=data[0].name, key=f"{signal}.{joint}", value=value, remedy=remedy)
     moving = sum(_moving_time(each, signals, noise) for each in data)
-    if moving < SHORTEST:
+    if moving < LEAST_MOVING_TIME:
         problem = "hardly anything moves in the recording"
         if len(data) > 1:
             problem = "hardly anything moves in the recordings"
@@ -146,7 +146,7 @@ def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array])
     for j, signal in enumerate(signals):
         x = getattr(data, signal)[: blocks * width, j].reshape(blocks, width)
         spread = x.max(axis=1) - x.min(axis=1)
-        moves |= spread > STILL * float(noise[signal == "theta"][j])
+        moves |= spread > MOVING_SIGMAS * float(noise[signal == "theta"][j])
     return float(moves.sum()) * width * data.dt
 
 
@@ -171,7 +171,7 @@ def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
         if share > ALIKE and 0.5 < slope < 2.0:
             continue
         for factor, problem, remedy in sorted(_looks(model, int(j)), key=lambda look: abs(slope / look[0] - 1.0)):
-            if share > GOOD and 0.8 < slope / factor < 1.25:
+            if share > EXPLAINED_SHARE and 0.8 < slope / factor < 1.25:
                 value = f"theta = {slope:.4g} q"
                 raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
         for i in both:
@@ -221,12 +221,12 @@ def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured)
         _check_mistakes(model, links, liveliest(data, LOOKED_AT))
     for j in np.flatnonzero(poor):
         joint, gain, share = model.joint_names[j], float(seen.gain[j]), float(seen.share[j])
-        if share > GOOD and far(gain):
+        if share > EXPLAINED_SHARE and far(gain):
             remedy = f"check the unit of tau.{joint} and the masses of the model"
             problem = "the torque has the right course and the wrong size"
             value = f"{gain:.3g} times what the model needs"
             raise InputError(problem, file=data.name, key=f"tau.{joint}", value=value, remedy=remedy)
-        if share > LOOSE and 0.5 < gain < 2.0:
+        if share > NOTED_VARIANCE_SHARE and 0.5 < gain < 2.0:
             continue
         yield (
             f"In {data.name or 'the recording'} the torque of {joint} follows what the model needs only loosely: at "
@@ -261,13 +261,13 @@ def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]
     now = np.where(fits(mistake, undone), undone.share, 0.0)
     before = np.clip(seen.plain, 0.0, 1.0)
     wanted = wanted_share(mistake, seen.gain)
-    healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / ALSO) | (wanted < GOOD))
+    healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / ALSO) | (wanted < EXPLAINED_SHARE))
     named = [j for j in mistake.joints if known[j]]
     better = (now >= wanted) | (now > before + BETTER)
     if not named or not healed[known].any() or not better[named].all() or (now < before - 0.1)[known].any():
         return None
     off = np.abs(np.log(np.maximum(np.abs(undone.gain[named]), 1e-9))).mean()
-    return float(now[known].mean() - SIZE * off)
+    return float(now[known].mean() - SIZE_WEIGHT * off)
 
 
 def _refused(data: Measured, joints: Sequence[str], seen: Match, mistake: Mistake, undone: Match) -> InputError:

@@ -16,13 +16,13 @@ NEARLY = 99.0
 """Percentile of speeds and accelerations that counts as the greatest one seen: noise makes the last ones."""
 USED = 0.9
 """Share of range, speed and acceleration that a proposed motion takes: its tracking is not perfect."""
-BANDWIDTH = 15.0
+CONTROLLER_BANDWIDTH = 15.0
 """Of the joint controller that an experiment is simulated under, at most [rad/s]."""
 SOFT = 0.3
 """Its share of a joint's own frequency on its spring, at most."""
 PART = 0.3
 """Of the torque that is left, and of an inertia, that a proposed payload may take."""
-DAMPED = 1.6
+VELOCITY_GAIN_RATIO = 1.6
 """Its velocity gain over inertia times bandwidth [1]."""
 
 
@@ -66,7 +66,7 @@ class Reach:
         torque = np.max([np.abs(each.data.tau).max(axis=0) for each in motions], axis=0)
         inertia = np.diag(equations.links.mass_matrix(middle)) + np.where(true.elastic, true.rotor_inertia, 0.0)
         own = np.sqrt(np.where(true.elastic, true.stiffness, np.inf) / inertia)
-        bandwidth = np.minimum(BANDWIDTH, SOFT * own)
+        bandwidth = np.minimum(CONTROLLER_BANDWIDTH, SOFT * own)
         return cls(
             motions[0].dt,
             np.stack([low, high]),
@@ -78,7 +78,7 @@ class Reach:
             USED * acceleration,
             np.clip(_poses(equations.links, q, middle), middle - half, middle + half),
             inertia * bandwidth**2,
-            DAMPED * inertia * bandwidth,
+            VELOCITY_GAIN_RATIO * inertia * bandwidth,
         )
 
     def holds(self, q: Array, v: Array, tau: Array) -> bool:

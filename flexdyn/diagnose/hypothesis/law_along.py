@@ -13,7 +13,7 @@ from flexdyn.effects import JointEffect
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
-SAMPLES = 300
+LINEARITY_SAMPLES = 300
 """Samples of a motion over which it is asked what a law is linear in."""
 CLOSE = 1e-7
 """Relative difference below which two torques are the same."""
@@ -36,7 +36,7 @@ class Law:
         motions = equations.motions
         columns = [np.concatenate([getattr(each, name)[:, j] for each in motions]) for name in (x, u, "tau")]
         self.whole = [*columns, np.concatenate([each.t for each in motions])]
-        some = np.linspace(0, len(self.whole[0]) - 1, min(SAMPLES, len(self.whole[0]))).astype(int)
+        some = np.linspace(0, len(self.whole[0]) - 1, min(LINEARITY_SAMPLES, len(self.whole[0]))).astype(int)
         self.some = [column[some] for column in self.whole]
 
     def effect(self, numbers: Mapping[str, float]) -> JointEffect:

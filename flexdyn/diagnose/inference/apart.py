@@ -29,7 +29,7 @@ CHANCE, UNSURE = 5.0, 0.05
 EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 0.3
 """Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest. In
 24 hidden cases outside the catalogue the best imitation stood out by 46 at most; the rest must by 60 to be named."""
-ODDS = {"everywhere": EVERYWHERE, "often": OFTEN, "seldom": SELDOM}
+PREVALENCE_ODDS = {"everywhere": EVERYWHERE, "often": OFTEN, "seldom": SELDOM}
 """By what an effect's class declares."""
 GUESSED = ("rotor_inertia",)
 """Numbers of the file that are often wrong."""
@@ -46,7 +46,7 @@ def genuine(candidate: Candidate, share: float, expected: Collection[str] = ()) 
     late_encoder = candidate.kind == "channel_lag" and not candidate.place["channel"].startswith("tau")
     own = not candidate.law.__module__.startswith("flexdyn.")  # who writes a law expects it
     often = own or candidate.kind in GUESSED or candidate.kind in expected
-    prior = SELDOM if late_encoder else OFTEN if often else ODDS[candidate.law.prevalence]
+    prior = SELDOM if late_encoder else OFTEN if often else PREVALENCE_ODDS[candidate.law.prevalence]
     odds = prior * (1.0 + min(share, 1e12))
     return odds / (1.0 + odds)
 

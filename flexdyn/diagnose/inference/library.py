@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.equations.columns import of_parameter
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, TRANSMISSION, Equations
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
@@ -25,10 +25,10 @@ from flexdyn.diagnose.inference.priors import (
     CERTAIN,
     FIXED,
     FREED,
-    LOOSE,
     SHARE,
     SMALLEST,
     TOO_WIDE,
+    UNKNOWN_WIDTH,
 )
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
@@ -61,7 +61,7 @@ class Library:
     offsets: Array
     offset_std: Array
     proposals: tuple[Proposal, ...]
-    noise: Noise
+    noise: SampleNoise
     mask: NDArray[np.bool_]
     first: Library | None = None
 
@@ -135,7 +135,7 @@ class Library:
                 continue
             off, spread = belief(effect, name)
             parts.append(self.whiten(raw))
-            std.append(min(spread / scale, LOOSE))
+            std.append(min(spread / scale, UNKNOWN_WIDTH))
             mean.append(off / scale if np.isfinite(spread) else 0.0)
         white = np.stack(parts, axis=1)
         share, least = self.size_of(effect, change)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
@@ -32,13 +32,13 @@ from flexdyn.diagnose.progress import know, tell
 Array = NDArray[np.float64]
 PASSES = 5
 """Linearisations at most."""
-ROUNDS = 25
+MODEL_ERROR_ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
 STRONG = 0.1
 """Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
 WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
 """Fits of one hypothesis, each weighted by what the last one left, until it leaves more than such a share of that."""
-STEPS = 4
+PASS_STEPS = 4
 """Gauss-Newton steps between two linearisations."""
 Places = frozenset[tuple[object, ...]]
 """Kind and place of every candidate of a structure."""
@@ -63,14 +63,14 @@ class Posterior:
     space: Space
     best: Structure
     fitted: Fit
-    noise: Noise
+    noise: SampleNoise
     settled: bool
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
     earlier: tuple[Places, ...] = ()
 
 
-def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
+def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Posterior:
     """Compare structures on the equations.
 
     Args:
@@ -123,7 +123,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         for _ in range(WEIGHTINGS):
             work = for_fit(bare, noise, mask, seen, there)
             work = dataclasses.replace(work, beliefs=beliefs)
-            fitted = _natural(fit(there, work, steps=STEPS if not last else 8), space, work)
+            fitted = _natural(fit(there, work, steps=PASS_STEPS if not last else 8), space, work)
             there = fitted.hypothesis
             if fitted.reduced > WELL_WEIGHTED * expected(work):
                 break
@@ -157,7 +157,7 @@ def _compared(space: Space, stands: Structure) -> Structure:
     space.under(_nothing(space))
     space.under(Discrepancy.of(space.left(stands), space.seen))
     best, seen = stands, set[Structure]()
-    for _ in range(ROUNDS):
+    for _ in range(MODEL_ERROR_ROUNDS):
         best = explore(space, [best], 0)
         if best in seen:
             break

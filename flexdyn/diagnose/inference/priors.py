@@ -22,7 +22,7 @@ EVERY_MOTOR = "of every motor:"
 """What the group of a kind begins with that every motor has."""
 WAVES = ("torque_ripple", "kinematic_error", "encoder_eccentricity", "position_dependent_friction")
 """Effects that come again with position."""
-LOOSE = 1e4
+UNKNOWN_WIDTH = 1e4
 """Prior standard deviation of a parameter of which nothing is known, in units of a hundredth of its value."""
 CERTAIN = 1e-4
 """Prior standard deviation of the size of an effect as it was fitted: its tangents say what changes [1]."""

@@ -15,7 +15,7 @@ from flexdyn.diagnose.inference.space import NATURAL, Space, Structure, odds_of
 from flexdyn.diagnose.progress import check
 
 Array = NDArray[np.float64]
-WINDOW = math.log(1000.0)
+OCCAM_WINDOW = math.log(1000.0)
 """Occam's window: structures less likely than the best by more than this factor are not explored (Madigan, 1994)."""
 SWAPS, ADDITIONS = 6, 4
 """Neighbours of each kind that are told as the nearest ones."""
@@ -123,7 +123,7 @@ def explore(space: Space, starts: list[Structure], explored: int = EXPLORED) -> 
     for start in starts:
         _climb(scan, start, done)
     for _ in range(explored):
-        bound = max(space.known.values()) - WINDOW
+        bound = max(space.known.values()) - OCCAM_WINDOW
         open_ = [s for s, value in space.known.items() if s not in done and value > bound]
         if not open_:
             break
@@ -172,6 +172,6 @@ def _add(scan: Scan, base: Structure, value: float) -> None:
     space = scan.space
     best = max(space.known.values())
     for more, point in scan.additions(base):
-        if value + more < best - WINDOW:
+        if value + more < best - OCCAM_WINDOW:
             break
         best = max(best, space.value(base | {point}))

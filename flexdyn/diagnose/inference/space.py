@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Structure = frozenset[tuple[int, int]]
 """Candidates that a structure holds, each with its grid point."""
-ODDS = (0.3, 6.0)
+PLACE_BETA = (0.3, 6.0)
 """Beta prior of the share of places at which an effect is: odds of 1 to 20 alone, better where it is elsewhere already.
 
 An effect of many joints so costs less than its members apart (Scott and Berger, 2010).
@@ -33,7 +33,7 @@ NEGLIGIBLE = 3e-3
 """Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
 NATURAL = 5.0
 """Log odds of a harmonic that is a whole number, or a whole number of motor turns, to one that is not."""
-SPARE = 400
+SPARE_COLUMNS = 400
 """Columns for refined grid points."""
 
 
@@ -58,14 +58,14 @@ class Space:
         for candidate in self.candidates:
             candidate.columns = [each + shift for each in candidate.columns]
         self.used = sum(len(each.std) for each in columns)
-        capacity = self.used + SPARE
+        capacity = self.used + SPARE_COLUMNS
         many = len(seen.count)
         y = -rows.reshape(-1, many)
         self.equations = [Products(y[:, k], capacity) for k in range(many)]
         self.size, self.cost, self.gained = np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
         self.smallest, self.of = np.zeros(capacity), np.zeros(capacity, np.intp)
         self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
-        self._put(0, columns, SPARE)
+        self._put(0, columns, SPARE_COLUMNS)
         self.places = self._counted(self.candidates)
 
     def _negligible(self, made: list[Column]) -> list[Column]:
@@ -272,4 +272,4 @@ def odds_of(group: str) -> tuple[float, float]:
     """Beta prior of the share of places at which effects of a group are."""
     if group.startswith(EVERY_MOTOR):
         return UBIQUITOUS
-    return PLAIN if group in EVERY_DRIVE else ODDS
+    return PLAIN if group in EVERY_DRIVE else PLACE_BETA

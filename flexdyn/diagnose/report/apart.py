@@ -15,7 +15,7 @@ COLOURS = ("before", "between", "after")
 PICTURES = 6
 """Pictures of residuals that stand open; the others are folded away."""
 
-TELLING = 0.01
+OPEN_PICTURE_SHARE = 0.01
 """Share of the squared residuals that a picture explains at least to stand open [1]."""
 
 
@@ -136,7 +136,7 @@ def where(diagnosis: Diagnosis) -> str:
 
 def shown_at_once(diagnosis: Diagnosis) -> int:
     """Pictures that stand open: at most six, and at least two; none else that explains next to nothing."""
-    telling = [k for k, each in enumerate(diagnosis.residuals) if not each.explains < TELLING]
+    telling = [k for k, each in enumerate(diagnosis.residuals) if not each.explains < OPEN_PICTURE_SHARE]
     return min(PICTURES, max(2, telling[-1] + 1 if telling else 0), len(diagnosis.residuals))
 
 

@@ -13,7 +13,7 @@ from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, S
 from flexdyn.diagnose.report.targets import resolved
 from flexdyn.diagnose.report.words import joined, suspect_phrase, title_phrase
 
-LISTED = 5
+RANKS_LISTED = 5
 """Ranks of structures that are told one by one."""
 
 
@@ -82,8 +82,8 @@ def _ranks(diagnosis: Diagnosis, suspect: Suspect, entry: Considered | None) -> 
     if found.among and not found.holding:
         yield f"It stands in none of the {found.among} ranked structures."
     elif found.among:
-        few = [str(place) for place in found.holding[:LISTED]]
-        more = ", ..." if found.holding[LISTED:] else ""
+        few = [str(place) for place in found.holding[:RANKS_LISTED]]
+        more = ", ..." if found.holding[RANKS_LISTED:] else ""
         word = "rank" if len(found.holding) == 1 else "ranks"
         yield (
             f"It stands in {len(found.holding)} of {found.among} ranked structures ({word} {', '.join(few)}{more}),"

@@ -8,7 +8,7 @@ from flexdyn.diagnose.report.sentences import stopped_sentence
 from flexdyn.diagnose.report.suspects import CONFIDENCE, ESTABLISHED, Finding
 from flexdyn.diagnose.report.words import finding_phrase, grouped_phrases, joined, place_phrase, suspect_phrase
 
-FEW = 2
+FINDINGS_IN_ONE_SENTENCE = 2
 """So many findings are all named in one sentence."""
 
 
@@ -41,7 +41,7 @@ def _partly_explained(diagnosis: Diagnosis) -> str:
 
 def _causes(diagnosis: Diagnosis) -> str:
     phrases = [_with_probability(diagnosis, finding) for finding in diagnosis.findings]
-    if len(phrases) > FEW:
+    if len(phrases) > FINDINGS_IN_ONE_SENTENCE:
         return f"has {len(phrases)} causes, first of all {phrases[0]}"
     return f"is explained by {joined(phrases) if phrases else 'numbers that moved within their tolerance'}"
 
@@ -99,7 +99,7 @@ def _not_converged(diagnosis: Diagnosis) -> str:
 def _several(diagnosis: Diagnosis, findings: list[Finding]) -> str:
     """Findings in a row; of many the first and how many more."""
     phrases = [_with_probability(diagnosis, finding) for finding in findings]
-    return joined(phrases) if len(phrases) <= FEW else f"{phrases[0]} and {len(phrases) - 1} more"
+    return joined(phrases) if len(phrases) <= FINDINGS_IN_ONE_SENTENCE else f"{phrases[0]} and {len(phrases) - 1} more"
 
 
 def _interrupted(diagnosis: Diagnosis) -> str:
@@ -121,5 +121,5 @@ def _first_so_far(diagnosis: Diagnosis) -> str:
         return ""
     first = diagnosis.structures[0].effects
     names = grouped_phrases(diagnosis.model, first)
-    what = joined(names) if len(names) <= FEW else f"a set of {len(first)} effects, listed below,"
+    what = joined(names) if len(names) <= FINDINGS_IN_ONE_SENTENCE else f"a set of {len(first)} effects, listed below,"
     return f"; of what had been compared, {what if names else 'no effect at all'} was the most probable"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.shooting.sensing import of_windows, sensors, slope
-from flexdyn.diagnose.shooting.shooter import Motion, Shooter
+from flexdyn.diagnose.shooting.shooter import Shooter, SimulatedWindows
 from flexdyn.diagnose.shooting.windows import Windows
 
 Array = NDArray[np.float64]
@@ -21,7 +21,7 @@ HUGE = 1e9
 """Slopes and responses beyond it belong to motions that explode; they are cut off there."""
 STEEP = 20.0
 """A velocity that feeds itself faster (1/s), as falling friction near rest does, does so for an instant only."""
-SLOW = 10.0
+SLOW_CONTACT_RATIO = 10.0
 """A contact below so many times what noise adds to its velocity over a block may stick by noise."""
 
 
@@ -47,7 +47,7 @@ class Spread:
         return Spread(**parts)
 
 
-def spread(shooter: Shooter, whole: Motion, which: Indices) -> Spread:
+def spread(shooter: Shooter, whole: SimulatedWindows, which: Indices) -> Spread:
     """Linear response of windows along their simulated motion.
 
     The plant's Jacobian holds over a block; a contact that sticks at its beginning takes its velocity out. What a
@@ -93,7 +93,7 @@ def _over(h: float, A: Array, B: Array, windows: Windows, positions: int) -> tup
     return flow[:, :, :nx, :nx], push
 
 
-def _slopes(shooter: Shooter, motion: Motion, which: Indices) -> tuple[Array, Array]:
+def _slopes(shooter: Shooter, motion: SimulatedWindows, which: Indices) -> tuple[Array, Array]:
     """A and B at the start of every block; in B all contacts are free, and no friction falls steeply."""
     count, knots, nx = motion.x.shape
     n = shooter.model.n
@@ -109,7 +109,7 @@ def _slopes(shooter: Shooter, motion: Motion, which: Indices) -> tuple[Array, Ar
     return A, B
 
 
-def _still(shooter: Shooter, motion: Motion) -> NDArray[np.bool_]:
+def _still(shooter: Shooter, motion: SimulatedWindows) -> NDArray[np.bool_]:
     """States that are velocities of contacts which stick (windows, blocks, nx)."""
     half = shooter.model.n + len(shooter.elastic)
     still = np.zeros(motion.x.shape, bool)
@@ -118,7 +118,7 @@ def _still(shooter: Shooter, motion: Motion) -> NDArray[np.bool_]:
     return still
 
 
-def _undecided(shooter: Shooter, motion: Motion, B: Array) -> Array:
+def _undecided(shooter: Shooter, motion: SimulatedWindows, B: Array) -> Array:
     """Variance of velocities where noise decides whether a contact sticks or slides (windows, blocks, positions).
 
     There the motion is not linear in the noise: the contact may have moved, or not, by what noise does to a free one.
@@ -129,7 +129,7 @@ def _undecided(shooter: Shooter, motion: Motion, B: Array) -> Array:
     found = np.zeros((*motion.x.shape[:2], half))
     for place in dry_velocities(shooter.model):
         speed, spread_ = np.abs(motion.x[:, :, half + place]), np.sqrt(kick[:, :, half + place])
-        near = _around(speed == 0.0) & _around(speed > 0.0) | (speed > 0.0) & (speed < SLOW * spread_)
+        near = _around(speed == 0.0) & _around(speed > 0.0) | (speed > 0.0) & (speed < SLOW_CONTACT_RATIO * spread_)
         found[:, :, place] = np.where(near, spread_**2, 0.0)
     return found
 
@@ -173,7 +173,7 @@ def _outputs(shooter: Shooter) -> Array:
     return C
 
 
-def _gains(shooter: Shooter, motion: Motion, which: Indices) -> Array:
+def _gains(shooter: Shooter, motion: SimulatedWindows, which: Indices) -> Array:
     """Slope of every sensor (windows, blocks, channels)."""
     windows = shooter.windows
     gain = np.ones((len(which), windows.blocks, len(windows.channels)))

@@ -17,11 +17,11 @@ from flexdyn.simulation.plant import LinkSide
 Array = NDArray[np.float64]
 REACHES = (0.04, 0.02, 0.01, 0.005)
 """Half widths of the local cubic [s]; the widest that the noise allows is taken."""
-REST = 0.02
+LEAST_REST_TIME = 0.02
 """A joint rests where it stays within its noise for so long to both sides [s]."""
 UNSURE = 0.3
 """Standard deviation of an internal state at a window's start, by its reach or by how far the joint moves, if less."""
-LOOSE = 5.0
+START_BOUND_WIDTH = 5.0
 """The window itself says where it started; what the smoothing found is a bound so many times as wide as its error."""
 
 
@@ -91,7 +91,7 @@ def first_states(shooter: Shooter) -> Starts:
             v_std[:, j] = v_std[:, j] + rate
     e = shooter.elastic
     x = np.hstack([q, theta[:, e], v, omega[:, e]])
-    std = LOOSE * np.hstack([q_std, theta_std[:, e], v_std, omega_std[:, e]])
+    std = START_BOUND_WIDTH * np.hstack([q_std, theta_std[:, e], v_std, omega_std[:, e]])
     unseen = _stick(shooter, x, std, rests)
     z, z_std = _memories(shooter)
     stuck = np.hstack([x, z])
@@ -154,7 +154,7 @@ def _cubics(t: Array, x: Array, at: Array, rows: NDArray[np.int64], noise: float
         open_ &= size > 1.3 * noise
         if not open_.any():
             break
-    best[:, 5] = _resting(x, rows, max(3, round(REST / period)), noise)
+    best[:, 5] = _resting(x, rows, max(3, round(LEAST_REST_TIME / period)), noise)
     return best
 
 

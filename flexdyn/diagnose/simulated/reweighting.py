@@ -16,13 +16,13 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.errors import FlexdynError
 
-ROUNDS = 3
+SEARCH_ROUNDS = 3
 """Structures whose neighbours are compared, at most."""
-FITTED = 2
+FITTED_SWAPS = 2
 """Swaps whose numbers are fitted to the windows: those that are nearest with the equations' numbers."""
-COMPARED = 16
+COMPARED_WINDOWS = 16
 """Windows over which structures are compared, spread evenly: 8 s; what is found is held against all of them."""
-FIRST = 6
+EQUATIONS_FIT_STEPS = 6
 """Steps of the fit to the equations, from the linear estimate."""
 
 
@@ -50,7 +50,7 @@ class Simulated:
         with contextlib.suppress(FlexdynError):
             here = hypothesis_of(found.space, structure, found.fitted.hypothesis, whole=True)
             whole = structure == found.best
-            made = found.fitted if whole else fit(here, found.fitted.space, steps=FIRST)
+            made = found.fitted if whole else fit(here, found.fitted.space, steps=EQUATIONS_FIT_STEPS)
             self._take(structure, WindowFit.of(made, self.windows))
 
     def fit(self, structure: Structure) -> None:
@@ -83,14 +83,14 @@ class Simulated:
         additions, swaps, removals = neighbours(self.found.space, here)
         for each in (*additions, *swaps):
             self.start(each)
-        for each in (*self._first(additions)[:1], *self._first(swaps)[:FITTED], *removals):
+        for each in (*self._first(additions)[:1], *self._first(swaps)[:FITTED_SWAPS], *removals):
             self.fit(each)
 
     def climbed(self, start: Structure) -> Structure:
         """From a structure to its best neighbour, as long as that is better."""
         here = start
         self.fit(here)
-        for _ in range(ROUNDS):
+        for _ in range(SEARCH_ROUNDS):
             self.around(here)
             if not self.known or self.best() == here:
                 break
@@ -141,7 +141,7 @@ def reweighed(found: Posterior, windows: Windows) -> Posterior:
     here = fit_to_windows(here)
     if here.shot.gap <= NOISE:
         return dataclasses.replace(found, fitted=here.made)
-    simulated = Simulated(found, windows.thinned(COMPARED))
+    simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
     best = simulated.climbed(found.best)
     if best not in simulated.fits:
         return found
