@@ -14,7 +14,7 @@ from flexdyn.records.signals.gaps import in_gaps
 from flexdyn.records.units import split_name
 
 Array = NDArray[np.float64]
-GREATEST = 1e290
+LARGEST_COMPARED = 1e290
 """Sums of numbers up to this do not overflow."""
 SAME_TIME = 1e-6
 """Times closer than this share of the second's mean sample interval are one: grids of a rate differ by rounding."""
@@ -81,8 +81,8 @@ def difference(one: MotionSource, two: MotionSource, channel: str, rows: slice) 
     second = taken_at(two, channel, t)
     for values in (first, second):
         greatest = float(np.abs(values).max())
-        if not greatest <= GREATEST:
-            remedy = f"the limit is {GREATEST:g}; check the channel's unit"
+        if not greatest <= LARGEST_COMPARED:
+            remedy = f"the limit is {LARGEST_COMPARED:g}; check the channel's unit"
             raise InputError("the numbers are too great to be compared", key=channel, value=greatest, remedy=remedy)
     return Difference(t, first, second)
 

@@ -19,7 +19,10 @@ Array = NDArray[np.float64]
 FORCE = np.array([-0.2, 0.0])  # N, along -x: across the second link as it stands
 RISE, RELEASE, END = 1.0, 16.0, 20.0  # s
 SETTLING = 3.0  # N m s/rad: brings both joints to rest well before the release
-KP, KD = 50.0, 4.5  # N m/rad, N m s/rad: motors that hold their place, critically damped for J = 0.1 kg m^2
+END_FORCE_KP, END_FORCE_KD = (
+    50.0,
+    4.5,
+)  # N m/rad, N m s/rad: motors that hold their place, critically damped for J = 0.1 kg m^2
 
 
 def end_force(cases: PaperCases) -> Chapter:
@@ -82,7 +85,7 @@ def _pushed(cases: PaperCases, v: float) -> Run:
     size = np.concatenate([rise, [1.0, 0.0, 0.0]])
     push = Samples(t, np.outer(size, [*FORCE, 0, 0, 0, 0]), "linear")
     wrench = FrameWrench(model.robot.tip, push)
-    return simulate(model, PD(still, KP, KD), END, reference(), rate=100.0, external=wrench)
+    return simulate(model, PD(still, END_FORCE_KP, END_FORCE_KD), END, reference(), rate=100.0, external=wrench)
 
 
 def _degrees(angles: Array) -> str:

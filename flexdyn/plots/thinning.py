@@ -14,7 +14,7 @@ SLICES = 1500
 """Of longer ones: slices of time, each narrower than a dot of the picture, of which the extremes are kept."""
 FINE, COARSE = 800, 240
 """Cells across and up, of a plane in which a curve is drawn: those of its line, those of its dots."""
-AVERAGES, LEAST = 80, 20
+MOST_AVERAGES, DOTS_IN_AN_AVERAGE = 80, 20
 """Averages through a cloud of dots at most, and dots in each of them at least."""
 MOST_PLANE_POINTS = 24000
 """Points of a curve in a plane; one that needs more is drawn as dots."""
@@ -104,7 +104,7 @@ def averages(columns: Array) -> Array:
         In the order of the first column (averages, columns); none where there are too few points.
     """
     finite = columns[np.isfinite(columns).all(axis=1)]
-    count = min(AVERAGES, len(finite) // LEAST)
+    count = min(MOST_AVERAGES, len(finite) // DOTS_IN_AN_AVERAGE)
     if count < 2:
         return np.zeros((0, columns.shape[1]))
     ordered = finite[np.argsort(finite[:, 0], kind="stable")]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.priors import CERTAIN
+from flexdyn.diagnose.inference.priors import FITTED_SIZE_WIDTH
 from flexdyn.diagnose.inference.space import SPARE_COLUMNS, Structure
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -54,7 +54,7 @@ def _case(seed: int = 0, level: float = 0.5, *, bounded: bool = False, stands: b
     ]
     rows = level * white()[:, 0] - effects[1].columns[0].white[:, 0] - 0.8 * effects[6].columns[0].white[:, 1]
     if stands:
-        tangents = column(white(2, 1), [CERTAIN, 0.3], [1.0, -0.1], [0.5, 0.0])
+        tangents = column(white(2, 1), [FITTED_SIZE_WIDTH, 0.3], [1.0, -0.1], [0.5, 0.0])
         effects.append(
             Given("coulomb_friction", "b", (tangents,), stands=CoulombFriction("b", side="motor", level=1.0))
         )

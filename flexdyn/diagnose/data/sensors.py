@@ -13,7 +13,7 @@ from flexdyn.effects import ChannelLag, EncoderEccentricity, SensorEffect, Senso
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-ROUNDS, SETTLED = 20, 1e-15
+DISC_ROUNDS, DISC_ROUNDING = 20, 1e-15
 """Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
 SPARE_SAMPLES = 16
 """Samples beyond either end, as many as a spline's coefficients take notice of."""
@@ -46,9 +46,9 @@ def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) ->
     discs = [e for e in effects if isinstance(e, EncoderEccentricity)]
     if discs:
         seen = x
-        for _ in range(ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
+        for _ in range(DISC_ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
             before, x = x, seen - sum(e.error(x) for e in discs)
-            if np.abs(x - before).max(initial=0.0) < SETTLED:
+            if np.abs(x - before).max(initial=0.0) < DISC_ROUNDING:
                 break
     delay = sum(e.delay for e in effects if isinstance(e, ChannelLag))
     return advanced(x, delay, dt) if delay else x

@@ -26,7 +26,7 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.shooting.gap import NOISE
+from flexdyn.diagnose.shooting.gap import NOISE_GAP
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -102,7 +102,7 @@ def _on_fit(
 
 def _contradicting(first: OnFit) -> Windows | None:
     """Windows of the fit that leave more than noise; None: they do not, or there are none."""
-    if first.shots is None or first.shots.after.gap <= NOISE * max(first.shots.gap.floor, 1.0):
+    if first.shots is None or first.shots.after.gap <= NOISE_GAP * max(first.shots.gap.floor, 1.0):
         return None
     return first.shots.after.windows
 

@@ -18,7 +18,7 @@ from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.words import capital, effect_name
 
 Array = NDArray[np.float64]
-CURVE = 0.9
+CURVE_VARIANCE_SHARE = 0.9
 """Share of a law's variance that one quantity must explain for the law to be a curve over it [1]."""
 EQUAL_SHARE_DIFFERENCE = 0.02
 """Shares that differ by less are equal: the first quantity of the list is taken."""
@@ -78,7 +78,7 @@ def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) 
     shares = [_share(each.values, rows) for each in known]
     best = next(place for place, share in enumerate(shares) if share >= max(shares) - EQUAL_SHARE_DIFFERENCE)
     x = known[best]
-    curve = shares[best] >= CURVE
+    curve = shares[best] >= CURVE_VARIANCE_SHARE
     note = "" if curve else f"The law depends on more than {x.label.partition(' ')[0]}: its line is an average."
     j, side = after.kinds[k]
     joint, robot = after.true.joint_names[j], after.true.robot

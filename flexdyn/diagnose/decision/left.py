@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.held_out import HeldOut, rms
 from flexdyn.diagnose.equations.equations import LINK, TRANSMISSION
-from flexdyn.diagnose.inference.apart import CHANCE, UNSURE
+from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.report.measures import Left, ResidualPlace
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ def left(rows: HeldOut, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left
         unit = at.softness[j] if kind == LINK else 1.0
         beyond = float((white[clear, k] ** 2 - 1.0).mean())
         power = float((residual[clear, k] ** 2 - variance[clear, k]).mean())
-        if beyond <= max(CHANCE * np.sqrt(2.0 / clear.sum()), UNSURE) or power <= 0.0:
+        if beyond <= max(CHANCE_ROOM * np.sqrt(2.0 / clear.sum()), NOISE_LEVEL_ERROR) or power <= 0.0:
             continue
         share = float(unit * np.sqrt(power)) / max(rms(rows.torque(j)[2]), 1e-12)
         if share >= LEFT_TORQUE_SHARE and (joint not in found or share > found[joint].share_of_torque):

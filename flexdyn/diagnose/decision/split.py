@@ -20,9 +20,9 @@ TEST_SHARE = 0.2
 """Share of what moves in every recording that is test data where no other is given [1] (contract, section 8)."""
 SHORTEST_TEST_DATA = 1.0
 """Least length of such test data [s]: two windows of 0.5 s."""
-UNCUT = 2.5
+SHORTEST_CUT_RECORDING = 2.5
 """Recordings that are shorter are not cut: what is left of one of them would be too short to fit [s]."""
-SPAN = 0.2
+MOVING_TIME = 0.2
 """Time over which a joint must change its position to count as moving [s]."""
 REST_SIGMAS = 10.0
 """A joint rests where its position ranges over fewer standard deviations of its encoder's noise: over some hundred
@@ -81,7 +81,7 @@ def parts(
     if check:
         tests = tuple(DataPart(each, measured(model, each), "test") for each in check)
         return tuple(DataPart(*each, "fit") for each in whole), tests
-    if len(whole) > 1 and any(data.t[-1] < UNCUT for _, data in whole):
+    if len(whole) > 1 and any(data.t[-1] < SHORTEST_CUT_RECORDING for _, data in whole):
         return _apart(whole)
     halves = [_halves(*each) for each in whole]
     return tuple(first for first, _ in halves), tuple(last for _, last in halves)
@@ -124,7 +124,7 @@ def moving(data: Measured) -> NDArray[np.bool_]:
     """Samples (samples,) about which some measured position changes by more than noise."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-    width = max(2, round(SPAN / data.dt))
+    width = max(2, round(MOVING_TIME / data.dt))
     moves = np.zeros(len(data.t), bool)
     for signal, there in (("q", data.has_q), ("theta", data.has_theta)):
         sigma = encoder_noise((data,), signal)

@@ -16,7 +16,7 @@ from flexdyn.diagnose.report.trace import ResidualTrace
 Array = NDArray[np.float64]
 POWER_BLOCK = 0.025
 """Length of the blocks whose power is compared [s]."""
-CHANCE, UNSURE = 5.0, 0.05
+CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
 """Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
 LEAST_SHARE = 0.01
 """Places of a smaller share of the excess are left out [1]."""
@@ -48,7 +48,7 @@ def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tup
     seen = ~mask.reshape(-1, many)
     rows = seen.sum(axis=0)
     excess = ((power - 1.0) * seen).sum(axis=0)
-    excess = np.where(excess > np.maximum(CHANCE * np.sqrt(2.0 * rows), UNSURE * rows), excess, 0.0)
+    excess = np.where(excess > np.maximum(CHANCE_ROOM * np.sqrt(2.0 * rows), NOISE_LEVEL_ERROR * rows), excess, 0.0)
     if not excess.any():
         return ()
     shares = excess / excess.sum()

@@ -10,7 +10,7 @@ from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, Equ
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 
 Array = NDArray[np.float64]
-SIGMAS = 5.0
+CERTAIN_SIGN_SIGMAS = 5.0
 """A velocity of fewer standard deviations than this has no certain sign."""
 
 
@@ -49,7 +49,7 @@ def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
         if kind in (MOTOR, LINK) and kind != side:
             continue
         sigma = level if there else max(noise.q[j], noise.theta[j]) * 3.0
-        uncertain |= np.abs(u) <= SIGMAS * spread * sigma  # 0 has none, however good the encoder
+        uncertain |= np.abs(u) <= CERTAIN_SIGN_SIGMAS * spread * sigma  # 0 has none, however good the encoder
         uncertain[1:] |= u[1:] * u[:-1] < 0.0
     passes = 1 + (along.lost > filters.first.half)
     reach = round(0.6 * (passes * filters.first.half + filters.second.half))  # three standard deviations of each

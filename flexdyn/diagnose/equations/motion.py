@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 Places = NDArray[np.intp] | slice
 DYNAMICS_STEP = 1e-5
 """Of differences of h [rad and rad/s, or m and m/s]."""
-ALIKE, AS_HEAVY = 0.01, 0.1
+SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE = 0.01, 0.1
 """Shares of their ranges by which motions, and the torques that they need, may differ for slopes of h to be shared."""
 
 
@@ -141,7 +141,7 @@ def _alike(one: SmoothedMotion, base: SmoothedMotion) -> bool:
     if one.q.shape != base.q.shape:
         return False
     pairs = ((one.q, base.q), (one.v, base.v), (one.inverse_dynamics, base.inverse_dynamics))
-    shares = (ALIKE, ALIKE, AS_HEAVY)
+    shares = (SHARED_MOTION_SHARE, SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE)
     return all(np.abs(a - b).max() <= s * r for (a, b), s, r in zip(pairs, shares, base.ranges, strict=True))
 
 

@@ -11,7 +11,7 @@ from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, Equations
 
 Array = NDArray[np.float64]
 DIFFERENCE = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
-OTHERS = 0.5
+ENCODER_NOISE_SHARE = 0.5
 """Share of the residual's noise that encoders may make for the torque's to be told from it."""
 GAUSS = 1.4826
 """Standard deviation over median absolute deviation of a Gaussian."""
@@ -74,7 +74,7 @@ def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], enc
             clear[:] = True
         seen = (GAUSS * float(np.median(np.abs(second[clear] - np.median(second[clear]))))) ** 2
         others, unit = variances(equations, encoders, place, j)
-        if others > OTHERS * seen:
+        if others > ENCODER_NOISE_SHARE * seen:
             found[j] = recorded_torque_noise(equations.data)[j]
         else:
             found[j] = np.sqrt((seen - others) / unit)

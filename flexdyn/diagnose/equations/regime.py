@@ -16,7 +16,7 @@ BLOCKS_AS_ONE = 8.0
 """Blocks that count as one: neighbours in time are alike."""
 NAMED_VARIANCE_SHARE = 0.15
 """Share of the variance of the logarithm of the power that a quantity must explain to be named [1]."""
-DENSER = 1.6
+REGIME_DENSITY = 1.6
 """Times as much excess per time as outside that a regime must hold [1]."""
 ZERO_BOUND_SHARE = 1e-3
 """A lower bound of so small a share of the upper one is none [1]."""
@@ -115,7 +115,7 @@ def _range(excess: Array, quantity: Quantity, inside: NDArray[np.bool_]) -> tupl
         ((a, b) for a in range(many) for b in range(a + 1, many + 1)), key=lambda run: runs[run[1]] - runs[run[0]]
     )
     share, spent = held[first:last].sum() / held.sum(), time[first:last].sum()
-    if spent >= 1.0 or share / spent < DENSER * (1.0 - share) / (1.0 - spent):
+    if spent >= 1.0 or share / spent < REGIME_DENSITY * (1.0 - share) / (1.0 - spent):
         return None
     return quantity.text.format(_words(edges, first, last)), (bins >= first) & (bins < last)
 

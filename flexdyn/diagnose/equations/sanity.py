@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.mistakes import (
-    AMBIGUOUS,
     DEGREE,
     EXPLAINED_SHARE,
-    WOUND,
+    SMALLEST_CHECKED_RATIO,
+    WOUND_SPRING_RATIO,
     Match,
     Mistake,
     far,
@@ -42,22 +42,22 @@ LEAST_RATE = 20.0
 """Least rate [Hz]: below it no acceleration of an arm is seen, and a clock in ms is likely."""
 MOVING_SIGMAS = 10.0
 """A joint moves where its positions range over more than so many standard deviations of the encoder's noise."""
-ALIKE = 0.9
+ENCODERS_ALIKE_SHARE = 0.9
 """Share of the variance that two encoders of one joint have in common at least, if both are its own [1]."""
-DEAD = 1e-3
+DEAD_ENCODER_SHARE = 1e-3
 """An encoder is dead where its range is below this share of that of the joint's other one [1]."""
-POOR = 0.7
+POOR_VARIANCE_SHARE = 0.7
 """Mistakes are looked for where a model explains less of a torque's variance [1]."""
-LOOKED_AT = 12.0
+LIVELIEST_LENGTH = 12.0
 """Length of the liveliest part of a recording, in which mistakes are looked for [s]."""
-BETTER = 0.2
+BETTER_BY_SHARE = 0.2
 """A mistake about several joints explains this much more of every one's torque, if not all of it [1]."""
 NOTED_VARIANCE_SHARE = 0.5
 """Less than this of its variance is worth a note."""
 SIZE_WEIGHT = 0.1
 """Of two mistakes the better has torques of the right size: what a factor of e costs in share [1]."""
 UNCHECKED = "Units and signs of the torques were not checked, as numbers of the model are not known."
-ALSO = 5.0
+BELIEVED_RATIO = 5.0
 """A mistake believed leaves this much less than the recording as it is given."""
 
 
@@ -158,17 +158,17 @@ def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
     both = np.flatnonzero(data.both)
     for j in both:
         joint = model.joint_names[j]
-        wound = WOUND * float(np.abs(data.tau[:, j]).max()) / float(model.stiffness[j])
+        wound = WOUND_SPRING_RATIO * float(np.abs(data.tau[:, j]).max()) / float(model.stiffness[j])
         if max(np.ptp(data.q[:, j]), np.ptp(data.theta[:, j])) <= wound:
             continue
         for dead, alive in (("q", "theta"), ("theta", "q")):
             x, y = getattr(data, dead)[:, j], getattr(data, alive)[:, j]
-            if np.ptp(x) < DEAD * np.ptp(y):
+            if np.ptp(x) < DEAD_ENCODER_SHARE * np.ptp(y):
                 problem, remedy = f"it rests while {alive}.{joint} moves", f"leave out {dead}.{joint}"
                 value = f"a range of {np.ptp(x):.2g} against {np.ptp(y):.2g}"
                 raise InputError(problem, file=data.name, key=f"{dead}.{joint}", value=value, remedy=remedy)
         slope, share = _line(data.q[:, j], data.theta[:, j])
-        if share > ALIKE and 0.5 < slope < 2.0:
+        if share > ENCODERS_ALIKE_SHARE and 0.5 < slope < 2.0:
             continue
         for factor, problem, remedy in sorted(_looks(model, int(j)), key=lambda look: abs(slope / look[0] - 1.0)):
             if share > EXPLAINED_SHARE and 0.8 < slope / factor < 1.25:
@@ -176,7 +176,7 @@ def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
                 raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
         for i in both:
             other, alike = _line(data.q[:, i], data.theta[:, j])
-            if i != j and share < ALIKE and alike > 0.99 and 0.8 < abs(other) < 1.25:
+            if i != j and share < ENCODERS_ALIKE_SHARE and alike > 0.99 and 0.8 < abs(other) < 1.25:
                 there = model.joint_names[i]
                 problem = f"theta follows the q of {there}, and not that of its own joint"
                 remedy = f"exchange theta.{joint} and theta.{there}, or their q"
@@ -193,7 +193,7 @@ def _looks(model: FlexibleJointModel, j: int) -> list[tuple[float, str, str]]:
         (unit, f"theta is in {small} and q is not", f"convert theta.{joint}"),
         (1.0 / unit, f"q is in {small} and theta is not", f"convert q.{joint}"),
     ]
-    if abs(ratio) <= AMBIGUOUS:
+    if abs(ratio) <= SMALLEST_CHECKED_RATIO:
         return looks
     remedy = f"divide theta.{joint} by the gear ratio {ratio:g} (side: motor)"
     turned = f"divide theta.{joint} by {-ratio:g}"
@@ -216,9 +216,9 @@ def _line(x: Array, y: Array) -> tuple[float, float]:
 def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Iterator[str]:
     """Whether one mistake explains the torques far better than the recording as it is given."""
     seen = match(model, links, data)
-    poor = seen.says & (seen.plain < POOR)
+    poor = seen.says & (seen.plain < POOR_VARIANCE_SHARE)
     if poor.any():
-        _check_mistakes(model, links, liveliest(data, LOOKED_AT))
+        _check_mistakes(model, links, liveliest(data, LIVELIEST_LENGTH))
     for j in np.flatnonzero(poor):
         joint, gain, share = model.joint_names[j], float(seen.gain[j]), float(seen.share[j])
         if share > EXPLAINED_SHARE and far(gain):
@@ -236,7 +236,7 @@ def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured)
 
 def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) -> None:
     seen = match(model, links, data)
-    poor = seen.says & (seen.plain < POOR)
+    poor = seen.says & (seen.plain < POOR_VARIANCE_SHARE)
     best: tuple[float, Mistake, Match] | None = None
     for mistake in mistakes(model, seen) if poor.any() else ():
         undone = match(model, links, mistake.undone(data))
@@ -252,7 +252,7 @@ def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) 
 def _beyond_springs(model: FlexibleJointModel, links: LinkSide, data: Measured, mistake: Mistake) -> bool:
     """Whether another unit of the positions explains more than a spring that the model lacks would."""
     sprung, undone = (match(model, links, each, springs=True) for each in (data, mistake.undone(data)))
-    return all(undone.says[j] and undone.share[j] > sprung.plain[j] + BETTER for j in mistake.joints)
+    return all(undone.says[j] and undone.share[j] > sprung.plain[j] + BETTER_BY_SHARE for j in mistake.joints)
 
 
 def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]) -> float | None:
@@ -261,9 +261,9 @@ def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]
     now = np.where(fits(mistake, undone), undone.share, 0.0)
     before = np.clip(seen.plain, 0.0, 1.0)
     wanted = wanted_share(mistake, seen.gain)
-    healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / ALSO) | (wanted < EXPLAINED_SHARE))
+    healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / BELIEVED_RATIO) | (wanted < EXPLAINED_SHARE))
     named = [j for j in mistake.joints if known[j]]
-    better = (now >= wanted) | (now > before + BETTER)
+    better = (now >= wanted) | (now > before + BETTER_BY_SHARE)
     if not named or not healed[known].any() or not better[named].all() or (now < before - 0.1)[known].any():
         return None
     off = np.abs(np.log(np.maximum(np.abs(undone.gain[named]), 1e-9))).mean()

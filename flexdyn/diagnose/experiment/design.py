@@ -26,19 +26,19 @@ from flexdyn.errors import FlexdynError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-CLEAR = 50.0
+CLEAR_DELTA_BIC = 50.0
 """Expected delta BIC from which two laws are told apart."""
-AMPLE = 4.0 * CLEAR
+AMPLE_DELTA_BIC = 4.0 * CLEAR_DELTA_BIC
 """From here on not even those that were to be tried with it are."""
 LONGEST_MOTION = 120.0
 """A motion is repeated for so long at most [s]."""
-SAME = 4.0
+SAME_LAW_DELTA_BIC = 4.0
 """An expected delta BIC below this in the longest time: the laws are the same."""
 MOTIONS_TRIED = 12
 """So many motions are tried at most: each is simulated, and its rivals fitted to it."""
-JOINTS = 3
+JOINTS_TRIED = 3
 """So many joints are tried where no suspect says which one it acts on."""
-NAMED = 2
+HELD_JOINTS_NAMED = 2
 """So many other joints are named with the positions at which they are held."""
 POSES = ("in the middle of their ranges", "where gravity asks most of them", "where gravity asks least of them")
 LITTLE_MORE = 1.5
@@ -90,7 +90,7 @@ def _tried(bench: RehearsalBench, joints: Sequence[int]) -> list[Rehearsal]:
         if new and not any(_passes(made) for made in new):
             turning = max(range(len(new)), key=lambda k: new[k].reversals)
             with contextlib.suppress(*FAILURES):
-                new[turning] = _shown(bench, bench.closer(new[turning], CLEAR / _most(new[turning])))
+                new[turning] = _shown(bench, bench.closer(new[turning], CLEAR_DELTA_BIC / _most(new[turning])))
         found += new
         if any(_passes(made) for made in new):
             break
@@ -106,7 +106,7 @@ def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Reh
             return None
         with contextlib.suppress(*FAILURES):
             made = _shown(bench, bench.rehearse(some[k]))
-            if made.apart() >= AMPLE:
+            if made.apart() >= AMPLE_DELTA_BIC:
                 ample.append(k)
             return made
         return None
@@ -119,7 +119,7 @@ def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Reh
 def _shown(bench: RehearsalBench, made: Rehearsal) -> Rehearsal:
     """A motion that tells, made by every hypothesis; another one as it is."""
     most = _most(made)
-    return bench.from_all_sides(made, CLEAR / most) if made.apart(most) >= CLEAR else made
+    return bench.from_all_sides(made, CLEAR_DELTA_BIC / most) if made.apart(most) >= CLEAR_DELTA_BIC else made
 
 
 def _moves(bench: RehearsalBench, joints: Sequence[int]) -> Iterator[PlannedMotion]:
@@ -146,7 +146,7 @@ def _by_turns(joints: list[list[PlannedMotion]]) -> Iterator[PlannedMotion]:
 def _held(model: FlexibleJointModel, pose: Array, j: int, words: str) -> str:
     """Where the other joints are held."""
     others = [k for k in range(model.n) if k != j]
-    if len(others) > NAMED:
+    if len(others) > HELD_JOINTS_NAMED:
         return f", the other joints held {words}"
     names = (f"{model.joint_names[k]} held at {short(pose[k])} {model.robot.angle_unit(k)}" for k in others)
     return "".join(f", {name}" for name in names)
@@ -158,7 +158,7 @@ def _joints(model: FlexibleJointModel, finding: Finding) -> list[int]:
     for each in (finding.suspect, *finding.rivals):
         joint = each.joint or each.place.get("channel", "").partition(".")[2]
         found += [model.index(joint)] if joint in model.joint_names else list(range(model.n))
-    return list(dict.fromkeys(found))[:JOINTS]
+    return list(dict.fromkeys(found))[:JOINTS_TRIED]
 
 
 def _most(made: Rehearsal) -> int:
@@ -168,7 +168,7 @@ def _most(made: Rehearsal) -> int:
 
 def _passes(made: Rehearsal) -> int | None:
     """How often it must be made; None: it does not help."""
-    return next((passes for passes in range(1, _most(made) + 1) if made.apart(passes) >= CLEAR), None)
+    return next((passes for passes in range(1, _most(made) + 1) if made.apart(passes) >= CLEAR_DELTA_BIC), None)
 
 
 def _chosen(rehearsed: Sequence[Rehearsal]) -> tuple[Rehearsal, int] | None:
@@ -204,6 +204,6 @@ def _nothing(names: Sequence[str], rehearsed: Sequence[Rehearsal]) -> str:
     told = f"no motion within what this arm has been seen to do tells {names[0]} from {' or '.join(names[1:])}"
     tried = f"{len(rehearsed)} motions simulated, for up to {LONGEST_MOTION:.0f} s each"
     apart = f"{math.sqrt(left):.1f} times the noise apart"
-    if left < SAME:
+    if left < SAME_LAW_DELTA_BIC:
         return f"{told}: they are the same law here ({tried}; at best they are {apart})"
     return f"{told} clearly ({tried}; the best, {best.move.words}, leaves them {apart})"

@@ -15,7 +15,7 @@ from flexdyn.errors import InputError
 Array = NDArray[np.float64]
 LINEARITY_SAMPLES = 300
 """Samples of a motion over which it is asked what a law is linear in."""
-CLOSE = 1e-7
+EQUAL_TORQUE_DIFFERENCE = 1e-7
 """Relative difference below which two torques are the same."""
 
 
@@ -92,7 +92,7 @@ class Law:
             rest = self.added(nothing, self.some)
         except InputError:
             return False
-        size = CLOSE * float(np.abs(whole).max())
+        size = EQUAL_TORQUE_DIFFERENCE * float(np.abs(whole).max())
         off = max(float(np.abs(each).max()) for each in (np.sum(alone, axis=0) - whole, twice - 2.0 * whole, rest))
         acting = all(np.abs(each).max() > size for each in alone)
         return size > 0.0 and acting and off < size

@@ -24,7 +24,7 @@ from flexdyn.diagnose.inference.space import Space, Structure
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-CHANCE, UNSURE = 5.0, 0.05
+CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
 """Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
 EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 0.3
 """Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest. In
@@ -87,7 +87,7 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
 
 def _undetected(noise: Discrepancy) -> Array:
     """Power beyond noise that chance and a wrong level of the noise may make (equations,)."""
-    return np.asarray(UNSURE * noise.count + CHANCE * np.sqrt(2.0 * noise.count * noise.times))
+    return np.asarray(NOISE_LEVEL_ERROR * noise.count + CHANCE_ROOM * np.sqrt(2.0 * noise.count * noise.times))
 
 
 def _typical(space: Space, excess: Array) -> float:

@@ -16,7 +16,7 @@ from flexdyn.diagnose.inference.priors import WAVES
 Array = NDArray[np.float64]
 HIGHEST_HARMONIC = 200.0
 """Harmonics that are looked for, at most [cycles per turn]."""
-PEAKS = 4
+SPECTRUM_PEAKS = 4
 """Peaks of a spectrum that become grid points."""
 HARMONICS_AT_ONCE = 64
 """Harmonics whose waves are held at once."""
@@ -59,7 +59,7 @@ def peaks(equations: Equations, left: Array, runs: NDArray[np.intp], row: int, s
 
     size = np.concatenate([power(block) for block in np.array_split(grid, max(1, len(grid) // HARMONICS_AT_ONCE))])
     inner = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
-    chosen = inner[np.argsort(-size[inner])][:PEAKS]
+    chosen = inner[np.argsort(-size[inner])][:SPECTRUM_PEAKS]
     around = np.arange(-4, 5) * HARMONIC_SPACING * resolution
     found = []
     for k in chosen:

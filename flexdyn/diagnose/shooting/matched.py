@@ -17,17 +17,17 @@ from flexdyn.diagnose.shooting.whiten import Filter
 Array = NDArray[np.float64]
 LARGEST_FIRST_STATE_SHIFT = 100.0
 """Standard deviations that a first state is moved at most: beyond, it is no correction but a response that explodes."""
-HOPELESS = 0.3
+FAILED_WINDOW_SHARE = 0.3
 """Share of windows that cannot be simulated, or in which noise would excuse anything, from which a law is no law."""
 CORRECTION_ROUNDS = 6
 """Corrections of the first states at most, each with a new linear response."""
 WORTHWHILE_REMAINDER = 0.8
 """Another correction is worth its time if the last one left less than this of the squared residual."""
-STRAY = 4.0
+STRAY_WINDOW_RATIO = 4.0
 """A window so many times as far off as the median one may still be on the wrong side of a stick: it is tried on."""
 SHORTENED_CORRECTION = 0.3
 """A correction that made it worse is tried again, this much shorter."""
-FAILED = 3.0
+FAILED_SAMPLE_ERROR = 3.0
 """A sample that the simulation did not reach counts as off by so many times what its channel moves (plus 1 rad)."""
 
 
@@ -50,7 +50,7 @@ class Matched:
     def stray(self, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Windows that are much further off than the others (windows,)."""
         size = self.filter.scaled(self.residual)
-        return np.asarray(size > STRAY**2 * max(float(np.median(size)), float(used[0].sum())))
+        return np.asarray(size > STRAY_WINDOW_RATIO**2 * max(float(np.median(size)), float(used[0].sum())))
 
 
 def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], near: Array | None = None) -> Matched:
@@ -104,7 +104,7 @@ def _from(
     residual = bounded_residual(shooter, motion, used)
     fit = Matched(moved, residual, motion, _filter(shooter, starts, used, motion, some, rest))
     factor, active = np.ones(len(moved)), some
-    if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
+    if np.mean(motion.written < shooter.windows.rows) > FAILED_WINDOW_SHARE:
         return fit
     for _ in range(CORRECTION_ROUNDS):
         wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
@@ -150,7 +150,7 @@ def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: NDArray[n
     """Simulated - measured, bounded also where the simulation failed."""
     windows = shooter.windows
     measured = windows.measured
-    limit = 1.0 + FAILED * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
+    limit = 1.0 + FAILED_SAMPLE_ERROR * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
     with np.errstate(invalid="ignore", over="ignore"):
         difference = shooter.reported(motion) - shooter.measured
     reached = np.arange(windows.rows) < motion.written[:, None]

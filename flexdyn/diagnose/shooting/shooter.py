@@ -27,7 +27,7 @@ from flexdyn.simulation.solver_choice import STIFF, core_settings, fastest_rate
 from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver
 
 Array = NDArray[np.float64]
-PHASE = 0.25
+LARGEST_PHASE_STEP = 0.25
 """Largest rate times step of the classical method [rad]: 0.5 s of a vibration then end within 0.5 % of it."""
 MOST_EVALUATIONS = 100_000
 """Evaluations of the equations after which a window has failed: as many as 0.5 s in classical steps of 20 us take."""
@@ -198,8 +198,10 @@ class Shooter:
         rate = max(fastest_rate(self.plants[w], np.ascontiguousarray(x0[w])) for w in some)
         fast = np.abs(x0[:, self.model.n + len(self.elastic) :]).max()
         rate = max([rate, *(fast / effect.reach for effect in self.memory if effect.reach > 0)])
-        if rate * self.windows.period < (PHASE if self.plants[0].has_dry_friction else 8 * PHASE):
-            return RungeKutta4(step=tight * min(PHASE / max(rate, 1e-9), self.windows.period))
+        if rate * self.windows.period < (
+            LARGEST_PHASE_STEP if self.plants[0].has_dry_friction else 8 * LARGEST_PHASE_STEP
+        ):
+            return RungeKutta4(step=tight * min(LARGEST_PHASE_STEP / max(rate, 1e-9), self.windows.period))
         if rate > STIFF:
             return Rosenbrock(rtol=1e-5 * tight, atol=1e-7 * tight)
         return DormandPrince(rtol=1e-5 * tight, atol=1e-7 * tight)

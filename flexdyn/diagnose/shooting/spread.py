@@ -17,9 +17,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 GAINS_EVERY = 5
 """Blocks over which the effect of torques on accelerations is taken as one."""
-HUGE = 1e9
+LARGEST_SLOPE = 1e9
 """Slopes and responses beyond it belong to motions that explode; they are cut off there."""
-STEEP = 20.0
+STEEP_FEEDBACK = 20.0
 """A velocity that feeds itself faster (1/s), as falling friction near rest does, does so for an instant only."""
 SLOW_CONTACT_RATIO = 10.0
 """A contact below so many times what noise adds to its velocity over a block may stick by noise."""
@@ -101,10 +101,10 @@ def _slopes(shooter: Shooter, motion: SimulatedWindows, which: Indices) -> tuple
     for w in np.flatnonzero(motion.written == shooter.windows.rows).tolist():
         place = int(which[w])
         shooter.plants[place].slopes_along(motion.x[w], shooter.torques(place), GAINS_EVERY, A[w], B[w])
-    A, B = (np.clip(np.nan_to_num(each), -HUGE, HUGE) for each in (A, B))
+    A, B = (np.clip(np.nan_to_num(each), -LARGEST_SLOPE, LARGEST_SLOPE) for each in (A, B))
     half = n + len(shooter.elastic)
     velocities = np.arange(half, 2 * half)
-    steep = A[:, :, velocities, velocities] > STEEP
+    steep = A[:, :, velocities, velocities] > STEEP_FEEDBACK
     A[:, :, half : 2 * half, half : 2 * half] *= ~steep[:, :, None, :]
     return A, B
 
@@ -158,8 +158,8 @@ def _exponential(A: Array) -> Array:
     for order in (5, 4, 3, 2, 1):
         total = one + small @ total / order
     for _ in range(halvings):
-        total = np.clip(total @ total, -HUGE, HUGE)
-    return np.asarray(np.clip(total / ratio, -HUGE, HUGE))
+        total = np.clip(total @ total, -LARGEST_SLOPE, LARGEST_SLOPE)
+    return np.asarray(np.clip(total / ratio, -LARGEST_SLOPE, LARGEST_SLOPE))
 
 
 def _outputs(shooter: Shooter) -> Array:

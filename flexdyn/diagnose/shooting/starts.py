@@ -19,7 +19,7 @@ REACHES = (0.04, 0.02, 0.01, 0.005)
 """Half widths of the local cubic [s]; the widest that the noise allows is taken."""
 LEAST_REST_TIME = 0.02
 """A joint rests where it stays within its noise for so long to both sides [s]."""
-UNSURE = 0.3
+INTERNAL_STATE_WIDTH = 0.3
 """Standard deviation of an internal state at a window's start, by its reach or by how far the joint moves, if less."""
 START_BOUND_WIDTH = 5.0
 """The window itself says where it started; what the smoothing found is a bound so many times as wide as its error."""
@@ -216,7 +216,7 @@ def _memories(shooter: Shooter) -> tuple[Array, Array]:
     z = np.zeros((len(windows), len(shooter.memory)))
     std = np.zeros_like(z)
     for i, effect in enumerate(shooter.memory):
-        std[:, i] = UNSURE * effect.reach
+        std[:, i] = INTERNAL_STATE_WIDTH * effect.reach
         for k in range(len(windows.recordings)):
             mine = windows.places[:, 0] == k
             path = _path(shooter, effect, k)
@@ -225,7 +225,7 @@ def _memories(shooter: Shooter) -> tuple[Array, Array]:
             rows = windows.places[mine, 1]
             states = effect.states_along(path[: rows.max() + 1])
             z[mine, i] = states[rows]
-            std[mine, i] = UNSURE * min(effect.reach, float(np.ptp(path))) * np.where(rows == 0, 3.0, 1.0)
+            std[mine, i] = INTERNAL_STATE_WIDTH * min(effect.reach, float(np.ptp(path))) * np.where(rows == 0, 3.0, 1.0)
     return z, std
 
 

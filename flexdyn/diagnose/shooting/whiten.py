@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.shooting.spread import HUGE, Indices, Spread
+from flexdyn.diagnose.shooting.spread import LARGEST_SLOPE, Indices, Spread
 from flexdyn.diagnose.shooting.windows import Windows
 
 Array = NDArray[np.float64]
-EXCUSE = 0.2
+EXCUSED_SHARE = 0.2
 """Noise excuses no more than this of what a channel moves: an unstable model makes much of little."""
 
 
@@ -73,7 +73,7 @@ class Filter:
             F, C = flow[:, k], seen[:, k]
             Ft, Ct = F.transpose(0, 2, 1), C.transpose(0, 2, 1)
             P, V, cross, moved = F @ P @ Ft + push[:, k], F @ V @ Ft + push[:, k], cross @ Ft, F @ moved
-            P, V, cross, moved = (np.clip(each, -HUGE, HUGE) for each in (P, V, cross, moved))
+            P, V, cross, moved = (np.clip(each, -LARGEST_SLOPE, LARGEST_SLOPE) for each in (P, V, cross, moved))
             PC, XC = P @ Ct, cross @ Ct
             whitener[:, k] = W = _root(C @ PC, R[:, k])
             inverse = W.transpose(0, 2, 1) @ W
@@ -84,7 +84,9 @@ class Filter:
             carried[:, k] = np.einsum("wci,wci->wc", C @ V, C)
             lever[:, k] = C @ moved
         doubt = np.einsum("wkci,wkci->wkc", lever @ first[:, None], lever)
-        most = (EXCUSE * (np.nanmax(windows.measured, axis=(0, 1)) - np.nanmin(windows.measured, axis=(0, 1)))) ** 2
+        most = (
+            EXCUSED_SHARE * (np.nanmax(windows.measured, axis=(0, 1)) - np.nanmin(windows.measured, axis=(0, 1)))
+        ) ** 2
         left = carried - doubt
         variance = sensor + np.clip(left, 0.0, most)
         unfitted = sensor + np.minimum(carried, most)
@@ -108,8 +110,8 @@ class Filter:
         for k in range(mean.shape[1]):
             now = self.response.flow[:, k] @ now
             surprise = mean[:, k, :, None] - seen[:, k] @ now
-            now = np.clip(now + self.gain[:, k] @ surprise, -HUGE, HUGE)
-            first = np.clip(first + self.first_gain[:, k] @ surprise, -HUGE, HUGE)
+            now = np.clip(now + self.gain[:, k] @ surprise, -LARGEST_SLOPE, LARGEST_SLOPE)
+            first = np.clip(first + self.first_gain[:, k] @ surprise, -LARGEST_SLOPE, LARGEST_SLOPE)
             white[:, k] = (self.whitener[:, k] @ surprise)[:, :, 0]
         return white, first[:, :, 0]
 

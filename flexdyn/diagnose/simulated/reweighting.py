@@ -6,12 +6,12 @@ import contextlib
 import dataclasses
 
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.inference.apart import UNSURE
+from flexdyn.diagnose.inference.apart import NOISE_LEVEL_ERROR
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.search import neighbours
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.diagnose.shooting.gap import NOISE, shoot
+from flexdyn.diagnose.shooting.gap import NOISE_GAP, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.errors import FlexdynError
@@ -106,7 +106,7 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
     """What a candidate of the best structure takes off the windows, over what is left of them [1].
 
     With squared gaps: ``(without it - with it) / (with it - 1)``; without it, the file's numbers stay within three
-    tolerances. Of the noise's power `UNSURE` is unknown. 0 where more than noise is left.
+    tolerances. Of the noise's power `NOISE_LEVEL_ERROR` is unknown. 0 where more than noise is left.
 
     Args:
         found: the posterior.
@@ -121,7 +121,7 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
         return 0.0
     whole = simulated.fits[found.best].shot.gap ** 2
     without = shoot(simulated.fits[rest].made.hypothesis.tolerated().seen(), windows).gap ** 2
-    return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + UNSURE)
+    return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + NOISE_LEVEL_ERROR)
 
 
 def reweighed(found: Posterior, windows: Windows) -> Posterior:
@@ -136,10 +136,10 @@ def reweighed(found: Posterior, windows: Windows) -> Posterior:
         windows: of the data of the fit.
     """
     here = WindowFit.of(found.fitted, windows)
-    if here.shot.gap <= NOISE:
+    if here.shot.gap <= NOISE_GAP:
         return found
     here = fit_to_windows(here)
-    if here.shot.gap <= NOISE:
+    if here.shot.gap <= NOISE_GAP:
         return dataclasses.replace(found, fitted=here.made)
     simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
     best = simulated.climbed(found.best)

@@ -21,7 +21,7 @@ WINDOW_FIT_STEPS = 8
 """Gauss-Newton steps at most."""
 STEP_SHARES = (1.0, 0.3, 0.1)
 """Shares of a step that are tried."""
-WORTH = 5.0
+WORTHWHILE_GAIN = 5.0
 """Log posterior that a step must gain for another one [1]."""
 
 
@@ -60,7 +60,7 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
         if after is None:
             return dataclasses.replace(best, made=dataclasses.replace(problem, stationary=True))
         gained, best = after.log_posterior - best.log_posterior, after
-        if gained < WORTH:
+        if gained < WORTHWHILE_GAIN:
             return dataclasses.replace(best, made=dataclasses.replace(_problem(best, J), stationary=True))
         J = slopes(best.made.hypothesis, best.shot, _scales(best.made.hypothesis))
     return dataclasses.replace(best, made=_problem(best, J))
