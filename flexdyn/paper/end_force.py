@@ -19,10 +19,7 @@ Array = NDArray[np.float64]
 FORCE = np.array([-0.2, 0.0])  # N, along -x: across the second link as it stands
 RISE, RELEASE, END = 1.0, 16.0, 20.0  # s
 SETTLING = 3.0  # N m s/rad: brings both joints to rest well before the release
-END_FORCE_KP, END_FORCE_KD = (
-    50.0,
-    4.5,
-)  # N m/rad, N m s/rad: motors that hold their place, critically damped for J = 0.1 kg m^2
+END_FORCE_KP, END_FORCE_KD = 50.0, 4.5  # N m/rad, N m s/rad: hold the motors, critically damped for J = 0.1 kg m^2
 
 
 def end_force(cases: PaperCases) -> Chapter:
