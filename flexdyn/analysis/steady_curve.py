@@ -21,7 +21,8 @@ SLOWEST_STRIBECK_SHARE = 0.5
 """Share of the slowest speed below which no Stribeck velocity is looked for: little of its rise would be seen."""
 VELOCITY = "stribeck_friction.velocity"
 LIKELY = 3.84
-"""Rise of the squared white residuals at the ends of an interval of 95 %."""
+"""Rise of the sum of squared normalised residuals at the ends of an interval of 95 % [1]: a likelihood ratio, the
+quantile of chi^2 with one degree of freedom."""
 
 
 @dataclass(frozen=True, eq=False)

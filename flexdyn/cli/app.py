@@ -29,7 +29,7 @@ class Commands(TyperGroup):
         """Run the command that was found.
 
         Raises:
-            Interrupted: Ctrl-C.
+            ProgramInterrupted: Ctrl-C.
         """
         try:
             return super().invoke(ctx)
@@ -57,7 +57,7 @@ def build() -> Any:
         add_completion=False,
         pretty_exceptions_enable=False,
         rich_markup_mode="markdown",
-        help="Robot arms with elastic joints: simulated fast, compared with measurements, missing effects named.",
+        help="Simulate robot arms with elastic joints, compare them with measurements, and name missing effects.",
         epilog="Exit codes: 0 done, 2 what was given is wrong (one line on stderr says what), 1 a fault of flexdyn.",
         context_settings={"help_option_names": ["-h", "--help"]},
     )

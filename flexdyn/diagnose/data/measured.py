@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """One recording, one column a joint of the model; columns that were not measured are zero.
+    """One recording, one column a joint of the model; unmeasured columns are zero.
 
     Attributes:
         name: of the recording.

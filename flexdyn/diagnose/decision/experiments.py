@@ -18,7 +18,7 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import Finding
 
 RIVAL_STEPS = 4
-"""Gauss-Newton steps of a rival's fit: it begins at the linear estimate, and the motion is tried with it anyway."""
+"""Gauss-Newton steps of a rival's fit, with a warm start at the linear estimate; the motion is tried with it anyway."""
 
 
 def with_experiments(

@@ -135,7 +135,7 @@ class Equations:
 
     @lazy
     def made_up(self) -> NDArray[np.bool_]:
-        """Elastic joints one of whose two positions was not measured (n,)."""
+        """Elastic joints with one of their two positions unmeasured (n,)."""
         return np.asarray(self.true.elastic & ~self.data[0].both)
 
     def needed(self, along: SmoothedMotion, j: int) -> Array:

@@ -1,4 +1,4 @@
-"""Positions that no encoder saw, made up from their joints' own equations."""
+"""Unmeasured positions, computed from the equations of their joints."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ class Regression:
     The last columns may be nuisances: they are fitted anew every time and no step of them is kept.
 
     Attributes:
-        y: whitened residual (rows,).
+        y: normalised residual (rows,).
         X: whitened derivatives (rows, columns).
         centre: of the priors (columns,).
         sigma: of the priors (columns,); inf: none.

@@ -40,13 +40,13 @@ def calibration(diagnosis: Diagnosis) -> str:
     """All of them, those that moved farthest first."""
     if not diagnosis.calibration:
         return ""
-    ordered = sorted(diagnosis.calibration, key=_drift, reverse=True)
+    ordered = sorted(diagnosis.calibration, key=_displacement, reverse=True)
     rows = [_row(diagnosis, entry) for entry in ordered]
     shown = table(HEADS, rows[:CALIBRATED_ROWS_OPEN], name="calibration")
     if rows[CALIBRATED_ROWS_OPEN:]:
         rest = table(HEADS, rows[CALIBRATED_ROWS_OPEN:], name="calibration")
         shown += folded(f"{len(rows) - CALIBRATED_ROWS_OPEN} more, which moved less", rest)
-    beyond = sum(_drift(entry) > LIMIT for entry in ordered)
+    beyond = sum(_displacement(entry) > LIMIT for entry in ordered)
     said = f"They moved by no more than {LIMIT:g} of their stated tolerances, so they are no findings."
     if beyond:
         said = (
@@ -60,7 +60,7 @@ def calibration(diagnosis: Diagnosis) -> str:
     )
 
 
-def _drift(entry: Calibration) -> float:
+def _displacement(entry: Calibration) -> float:
     size = abs(entry.factor - 1.0) / entry.tolerance if entry.tolerance > 0.0 else abs(entry.factor - 1.0)
     return size if math.isfinite(size) else 0.0
 

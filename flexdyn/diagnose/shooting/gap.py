@@ -75,8 +75,8 @@ class Shot:
     def whitened(self, model: FlexibleJointModel | None = None) -> Array:
         """Residuals made white: of unit variance and uncorrelated if the model is right (windows, rows of each).
 
-        Samples are averaged over blocks; rows are their one-step surprises to a Kalman filter on the linear response,
-        by its spread. The sum of squares is r^T C^-1 r, linear in r.
+        Samples are averaged over blocks; rows are the innovations of a Kalman filter on the linear response, divided
+        by their standard deviations. The sum of squares is r^T C^-1 r, linear in r.
 
         Args:
             model: another one, simulated from this shot's first states under its weights; None: this one. Differences

@@ -32,7 +32,7 @@ class Starts:
     Attributes:
         x: (windows, nx).
         std: (windows, nx); 0 for what is certain, such as the velocity of a joint that sticks.
-        stuck: the same states with all contacts at rest on sides that were not measured, where friction may hold what
+        stuck: the same states with all contacts at rest on unmeasured sides, where friction may hold what
             nobody sees; None without such contacts.
     """
 
@@ -195,7 +195,7 @@ def _wound(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
 def _stick(shooter: Shooter, x: Array, std: Array, rests: NDArray[np.bool_]) -> list[int]:
     """Contacts with dry friction that rest within the noise have velocity 0 and no doubt about it.
 
-    Not so on a side that was not measured: there the other side's rest says little, for springs wind up. Velocities of
+    Not so on an unmeasured side: there the other side's rest says little, for springs wind up. Velocities of
     such contacts are returned by their place in the state.
     """
     model, e = shooter.model, shooter.elastic.tolist()
@@ -230,7 +230,7 @@ def _memories(shooter: Shooter) -> tuple[Array, Array]:
 
 
 def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
-    """What drives a memory: position on its side, or the deflection, smoothed; None where it was not measured."""
+    """What drives a memory: position on its side, or the deflection, smoothed; None where it is unmeasured."""
     model, recording = shooter.model, shooter.windows.recordings[k]
     joint = str(getattr(effect, "joint", ""))
 

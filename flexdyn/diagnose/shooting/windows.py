@@ -28,7 +28,7 @@ POSITIONS = ("q", "theta")
 
 @dataclass(frozen=True, eq=False)
 class WindowNoise:
-    """Standard deviations by joint, in the order of the model's q; what is not measured is not looked at.
+    """Standard deviations by joint, in the order of the model's q; what is unmeasured takes no part.
 
     Attributes:
         q: of the link encoders, quantisation included (n,) [rad or m].

@@ -23,7 +23,7 @@ FITTED_SWAPS = 2
 COMPARED_WINDOWS = 16
 """Windows over which structures are compared, spread evenly: 8 s; what is found is held against all of them."""
 EQUATIONS_FIT_STEPS = 6
-"""Steps of the fit to the equations, from the linear estimate."""
+"""Steps of the fit to the equations, with a warm start at the linear estimate."""
 
 
 class Simulated:
