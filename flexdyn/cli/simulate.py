@@ -70,9 +70,7 @@ def simulate(
     ] = None,
     smoothing: Annotated[
         str | None,
-        typer.Option(
-            metavar="U", help="Smooth dry friction below this velocity, in rad/s. Default: exact sticking."
-        ),
+        typer.Option(metavar="U", help="Smooth dry friction below this velocity, in rad/s. Default: exact sticking."),
     ] = None,
     rate: Annotated[str, typer.Option(metavar="HZ", help="Sample rate of the run, in Hz.")] = "1000",
     q0: Annotated[

@@ -32,7 +32,7 @@ def gap(diagnosis: Diagnosis) -> str:
     scale = max(numbers, default=1.0) or 1.0
     shown = "".join(_gap_bars(title, entry, scale) for title, entry in groups)
     said = (
-        "Root mean square of simulated minus measured positions over windows of 0.5 s, in units of what noise alone"
+        "Root mean square of simulated minus measured positions over windows of 0.5 s, divided by what noise alone"
         " makes there: sensor noise, torque noise carried through the simulation, and the uncertain first state. A"
         " perfect model reaches the dashed line."
     )
@@ -104,8 +104,8 @@ def left(diagnosis: Diagnosis) -> str:
     ]
     heads = ("joint", "share of the joint's torque", "correlation time", "changes with")
     said = (
-        "Beyond noise, after the correction. The correlation time is how long it stays alike: what lasts much longer"
-        " than a sample is no sensor noise."
+        "Beyond noise, after the correction. The correlation time says how long it keeps its value: if that is much"
+        " longer than a sample, it is no sensor noise."
     )
     return section("What is left", table(heads, rows, name="left") + soft(said), "left")
 

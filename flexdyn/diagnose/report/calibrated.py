@@ -50,8 +50,8 @@ def calibration(diagnosis: Diagnosis) -> str:
     said = f"They moved by no more than {LIMIT:g} of their stated tolerances, so they are no findings."
     if beyond:
         said = (
-            f"{counted(beyond, 'number')} moved by more than {LIMIT:g} of the stated tolerances and is no finding all"
-            " the same: what is left unexplained may have bent it."
+            f"{counted(beyond, 'number')} moved by more than {LIMIT:g} of the stated tolerances but is no finding:"
+            " what is left unexplained may have changed it."
         )
     return section(
         "Numbers of the model that were calibrated",

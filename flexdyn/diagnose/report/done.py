@@ -91,8 +91,8 @@ def fit(diagnosis: Diagnosis) -> str:
             rest = table(heads, rows[CORRELATED:], numbers=(2,), name="correlations")
             body += folded(f"{len(rows) - CORRELATED} more", rest)
         body += soft(
-            "Those below 0.1 are left out. Of two numbers whose correlation is near 1 or -1 the data tell a"
-            " combination, and not each by itself."
+            "Those below 0.1 are left out. If the correlation of two numbers is near 1 or -1, the data determine"
+            " a combination of them, and not each by itself."
         )
     return section("Statistics of the final fit", body, "fit")
 
