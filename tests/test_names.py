@@ -112,3 +112,19 @@ def test_the_page_lists_what_chooses_structures() -> None:
         if name not in BUDGETS and (name, path.relative_to(PACKAGE / "diagnose").as_posix()) not in named
     ]
     assert not missing
+
+
+def test_every_constant_of_the_diagnosis_says_what_it_is() -> None:
+    """A docstring follows each, or the group that it is assigned with: what it is, its unit, where it comes from."""
+    silent = []
+    for path in sorted((PACKAGE / "diagnose").rglob("*.py")):
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        names = {name for name, _ in constants(path) if not name.startswith("_")}
+        for node, after in zip(body, [*body[1:], None], strict=True):
+            if not isinstance(node, ast.Assign | ast.AnnAssign):
+                continue
+            text = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            own = {each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)}
+            silent += [f"{path.name}: {name}" for name in sorted(own & names) if not text]
+    assert not silent

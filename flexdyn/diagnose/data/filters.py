@@ -11,9 +11,9 @@ from flexdyn.diagnose.data.kernel import Kernel
 
 Array = NDArray[np.float64]
 FIRST_FILTER_WIDTH = 0.00125
-"""Of the first filter [s]: as narrow as the clock allows, for laws with corners see what it makes of the motion."""
+"""Standard deviation of the first filter [s]: as narrow as the clock allows, for it rounds the corners of the motion."""
 SECOND_FILTER_WIDTHS = (0.005, 0.008, 0.0128, 0.02)
-"""Of the second filter [s]: the narrowest that leaves the encoders' noise below the torque's is taken."""
+"""Standard deviations of the second filter [s]: the narrowest that leaves the encoders' noise below the torque's."""
 
 
 @dataclass(frozen=True)

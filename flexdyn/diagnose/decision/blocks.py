@@ -15,7 +15,7 @@ from flexdyn.errors import InputError
 from flexdyn.records import Recording, RecordingWarning
 
 SHORTEST_BLOCK = 1.0
-"""Of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
+"""Least length of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
 Block = tuple[float, float]
 
 

@@ -25,7 +25,7 @@ EQUAL_SHARE_DIFFERENCE = 0.02
 LAW_BINS = 60
 """Averages by which quantities are compared."""
 LAW_POINTS = 240
-"""Of a drawn law."""
+"""Points of a drawn law."""
 
 
 @dataclass(frozen=True, eq=False)

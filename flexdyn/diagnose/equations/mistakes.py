@@ -22,8 +22,9 @@ Array = NDArray[np.float64]
 SMOOTHING = 0.012
 """Standard deviation of the filter [s]: wide enough that a coarse encoder's acceleration says something."""
 INSTANT_SPACING = 0.006
-"""Between the instants that are looked at [s]."""
+"""Time between the instants that are looked at [s]."""
 DEGREE = 180.0 / np.pi
+"""Degrees in a radian."""
 SMALLEST_CHECKED_RATIO = 5.0
 """A gear ratio below this cannot be told from a wrong mass: it is not looked for."""
 UNIT_GAIN_FACTOR, CHANNEL_GAIN_FACTOR = 3.0, 2.0

@@ -19,7 +19,7 @@ from flexdyn.simulation.plant import LinkSide
 Array = NDArray[np.float64]
 Places = NDArray[np.intp] | slice
 DYNAMICS_STEP = 1e-5
-"""Of differences of h [rad and rad/s, or m and m/s]."""
+"""Step of the differences of h [rad and rad/s, or m and m/s]."""
 SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE = 0.01, 0.1
 """Shares of their ranges by which motions, and the torques that they need, may differ for slopes of h to be shared."""
 

@@ -16,9 +16,9 @@ from flexdyn.diagnose.shooting.gap import shoot
 
 Array = NDArray[np.float64]
 PICTURE_POINTS = 240
-"""Of a picture; what lies between them is averaged."""
+"""Points of a picture; what lies between them is averaged."""
 DRAWS = 60
-"""Of noise, for its standard deviation in the averages."""
+"""Draws of noise, for its standard deviation in the averages."""
 
 
 def planned(made: Rehearsal, passes: int, names: Sequence[str], bench: RehearsalBench) -> Experiment:

@@ -17,11 +17,11 @@ GREATEST_PERCENTILE = 99.0
 USED_RANGE_SHARE = 0.9
 """Share of range, speed and acceleration that a proposed motion takes: its tracking is not perfect."""
 CONTROLLER_BANDWIDTH = 15.0
-"""Of the joint controller that an experiment is simulated under, at most [rad/s]."""
+"""Bandwidth of the joint controller that an experiment is simulated under, at most [rad/s]."""
 SPRING_FREQUENCY_SHARE = 0.3
 """Its share of a joint's own frequency on its spring, at most."""
 PAYLOAD_SHARE = 0.3
-"""Of the torque that is left, and of an inertia, that a proposed payload may take."""
+"""Share of the torque that is left, and of an inertia, that a proposed payload may take."""
 VELOCITY_GAIN_RATIO = 1.6
 """Its velocity gain over inertia times bandwidth [1]."""
 

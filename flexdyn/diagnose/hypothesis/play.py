@@ -10,7 +10,7 @@ from flexdyn.diagnose.equations.terms import joint_terms
 
 Array = NDArray[np.float64]
 HALF_GAP_POINTS = 10
-"""Of the grid of half gaps."""
+"""Points of the grid of half gaps."""
 NARROWEST_PLAY, WIDEST_PLAY, WIDEST_MADE_UP_PLAY = 0.003, 0.8, 3.0
 """Its ends in units of the joint's deflection; the last where that is made up and knows of no gap."""
 SMALLEST_HALF_GAP = 0.05

@@ -16,7 +16,7 @@ from flexdyn.plots.laws import law_figure
 
 FONTS = ["DejaVu Sans", "Arial"]
 LAW_PICTURE_SIZE = (5.0, 3.6)
-"""Of a law's picture [inch]: the letters are as large as those beside it."""
+"""Width and height of a law's picture [inch]: the letters are as large as those beside it."""
 
 
 def effect_of(suspect: Suspect) -> Effect | None:

@@ -21,8 +21,9 @@ LINES = (
     {"color": AFTER, "width": 1.6, "simplify": False},
 )
 DRAWN_WINDOW_LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
-"""Of the window [s]."""
+"""Lengths of the drawn window to choose from [s]."""
 FIRST_LENGTH = 2.0
+"""The length that is drawn at first [s]."""
 CLOCK = 1_000_000
 """Levels of a packed time: within 60 s it is told to 0.06 ms."""
 ROLES = {"test": "test data", "fit": "data of the fit"}

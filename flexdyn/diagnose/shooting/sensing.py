@@ -15,6 +15,7 @@ from flexdyn.records import Recording
 Array = NDArray[np.float64]
 Law = Callable[[Sequence[SensorEffect], Array, Array], Array]
 NEWTON_ROUNDS = 30
+"""Steps of Newton's method, at most."""
 NEWTON_ROUNDING = 1e-14
 """Share of the largest value below which a step of Newton's method is rounding."""
 

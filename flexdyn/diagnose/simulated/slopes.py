@@ -12,7 +12,7 @@ from flexdyn.diagnose.shooting.gap import Shot
 
 Array = NDArray[np.float64]
 SCALED_STEP = 0.1
-"""Of the differences, in scales of the fit; a factor's in the part of its tolerance that this is."""
+"""Step of the differences, in scales of the fit; a factor's in the part of its tolerance that this is."""
 
 
 def slopes(here: Hypothesis, shot: Shot, scales: tuple[float, ...]) -> Array:
