@@ -11,7 +11,7 @@ from flexdyn.diagnose.data.kernel import Kernel
 
 Array = NDArray[np.float64]
 FIRST_FILTER_WIDTH = 0.00125
-"""Standard deviation of the first filter [s]: as narrow as the clock allows, for it rounds the corners of the motion."""
+"""Standard deviation of the first filter [s]: as narrow as the clock allows, for it rounds corners of the motion."""
 SECOND_FILTER_WIDTHS = (0.005, 0.008, 0.0128, 0.02)
 """Standard deviations of the second filter [s]: the narrowest that leaves the encoders' noise below the torque's."""
 
