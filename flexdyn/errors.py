@@ -9,8 +9,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-_LONGEST_TEXT = 1_000_000
-_LONGEST_LINE = 1000
+_LONGEST_ERROR_TEXT = 1_000_000
+_LONGEST_ERROR_LINE = 1000
 _LONGEST_WORD = 120
 _LONGEST_ERROR = 1500
 _LONG_WORD = re.compile(rf"\S{{{_LONGEST_WORD + 1},}}")
@@ -162,9 +162,9 @@ def one_line(text: str) -> str:
     Args:
         text: which may hold names out of a file.
     """
-    plain = " ".join(_printable(text[:_LONGEST_TEXT]).split())
+    plain = " ".join(_printable(text[:_LONGEST_ERROR_TEXT]).split())
     plain = _LONG_WORD.sub(lambda word: f"{word[0][:60]}...{word[0][-57:]}", plain)
-    return plain if len(plain) <= _LONGEST_LINE else f"{plain[: _LONGEST_LINE - 3]}..."
+    return plain if len(plain) <= _LONGEST_ERROR_LINE else f"{plain[: _LONGEST_ERROR_LINE - 3]}..."
 
 
 def visible(text: str, *, lines: bool = False) -> str:

@@ -10,7 +10,7 @@ import matplotlib.figure
 import matplotlib.style
 
 from flexdyn.paper import style
-from flexdyn.paper.cases import Cases
+from flexdyn.paper.cases import PaperCases
 from flexdyn.paper.hidden_friction import hidden_friction
 
 OUT = Path(__file__).parents[1] / "benchmarks" / "figures" / "diagnosis.png"
@@ -19,7 +19,7 @@ OUT = Path(__file__).parents[1] / "benchmarks" / "figures" / "diagnosis.png"
 def main() -> int:
     """Diagnose, draw, write; exit code 1, and no picture, where not everything that was hidden was found."""
     with tempfile.TemporaryDirectory() as folder:
-        chapter = hidden_friction(Cases(), Path(folder), lambda stage, share: None)
+        chapter = hidden_friction(PaperCases(), Path(folder), lambda stage, share: None)
     for check in chapter.checks:
         print(f"{check.name}: {check.value:.3g}, at most {check.bound:g}")
     if not all(check.passed for check in chapter.checks):

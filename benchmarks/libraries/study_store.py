@@ -15,7 +15,7 @@ import numpy as np
 import zarr
 from comparison import Case, Comparison, times_of
 
-from flexdyn.batch.layout import Layout
+from flexdyn.batch.layout import StoreArray
 from flexdyn.batch.metadata import FILE, array_metadata, encoded
 from flexdyn.batch.pieces import LEVEL, write_piece
 
@@ -52,10 +52,10 @@ def _columns() -> Columns:
     return found | {STATUS: np.full(RUNS, "ok", dtype=object)}
 
 
-def _layout(name: str, values: Any) -> Layout:
+def _layout(name: str, values: Any) -> StoreArray:
     shape = (RUNS * CHUNKS, *values.shape[1:])
     kind = "string" if name == STATUS else "float64"
-    return Layout(name, ("run", "time", "joint")[: values.ndim], shape, values.shape, kind, {})
+    return StoreArray(name, ("run", "time", "joint")[: values.ndim], shape, values.shape, kind, {})
 
 
 def _made_by_hand(folder: Path, columns: Columns) -> None:

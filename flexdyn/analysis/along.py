@@ -14,7 +14,7 @@ from flexdyn.records import derivatives
 from flexdyn.records.given import as_recording
 
 Array = NDArray[np.float64]
-MOST = 4000
+MOST_SAMPLES_ALONG = 4000
 """Samples of a recording that are looked at; more are thinned out evenly."""
 
 
@@ -66,7 +66,7 @@ def along_recording(model: FlexibleJointModel, recording: Any) -> Along:
             raise InputError("no position of the joint was recorded", key=joint, remedy=remedy)
         channels.append((pair[0], pair[-1]))
     seen = derivatives(recording, [name for name, _ in channels])
-    every = max(1, -(-len(seen.t) // MOST))
+    every = max(1, -(-len(seen.t) // MOST_SAMPLES_ALONG))
     q, v, a = (np.stack([of(name) for name, _ in channels], axis=1) for of in (seen.value, seen.first, seen.second))
     omega, alpha = (np.stack([of(name) for _, name in channels], axis=1) for of in (seen.first, seen.second))
     return Along(q[::every], v[::every], a[::every], omega[::every], alpha[::every], every)

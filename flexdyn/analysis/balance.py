@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Balance = Callable[[Array], Array]
-FAR = 100
+MOST_DOUBLINGS = 100
 """Doublings of the first step before a component is said to have no root."""
 
 
@@ -51,7 +51,7 @@ def _brackets(f: Balance, start: Array, step: Array, tolerance: Array | float) -
     value = f(start)
     low, high, f_low, f_high = start.copy(), start.copy(), value.copy(), value.copy()
     reach = step.copy()
-    for _ in range(FAR):
+    for _ in range(MOST_DOUBLINGS):
         down, up = f_low > tolerance, f_high < -tolerance
         if not (down.any() or up.any()):
             break

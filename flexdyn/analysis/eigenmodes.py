@@ -17,7 +17,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 Rotors = Literal["free", "held"]
-NOTHING = 1e-10
+ZERO_FREQUENCY_SHARE = 1e-10
 """Of the largest squared frequency: what counts as zero."""
 
 
@@ -66,7 +66,7 @@ class Tangent:
         place = np.ix_(everything[kept], everything[kept])
         squared, shapes = eigh(self.stiffness[place], self.inertia[place])
         largest = np.abs(np.diag(self.stiffness) / np.diag(self.inertia)).max()
-        squared[np.abs(squared) <= NOTHING * largest] = 0.0
+        squared[np.abs(squared) <= ZERO_FREQUENCY_SHARE * largest] = 0.0
         return squared, shapes
 
     def poles(self, kept: Any) -> NDArray[np.complex128]:

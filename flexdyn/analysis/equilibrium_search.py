@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Net = Callable[[Array], Array]
-STRIDE = 0.5
+LONGEST_STEP = 0.5
 """The farthest that a joint moves in one step [rad or m]."""
-GOOD = 1e-9
+EQUILIBRIUM_TORQUE_SHARE = 1e-9
 """Of the torques on the arm: a net torque so small is an equilibrium."""
 
 
@@ -92,8 +92,8 @@ class Search:
         return np.array(columns).T * self._weight
 
     def _balanced(self, y: Array) -> bool:
-        return float(np.linalg.norm(y)) <= GOOD * self._size
+        return float(np.linalg.norm(y)) <= EQUILIBRIUM_TORQUE_SHARE * self._size
 
     @staticmethod
     def _short(step: Array) -> Array:
-        return step * min(1.0, STRIDE / max(float(np.abs(step).max()), 1e-300))
+        return step * min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), 1e-300))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.io.notebook import card, table
 
 Array = NDArray[np.float64]
-MOST = 8
+MOST_FREQUENCIES = 8
 """Frequencies that the short form lists."""
 _ARRAYS = ("q", "frequencies", "damping_ratios", "link_shapes", "rotor_shapes", "poles", "anti_resonances")
 
@@ -93,7 +93,11 @@ class Modes:
         for kind in dict.fromkeys(self.kinds):
             rows = [k for k, each in enumerate(self.kinds) if each == kind]
             hertz = [f"{self.frequencies[k]:.4g}" for k in rows if self.frequencies[k] > 0.0]
-            at = f" at {', '.join(hertz[:MOST])}{', ...' if len(hertz) > MOST else ''} Hz" if hertz else ""
+            at = (
+                f" at {', '.join(hertz[:MOST_FREQUENCIES])}{', ...' if len(hertz) > MOST_FREQUENCIES else ''} Hz"
+                if hertz
+                else ""
+            )
             told.append(f"{len(rows)} {kind}{at}")
         return f"<Modes of {self.name}, rotors {self.rotors}: {'; '.join(told)}>"
 

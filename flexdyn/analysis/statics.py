@@ -13,7 +13,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide, build_plant
 
 Array = NDArray[np.float64]
-ROUNDING = 1e-13
+TORQUE_ROUNDING = 1e-13
 """Of the largest torque on the arm: what counts as none."""
 
 
@@ -80,7 +80,7 @@ class Statics:
         """What rounding may leave of a net torque at this pose [N m or N]."""
         weight = self.links.bias(q, np.zeros(self.model.n))
         least = 1e-2 * self.links.mass_matrix(q)  # where nothing loads the arm: torques for 1e-15 m/s^2
-        return ROUNDING * max(float(np.abs(each).max()) for each in (least, weight, *torques))
+        return TORQUE_ROUNDING * max(float(np.abs(each).max()) for each in (least, weight, *torques))
 
     def loaded_springs(self, q: Array, net: Array | float = 0.0) -> Array:
         """Rotor positions (n,) at which the springs carry the links at rest, but for a net torque on each.

@@ -17,15 +17,16 @@ LAWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"stribeck_friction": ("excess", "velocity"), "quadratic_drag": ("coefficient",)}
 )
 """Laws that are tried beside Coulomb and viscous friction, and their numbers."""
-SLOWEST = 0.5
+SLOWEST_STRIBECK_SHARE = 0.5
 """Share of the slowest speed below which no Stribeck velocity is looked for: little of its rise would be seen."""
 VELOCITY = "stribeck_friction.velocity"
 LIKELY = 3.84
-"""Rise of the squared white residuals at the ends of an interval of 95 %."""
+"""Rise of the sum of squared normalised residuals at the ends of an interval of 95 % [1]: a likelihood ratio, the
+quantile of chi^2 with one degree of freedom."""
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class DirectionPoints:
     """Points of one direction: speeds, torques along the motion and standard deviations."""
 
     u: Array
@@ -33,27 +34,27 @@ class Points:
     std: Array
 
     @classmethod
-    def of(cls, points: Sequence[SteadyPoint], direction: int) -> Points:
+    def of(cls, points: Sequence[SteadyPoint], direction: int) -> DirectionPoints:
         """Those of a direction, by speed."""
         own = sorted((p for p in points if p.speed * direction > 0.0), key=lambda p: abs(p.speed))
         u, tau, std = (np.array([getattr(p, key) for p in own]) for key in ("speed", "torque", "std"))
         return cls(np.abs(u), direction * tau, std)
 
-    def scaled(self, factor: float) -> Points:
+    def scaled(self, factor: float) -> DirectionPoints:
         """With standard deviations enlarged."""
-        return Points(self.u, self.tau, factor * self.std)
+        return DirectionPoints(self.u, self.tau, factor * self.std)
 
-    def part(self, rows: NDArray[np.bool_]) -> Points:
+    def part(self, rows: NDArray[np.bool_]) -> DirectionPoints:
         """Some of them."""
-        return Points(self.u[rows], self.tau[rows], self.std[rows])
+        return DirectionPoints(self.u[rows], self.tau[rows], self.std[rows])
 
-    def off(self, curve: Curve) -> float:
+    def off(self, curve: FrictionCurve) -> float:
         """Squared errors of a curve in units of noise."""
         return float((((curve.at(self.u) - self.tau) / self.std) ** 2).sum()) if len(self.u) else 0.0
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class FrictionCurve:
     """A fitted curve.
 
     Attributes:
@@ -68,21 +69,21 @@ class Curve:
     values: Array
     covariance: Array
     chi2: float
-    near: tuple[Curve, ...] = ()
+    near: tuple[FrictionCurve, ...] = ()
 
     @classmethod
-    def fitted(cls, points: Points, laws: Sequence[str]) -> Curve:
+    def fitted(cls, points: DirectionPoints, laws: Sequence[str]) -> FrictionCurve:
         """Least squares with the velocity on a grid."""
         names = ["level", "viscous", *(f"{law}.{name}" for law in laws for name in LAWS[law])]
         if "stribeck_friction" not in laws:
             return cls._at(points, names, None)
-        grid = np.geomspace(SLOWEST * points.u.min(), points.u.max(), 60)
+        grid = np.geomspace(SLOWEST_STRIBECK_SHARE * points.u.min(), points.u.max(), 60)
         curves = [cls._at(points, names, float(each)) for each in grid]
         best = min(curves, key=lambda curve: curve.chi2)
         return replace(best, near=tuple(curve for curve in curves if curve.chi2 - best.chi2 < LIKELY))
 
     @classmethod
-    def _at(cls, points: Points, names: Sequence[str], velocity: float | None) -> Curve:
+    def _at(cls, points: DirectionPoints, names: Sequence[str], velocity: float | None) -> FrictionCurve:
         u, tau, std = points.u, points.tau, points.std
         X = np.stack([_column(name, u, velocity) for name in names], axis=1) / std[:, None]
         linear = [k for k, name in enumerate(names) if name != VELOCITY]

@@ -11,18 +11,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.analysis.steady_curve import LAWS, SLOWEST, Curve, Points
+from flexdyn.analysis.steady_curve import LAWS, SLOWEST_STRIBECK_SHARE, DirectionPoints, FrictionCurve
 from flexdyn.analysis.steady_points import SteadyPoint
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
-LEAST = 8
+LEAST_SPEEDS = 8
 """Speeds of one direction that are needed: four to fit and four to check."""
-ENOUGH = 10.0
+DECISIVE_DROP = 10.0
 """Drop of BIC, and of the squared errors of prediction at other speeds, for which a law is named."""
 SURE = 3.0
 """Standard deviations by which its number must be above zero: root of the drop of the squared white residuals."""
-AGAINST = 4.0
+PREDICTION_RISE = 4.0
 """Rise of the squared errors at points that took no part by which they speak against a law."""
 
 
@@ -137,34 +137,34 @@ def steady_friction(points: Sequence[SteadyPoint], check: Sequence[SteadyPoint] 
     """
     found = {}
     for direction in (1, -1):
-        own = Points.of(points, direction)
-        if len(own.u) >= LEAST:
-            found[direction] = _of_direction(direction, own, Points.of(check, direction))
+        own = DirectionPoints.of(points, direction)
+        if len(own.u) >= LEAST_SPEEDS:
+            found[direction] = _of_direction(direction, own, DirectionPoints.of(check, direction))
     if not found:
-        remedy = f"record {LEAST} constant speeds or more, from creeping to fast"
+        remedy = f"record {LEAST_SPEEDS} constant speeds or more, from creeping to fast"
         raise InputError("too few speeds in either direction", key="points", value=len(points), remedy=remedy)
     return found
 
 
-def _of_direction(direction: int, points: Points, check: Points) -> SteadyFriction:
-    whole = Curve.fitted(points, tuple(LAWS))
+def _of_direction(direction: int, points: DirectionPoints, check: DirectionPoints) -> SteadyFriction:
+    whole = FrictionCurve.fitted(points, tuple(LAWS))
     scatter = math.sqrt(whole.chi2 / max(1, len(points.u) - whole.size))
     points, check = (each.scaled(max(1.0, scatter)) for each in (points, check))
     named: tuple[str, ...] = ()
     while True:
-        rest = {law: Curve.fitted(points, (*named, law)) for law in LAWS if law not in named}
+        rest = {law: FrictionCurve.fitted(points, (*named, law)) for law in LAWS if law not in named}
         good = [law for law in rest if _trial(law, points, check, named).named]
         if not good:
             break
         named = (*named, min(good, key=lambda law: rest[law].chi2 + rest[law].size * math.log(len(points.u))))
-    now = Curve.fitted(points, named)
+    now = FrictionCurve.fitted(points, named)
     trials = tuple(_trial(law, points, check, tuple(each for each in named if each != law)) for law in LAWS)
     return SteadyFriction(direction, now.number("level"), now.number("viscous"), trials, scatter, len(points.u))
 
 
-def _trial(law: str, points: Points, check: Points, others: tuple[str, ...]) -> LawTrial:
+def _trial(law: str, points: DirectionPoints, check: DirectionPoints, others: tuple[str, ...]) -> LawTrial:
     laws = (*others, law)
-    without, curve = Curve.fitted(points, others), Curve.fitted(points, laws)
+    without, curve = FrictionCurve.fitted(points, others), FrictionCurve.fitted(points, laws)
     gained = without.chi2 - curve.chi2
     drop = gained - len(LAWS[law]) * math.log(len(points.u))
     odd = np.arange(len(points.u)) % 2 == 1
@@ -174,23 +174,23 @@ def _trial(law: str, points: Points, check: Points, others: tuple[str, ...]) -> 
     why = ""
     if gained < SURE**2:
         why = "its number is not surely above zero"
-    elif drop < ENOUGH:
+    elif drop < DECISIVE_DROP:
         why = "the fit does not want it"
-    elif min(one, two) < 0.0 or one + two < ENOUGH:
+    elif min(one, two) < 0.0 or one + two < DECISIVE_DROP:
         why = "other speeds do not confirm it"
     elif law == "stribeck_friction" and not _within(numbers["velocity"][0], points.u):
         why = "its velocity lies outside the speeds that were run"
-    elif checked < -AGAINST:
+    elif checked < -PREDICTION_RISE:
         why = "runs that took no part speak against it"
     intervals = {name: curve.interval(f"{law}.{name}") for name in LAWS[law]}
     return LawTrial(law, not why, numbers, intervals, drop, (one, two), checked, why)
 
 
-def _predicted(fit: Points, rest: Points, *laws: tuple[str, ...]) -> float:
+def _predicted(fit: DirectionPoints, rest: DirectionPoints, *laws: tuple[str, ...]) -> float:
     """Drop of the squared errors at the rest from the first laws to the second."""
-    before, after = (rest.off(Curve.fitted(fit, each)) for each in laws)
+    before, after = (rest.off(FrictionCurve.fitted(fit, each)) for each in laws)
     return before - after
 
 
 def _within(velocity: float, u: Array) -> bool:
-    return bool(1.01 * SLOWEST * u.min() < velocity < 0.5 * u.max())
+    return bool(1.01 * SLOWEST_STRIBECK_SHARE * u.min() < velocity < 0.5 * u.max())

@@ -12,7 +12,7 @@ from flexdyn.errors import InputError
 from flexdyn.records.given import as_recordings
 
 Array = NDArray[np.float64]
-FADED = 0.05
+INDEPENDENT_AUTOCORRELATION = 0.05
 """Autocorrelation from which samples are taken to be independent."""
 
 
@@ -87,6 +87,6 @@ def std_of_mean(x: Array) -> float:
     if power == 0.0:
         return 0.0
     rho = np.correlate(off, off, "full")[len(x) - 1 :] / power
-    faded = np.flatnonzero(rho < FADED)
+    faded = np.flatnonzero(rho < INDEPENDENT_AUTOCORRELATION)
     within = rho[1 : faded[0]] if len(faded) else rho[1:]
     return float(x.std(ddof=1) * np.sqrt((1.0 + 2.0 * within.sum()) / len(x)))

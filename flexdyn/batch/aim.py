@@ -18,7 +18,7 @@ from flexdyn.simulation.command_input import followed, recorded, resolve_command
 from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
-END = 1e-9
+AIM_END = 1e-9
 """A change of the command this share of the run before its end has no time to act."""
 LATEST = 0.95
 """A command that still changes after this share of the run does not come to rest within it."""
@@ -109,7 +109,7 @@ def _played_out(torques: Any, duration: float) -> float | None:
 def _still(t: Array, rows: Array, duration: float, held: bool) -> float | None:
     """From when on rows no longer change; held ones change at a sample, others all the way to it."""
     changed = np.append(False, (rows[1:] != rows[:-1]).any(axis=1))
-    end = duration * (1.0 - END)
+    end = duration * (1.0 - AIM_END)
     t = t - t[0]
     if not held and (changed & (t >= end) & (np.append(0.0, t[:-1]) < end)).any():
         return None

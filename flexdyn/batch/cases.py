@@ -16,7 +16,7 @@ from flexdyn.batch.aim import Aim, aim_of
 from flexdyn.batch.catalogue import Metric
 from flexdyn.batch.draws import drawn
 from flexdyn.batch.metrics import metrics_of
-from flexdyn.batch.places import Changes, Place, places
+from flexdyn.batch.places import Changes, NumberPlace, places
 from flexdyn.batch.study import Study
 from flexdyn.control.commands import PD
 from flexdyn.errors import InputError
@@ -25,7 +25,7 @@ from flexdyn.model.model_file import model_from_dict
 from flexdyn.records import Recording, read_recording
 from flexdyn.simulation.command_input import make_drive
 from flexdyn.simulation.job import Job, prepare
-from flexdyn.simulation.parameter_variants import Columns, Variants
+from flexdyn.simulation.parameter_variants import VariantColumns, Variants
 from flexdyn.simulation.solvers import Solver, make_solver
 
 Array = NDArray[np.float64]
@@ -65,7 +65,7 @@ class Cases:
         self._first = make_drive(self.model, self.command, study.duration).initial
 
     @cached_property
-    def places(self) -> dict[str, Place]:
+    def places(self) -> dict[str, NumberPlace]:
         """Every number that can vary, by its path."""
         return places(self.model, self.command)
 
@@ -132,7 +132,9 @@ class Cases:
         """
         changes = self._changes(table)
         initial = changes.initial_of(self.model)
-        columns = Columns(joints=changes.joints, effects=changes.effects, initial=initial, starts=self._starts(changes))
+        columns = VariantColumns(
+            joints=changes.joints, effects=changes.effects, initial=initial, starts=self._starts(changes)
+        )
         same_links = not (changes.gravity or changes.lock)
         same_command = not (changes.gains or changes.scale is not None or changes.rate is not None)
         plain = self.solver != "auto" and not any("runs" in metric.needs for metric in self.metrics)

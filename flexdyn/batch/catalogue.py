@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.batch.aim import Aim, aim_of_run
-from flexdyn.batch.motion import Motion, lengths
+from flexdyn.batch.motion import RunsMotion, lengths
 from flexdyn.batch.own_metric import single_number
 from flexdyn.errors import FlexdynError, InputError
 from flexdyn.simulation.energy import EnergyWarning
@@ -20,9 +20,9 @@ from flexdyn.simulation.run import Run
 Array = NDArray[np.float64]
 BAND = 0.02
 """Of settling_time: share of the greatest distance that still counts as settled [1]."""
-STILL = 1e-9
+NO_MOTION = 1e-9
 """Less than this is no motion [m, rad]."""
-LONGEST = 300
+LONGEST_REASON = 300
 """Letters of a reason that are kept."""
 # What a ledger leaves unexplained is a solver's matter, and would be said once for each of thousands of runs.
 warnings.filterwarnings("ignore", category=EnergyWarning, module=r"flexdyn\.batch\.catalogue")
@@ -64,12 +64,12 @@ class Metric:
         Raises:
             InputError: it has none, and why.
         """
-        values, reasons = self.measured(Motion.of(run, aim_of_run(run) if aim is None else aim))
+        values, reasons = self.measured(RunsMotion.of(run, aim_of_run(run) if aim is None else aim))
         if reasons[0]:
             raise InputError(reasons[0])
         return float(values[0])
 
-    def measured(self, motion: Motion) -> tuple[Array, list[str]]:
+    def measured(self, motion: RunsMotion) -> tuple[Array, list[str]]:
         """The numbers of some runs, NaN where one has none, and a line for each that says why; empty: it has one."""
         values, reasons = self._numbers(motion)
         for i in np.flatnonzero(~np.isfinite(values)):
@@ -77,12 +77,12 @@ class Metric:
             values[i] = np.nan
         return values, [f"metric {self.name}: {reason}" if reason else "" for reason in reasons]
 
-    def _numbers(self, motion: Motion) -> tuple[Array, list[str]]:
+    def _numbers(self, motion: RunsMotion) -> tuple[Array, list[str]]:
         first = motion.robot.joint_index(self.joint) if self.joint else None
         try:
             values = self.law(motion, slice(first, None if first is None else first + 1))
         except (FlexdynError, ValueError) as error:
-            return np.full(motion.count, np.nan), [str(error)[:LONGEST]] * motion.count
+            return np.full(motion.count, np.nan), [str(error)[:LONGEST_REASON]] * motion.count
         return values, [""] * motion.count
 
 
@@ -92,21 +92,21 @@ class RunMetric(Metric):
 
     needs: tuple[str, ...] = ("runs",)
 
-    def _numbers(self, motion: Motion) -> tuple[Array, list[str]]:
+    def _numbers(self, motion: RunsMotion) -> tuple[Array, list[str]]:
         values, reasons = np.full(motion.count, np.nan), [""] * motion.count
         for i, run in enumerate(motion.runs):
             try:
                 values[i] = single_number(self.law(run))
             except (FlexdynError, ValueError) as error:
-                reasons[i] = str(error)[:LONGEST]
+                reasons[i] = str(error)[:LONGEST_REASON]
             except Exception as error:  # a user's function may raise anything
-                reasons[i] = f"{type(error).__name__}: {str(error)[:LONGEST]}"
+                reasons[i] = f"{type(error).__name__}: {str(error)[:LONGEST_REASON]}"
         return values, reasons
 
 
-def _settling_time(motion: Motion, _: slice) -> Array:
+def _settling_time(motion: RunsMotion, _: slice) -> Array:
     distance, t = motion.distance, motion.t
-    band = np.maximum(BAND * distance.max(axis=1), STILL)
+    band = np.maximum(BAND * distance.max(axis=1), NO_MOTION)
     outside = distance > band[:, None]
     values = np.where(outside[:, motion.tail].any(axis=1), np.nan, 0.0)
     (late,) = np.nonzero(outside.any(axis=1) & (values == 0.0))
@@ -116,16 +116,16 @@ def _settling_time(motion: Motion, _: slice) -> Array:
     return np.asarray(values)
 
 
-def _overshoot(motion: Motion, joints: slice) -> Array:
+def _overshoot(motion: RunsMotion, joints: slice) -> Array:
     q = motion.signals["q"][..., joints]
     last = q[:, motion.tail].mean(axis=1, keepdims=True)
     way = last - q[:, :1]
     square = (way**2).sum(axis=(1, 2))
     beyond = np.maximum(0.0, ((q - last) * way).sum(axis=2).max(axis=1))
-    return np.asarray(np.divide(beyond, square, out=np.full(motion.count, np.nan), where=square >= STILL**2))
+    return np.asarray(np.divide(beyond, square, out=np.full(motion.count, np.nan), where=square >= NO_MOTION**2))
 
 
-def _residual_vibration(motion: Motion, _: slice) -> Array:
+def _residual_vibration(motion: RunsMotion, _: slice) -> Array:
     left = motion.deflection[:, motion.resting]
     return np.asarray(lengths(left - left.mean(axis=1, keepdims=True)).max(axis=1))
 

@@ -15,7 +15,7 @@ from flexdyn.batch.cases import Case, Cases, cases_of_text
 from flexdyn.batch.draws import table
 from flexdyn.batch.layout import DONE, array_name
 from flexdyn.batch.metrics import measure
-from flexdyn.batch.motion import Motion
+from flexdyn.batch.motion import RunsMotion
 from flexdyn.batch.store import Store
 from flexdyn.errors import FlexdynError
 from flexdyn.robot import Robot
@@ -158,7 +158,7 @@ def _columns(cases: Cases, numbers: Numbers, made: Made) -> dict[str, Any]:
     return channels | parameters | values | {"status": status}
 
 
-def _motions(cases: Cases, made: Made) -> Iterator[tuple[Motion, list[int]]]:
+def _motions(cases: Cases, made: Made) -> Iterator[tuple[RunsMotion, list[int]]]:
     """The runs that went well with their places in the chunk: those of one robot together."""
     groups: dict[int, tuple[Robot, list[int]]] = {}
     for i in (i for i, reason in enumerate(made.reasons) if not reason):
@@ -168,4 +168,4 @@ def _motions(cases: Cases, made: Made) -> Iterator[tuple[Motion, list[int]]]:
         whole = len(which) == len(made.reasons)
         signals = made.signals if whole else {name: column[which] for name, column in made.signals.items()}
         runs = [made.runs[i] for i in which if i in made.runs]
-        yield Motion(robot, cases.times, signals, cases.aim, runs), which
+        yield RunsMotion(robot, cases.times, signals, cases.aim, runs), which

@@ -20,9 +20,9 @@ from flexdyn.errors import FlexdynError, InputError, MissingExtra
 
 _LOGS = tuple(logging.getLogger(f"distributed.{name}") for name in ("client", "batched"))
 """They print tracebacks when the scheduler goes."""
-AHEAD = 512
+TASKS_AHEAD = 512
 """Tasks that the scheduler knows of at a time: enough for as many threads, and a few MB at most."""
-PATIENCE = 10.0
+SCHEDULER_PATIENCE = 10.0
 """How long to wait for a scheduler to answer [s]."""
 LOOK = 2.0
 """How often to look whether the scheduler is still there while nothing comes back [s]."""
@@ -43,7 +43,7 @@ class Dask:
         InputError: it is none of these.
     """
 
-    def __init__(self, where: Any, *, ahead: int = AHEAD) -> None:
+    def __init__(self, where: Any, *, ahead: int = TASKS_AHEAD) -> None:
         if not isinstance(where, str) and not hasattr(where, "scheduler_address") and not _is_client(where):
             remedy = "give an address, a cluster or a distributed.Client"
             raise InputError("no scheduler", key="scheduler", value=where, remedy=remedy)
@@ -219,7 +219,7 @@ def _connect(where: Any) -> Any:
         if isinstance(where, str):
             resolve_address(where)  # a client that finds it wrong leaves threads behind
         client: Any = distributed.Client
-        return client(where, timeout=PATIENCE, set_as_default=False)
+        return client(where, timeout=SCHEDULER_PATIENCE, set_as_default=False)
     except (OSError, TimeoutError, ValueError, ImportError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         remedy = "start one with: dask scheduler"

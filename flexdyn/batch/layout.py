@@ -20,7 +20,7 @@ _FILL = {"string": NOT_DONE, "float64": np.nan, "int64": 0}
 
 
 @dataclass(frozen=True)
-class Layout:
+class StoreArray:
     """One array of a store.
 
     Attributes:
@@ -47,7 +47,7 @@ class Layout:
         return _FILL[self.dtype]
 
 
-def layouts(cases: Cases) -> Iterator[Layout]:
+def layouts(cases: Cases) -> Iterator[StoreArray]:
     """Every array of a study's store; ``status`` is the last.
 
     Args:
@@ -62,19 +62,19 @@ def layouts(cases: Cases) -> Iterator[Layout]:
     for signal in study.keep:
         units = [PRISMATIC[SIGNALS[signal]] if kind == "prismatic" else SIGNALS[signal] for kind in kinds]
         attrs = {"kind": "channel", "units": " or ".join(units), "long_name": LONG_NAMES[signal]}
-        yield Layout(signal, ("run", "time", "joint"), runs + rest, chunk + rest, "float64", attrs)
+        yield StoreArray(signal, ("run", "time", "joint"), runs + rest, chunk + rest, "float64", attrs)
     for path in study.vary:
         attrs = {"kind": "parameter", "units": cases.places[path].unit, "long_name": path}
-        yield Layout(array_name(path), ("run",), runs, chunk, "float64", attrs)
+        yield StoreArray(array_name(path), ("run",), runs, chunk, "float64", attrs)
     for metric in cases.metrics:
         attrs = {"kind": "metric", "units": metric.unit, "long_name": metric.description}
-        yield Layout(array_name(metric.name), ("run",), runs, chunk, "float64", attrs)
+        yield StoreArray(array_name(metric.name), ("run",), runs, chunk, "float64", attrs)
     attrs = {"kind": "status", "long_name": f"{DONE}, or why the run or a metric of it failed"}
-    yield Layout("status", ("run",), runs, chunk, "string", attrs)
+    yield StoreArray("status", ("run",), runs, chunk, "string", attrs)
 
 
-def _coordinate(name: str, dtype: str, attrs: Mapping[str, str], values: NDArray[Any]) -> Layout:
-    return Layout(name, (name,), values.shape, values.shape, dtype, attrs, values)
+def _coordinate(name: str, dtype: str, attrs: Mapping[str, str], values: NDArray[Any]) -> StoreArray:
+    return StoreArray(name, (name,), values.shape, values.shape, dtype, attrs, values)
 
 
 def array_name(path: str) -> str:

@@ -10,7 +10,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from flexdyn.batch.layout import Layout
+from flexdyn.batch.layout import StoreArray
 from flexdyn.batch.pieces import LEVEL
 
 FILE = "zarr.json"
@@ -22,7 +22,7 @@ _SERIALIZERS: dict[str, dict[str, Any]] = {
 }
 
 
-def array_metadata(each: Layout) -> dict[str, Any]:
+def array_metadata(each: StoreArray) -> dict[str, Any]:
     """Of one array.
 
     Args:
@@ -47,7 +47,7 @@ def array_metadata(each: Layout) -> dict[str, Any]:
     }
 
 
-def group_metadata(attrs: Mapping[str, Any], arrays: Sequence[Layout]) -> dict[str, Any]:
+def group_metadata(attrs: Mapping[str, Any], arrays: Sequence[StoreArray]) -> dict[str, Any]:
     """Of the whole store, with those of all its arrays, so that one file tells a reader everything.
 
     Args:

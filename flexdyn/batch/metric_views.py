@@ -24,7 +24,7 @@ MOST_LINES = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Columns:
+class MetricColumns:
     """Metrics and parameters of all runs.
 
     Attributes:
@@ -67,7 +67,7 @@ class Columns:
         kept = sorted(effect, key=lambda path: -effect[path])[:most]
         return [path for path in self.parameters if path in kept]
 
-    def only(self, paths: Sequence[str]) -> Columns:
+    def only(self, paths: Sequence[str]) -> MetricColumns:
         """With these parameters alone."""
         return replace(self, parameters={path: self.parameters[path] for path in paths})
 
@@ -82,7 +82,7 @@ def clipped(name: str, letters: int) -> str:
     return name if len(name) <= letters else f"…{name[1 - letters :]}"
 
 
-def scatter(columns: Columns) -> list[Block]:
+def scatter(columns: MetricColumns) -> list[Block]:
     """A row of panels for each metric, a column for each parameter."""
     rows = []
     for name in columns.metrics:
@@ -92,13 +92,13 @@ def scatter(columns: Columns) -> list[Block]:
     return [Block(tuple(rows), (1.8,) * len(rows), 3.0)]
 
 
-def tornado(columns: Columns) -> list[Block]:
+def tornado(columns: MetricColumns) -> list[Block]:
     """A panel for each metric, a line for each parameter, the strongest uppermost."""
     panels = [panel for name in columns.metrics if (panel := _lines(columns, name)) is not None]
     return [Block(((panel,),), (max(0.5, 0.22 * len(panel.curves)),)) for panel in panels]
 
 
-def _dots(columns: Columns, path: str, name: str) -> Panel:
+def _dots(columns: MetricColumns, path: str, name: str) -> Panel:
     x, y = columns.parameters[path], columns.metrics[name]
     there = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if len(there) > DOTS:
@@ -119,7 +119,7 @@ def _dots(columns: Columns, path: str, name: str) -> Panel:
     )
 
 
-def _lines(columns: Columns, name: str) -> Panel | None:
+def _lines(columns: MetricColumns, name: str) -> Panel | None:
     found = [
         (each, path, columns.colours[path])
         for path in columns.parameters

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.batch.aim import Aim
 from flexdyn.batch.catalogue import METRICS, Metric, RunMetric
-from flexdyn.batch.motion import Motion
+from flexdyn.batch.motion import RunsMotion
 from flexdyn.batch.own_metric import own_function
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -73,7 +73,7 @@ def metrics_of(
     return tuple(found)
 
 
-def measure(metrics: Sequence[Metric], motion: Motion) -> tuple[NDArray[np.float64], list[list[str]]]:
+def measure(metrics: Sequence[Metric], motion: RunsMotion) -> tuple[NDArray[np.float64], list[list[str]]]:
     """All metrics of some runs; one that a run has not is NaN, and why is said.
 
     Args:

@@ -18,12 +18,12 @@ from flexdyn.simulation.run import Run
 Array = NDArray[np.float64]
 TAIL = 0.1
 """Share of the time after the command's rest that counts as the end: positions are averaged there."""
-LEAST = 10
+LEAST_SAMPLES_AFTER_REST = 10
 """Samples that are needed after the command's rest."""
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class RunsMotion:
     """Runs of one arm over the same samples, their command's aim, and the tip's paths.
 
     Whatever is computed of a run is the same to the last bit, whichever others it is looked at with.
@@ -77,7 +77,7 @@ class Motion:
         """
         rest = self.aim.rest
         first = len(self.t) if rest is None else int(np.searchsorted(self.t, rest))
-        if len(self.t) - first < LEAST:
+        if len(self.t) - first < LEAST_SAMPLES_AFTER_REST:
             raise ValueError("the command does not come to rest before the run ends")
         return slice(first, None)
 

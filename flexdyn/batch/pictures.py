@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexdyn.batch.metric_views import DOTS, Columns, scatter, tornado
+from flexdyn.batch.metric_views import DOTS, MetricColumns, scatter, tornado
 from flexdyn.batch.trajectory_views import trajectories, trajectory_keys
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.plots.arrange import Block, arrange
@@ -76,7 +76,7 @@ def _columns(
     notes: list[str],
     *,
     chosen: bool,
-) -> Columns | None:
+) -> MetricColumns | None:
     """The metrics and parameters to be drawn; None where there are none."""
     measured, varied = results.metrics, results.parameters
     _known("metrics", metrics or (), measured)
@@ -92,10 +92,10 @@ def _columns(
         notes.append(f"{len(names)} of {len(there)} metrics are drawn.")
     colours = {path: hue(place) for place, path in enumerate(varied)}
     kept = {path: varied[path] for path in parameters or varied}
-    return Columns({name: measured[name] for name in names}, kept, units, colours)
+    return MetricColumns({name: measured[name] for name in names}, kept, units, colours)
 
 
-def _strongest(columns: Columns, chosen: Sequence[str] | None, notes: list[str]) -> Columns:
+def _strongest(columns: MetricColumns, chosen: Sequence[str] | None, notes: list[str]) -> MetricColumns:
     """Those parameters that there is room for, side by side, unless they were chosen."""
     if chosen is not None or len(columns.parameters) <= MOST_PARAMETERS:
         return columns
@@ -109,7 +109,7 @@ def _counted(results: Results) -> str:
     return f"{done}, {failed} of them failed." if failed else f"{done}."
 
 
-def _about_dots(columns: Columns) -> str:
+def _about_dots(columns: MetricColumns) -> str:
     return f"{DOTS} runs, evenly spaced among all, are drawn." if columns.runs > DOTS else "Every dot is a run."
 
 

@@ -81,7 +81,7 @@ class Changes:
 
 
 @dataclass(frozen=True)
-class Place:
+class NumberPlace:
     """Where one number goes.
 
     Attributes:
@@ -93,7 +93,7 @@ class Place:
     put: Callable[[Changes, Any], None]
 
 
-def places(model: FlexibleJointModel, command: Any) -> dict[str, Place]:
+def places(model: FlexibleJointModel, command: Any) -> dict[str, NumberPlace]:
     """Every number that can vary, by its path; those of all joints (``*``) come before those of one.
 
     Args:
@@ -102,37 +102,41 @@ def places(model: FlexibleJointModel, command: Any) -> dict[str, Place]:
     """
     kinds = dict(zip(model.joint_names, model.robot.kinds, strict=True))
     groups = [("*", tuple(kinds)), *((joint, (joint,)) for joint in kinds)]
-    found: dict[str, Place] = {}
+    found: dict[str, NumberPlace] = {}
     for name, joints in groups:
         slides = all(kinds[joint] == "prismatic" for joint in joints)
         for number, unit in JOINT_UNITS.items():
-            found[f"joints.{name}.{number}"] = Place(_joint_unit(unit, slides), _nested("joints", joints, (number,)))
+            found[f"joints.{name}.{number}"] = NumberPlace(
+                _joint_unit(unit, slides), _nested("joints", joints, (number,))
+            )
         for signal, unit in FIRST_UNITS.items():
-            found[f"initial.{signal}.{name}"] = Place(_joint_unit(unit, slides), _nested("initial", (signal,), joints))
+            found[f"initial.{signal}.{name}"] = NumberPlace(
+                _joint_unit(unit, slides), _nested("initial", (signal,), joints)
+            )
     for i, effect in enumerate(model.effects):
         for parameter in effect.parameters():
             unit = unit_for(parameter.metadata["unit"], prismatic=_slides(effect, kinds))
-            found[f"effects[{i}].{parameter.name}"] = Place(unit, _nested("effects", (i,), (parameter.name,)))
+            found[f"effects[{i}].{parameter.name}"] = NumberPlace(unit, _nested("effects", (i,), (parameter.name,)))
     for i in range(3):
-        found[f"robot.gravity[{i}]"] = Place("m/s^2", _item("gravity", i))
+        found[f"robot.gravity[{i}]"] = NumberPlace("m/s^2", _item("gravity", i))
     for joint in model.robot.lock:
-        found[f"robot.lock.{joint}"] = Place("rad or m", _item("lock", joint))
+        found[f"robot.lock.{joint}"] = NumberPlace("rad or m", _item("lock", joint))
     return found | _command_places(command, groups, kinds)
 
 
 def _command_places(
     command: Any, groups: list[tuple[str, tuple[str, ...]]], kinds: Mapping[str, str]
-) -> dict[str, Place]:
+) -> dict[str, NumberPlace]:
     if isinstance(command, Recording):
-        return {"command.scale": Place("1", _whole("scale"))}
+        return {"command.scale": NumberPlace("1", _whole("scale"))}
     if not isinstance(command, PD):
         return {}
-    found = {"command.pd.rate": Place("Hz", _whole("rate"))}
+    found = {"command.pd.rate": NumberPlace("Hz", _whole("rate"))}
     for gain, unit in GAIN_UNITS.items():
         for name, joints in groups:
             slides = all(kinds[joint] == "prismatic" for joint in joints)
             path = f"command.pd.{gain}" if name == "*" else f"command.pd.{gain}.{name}"
-            found[path] = Place(_joint_unit(unit, slides), _nested("gains", (gain,), joints))
+            found[path] = NumberPlace(_joint_unit(unit, slides), _nested("gains", (gain,), joints))
     return found
 
 

@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 from time import monotonic
 
-WINDOW = 30.0
+RATE_WINDOW = 30.0
 """Over which the rate is taken [s]: long against a chunk, short against a machine that others come to use."""
 
 
@@ -62,7 +62,7 @@ class Meter:
         self._done += runs
         self._failed += failed
         self._seen.append((now, self._done))
-        while len(self._seen) > 2 and now - self._seen[1][0] > WINDOW:
+        while len(self._seen) > 2 and now - self._seen[1][0] > RATE_WINDOW:
             self._seen.popleft()
         return self.now()
 

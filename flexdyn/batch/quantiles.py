@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 EXACT = 4_000_000
 """Numbers up to which all are held at once (32 MB), and quantiles are exact."""
-BINS = 512
+HISTOGRAM_BINS = 512
 """Beyond that quantiles are those of a histogram: off by less than this part of the range at their instant."""
 
 
@@ -39,13 +39,15 @@ def quantiles(blocks: Callable[[], Iterator[Array]], runs: int, shares: Sequence
 
 def _histogram(blocks: Iterator[Array], low: Array, high: Array) -> NDArray[np.int64]:
     """How many runs lie in each of the bins between least and greatest (..., bins)."""
-    counts = np.zeros(low.size * BINS, dtype=np.int64)
-    start = np.arange(low.size) * BINS
+    counts = np.zeros(low.size * HISTOGRAM_BINS, dtype=np.int64)
+    start = np.arange(low.size) * HISTOGRAM_BINS
     width = np.where(high > low, high - low, 1.0)
     for block in blocks:
-        place = np.minimum(((block - low) / width * BINS).astype(np.int64), BINS - 1).reshape(len(block), -1)
+        place = np.minimum(((block - low) / width * HISTOGRAM_BINS).astype(np.int64), HISTOGRAM_BINS - 1).reshape(
+            len(block), -1
+        )
         counts += np.bincount((place + start).ravel(), minlength=len(counts))
-    return counts.reshape(*low.shape, BINS)
+    return counts.reshape(*low.shape, HISTOGRAM_BINS)
 
 
 def _of_histogram(counts: NDArray[np.int64], low: Array, high: Array, shares: Sequence[float]) -> Array:
@@ -54,9 +56,9 @@ def _of_histogram(counts: NDArray[np.int64], low: Array, high: Array, shares: Se
     found = np.empty((len(shares), *low.shape))
     for i, share in enumerate(shares):
         wanted = share * below[..., -1:]
-        bin = np.minimum((below < wanted).sum(axis=-1), BINS - 1)
+        bin = np.minimum((below < wanted).sum(axis=-1), HISTOGRAM_BINS - 1)
         here = np.take_along_axis(counts, bin[..., None], axis=-1)[..., 0]
         before = np.take_along_axis(below, bin[..., None], axis=-1)[..., 0] - here
         part = np.clip((wanted[..., 0] - before) / np.maximum(here, 1), 0.0, 1.0)
-        found[i] = low + (bin + part) / BINS * (high - low)
+        found[i] = low + (bin + part) / HISTOGRAM_BINS * (high - low)
     return found

@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.batch.cases import cases_of
-from flexdyn.batch.layout import Layout, layouts
+from flexdyn.batch.layout import StoreArray, layouts
 from flexdyn.batch.metadata import FILE, array_metadata, encoded, group_metadata
 from flexdyn.batch.pieces import is_whole, write_piece
 from flexdyn.batch.study import Study
 from flexdyn.errors import InputError, MissingExtra
 
-FORMAT = 1
+STORE_FORMAT = 1
 
 
 def create(study: Study, path: Path) -> Store:
@@ -67,12 +67,12 @@ def open_store(path: str | Path) -> Store:
     try:
         attrs = json.loads((folder / FILE).read_bytes())["attributes"]
         found = attrs.get("flexdyn_batch")
-        study = Study.from_text(attrs["study"]) if found == FORMAT else None
+        study = Study.from_text(attrs["study"]) if found == STORE_FORMAT else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         remedy = "give the path of what flexdyn batch wrote; if this is it, its zarr.json is damaged"
         raise InputError("not the store of a batch study", file=path, remedy=remedy) from None
     if study is None:
-        remedy = f"this version reads format {FORMAT}"
+        remedy = f"this version reads format {STORE_FORMAT}"
         raise InputError("not the store of a batch study", file=path, value=found, remedy=remedy)
     return Store(folder, study, str(attrs.get("flexdyn")))
 
@@ -148,7 +148,7 @@ class Store:
                 shutil.rmtree(fresh, ignore_errors=True)
 
     @cached_property
-    def _chunked(self) -> tuple[Layout, ...]:
+    def _chunked(self) -> tuple[StoreArray, ...]:
         """The arrays that are written chunk by chunk; status last."""
         return tuple(each for each in layouts(cases_of(self.study)) if each.values is None)
 
@@ -182,7 +182,7 @@ def _skeleton(study: Study, folder: Path) -> None:
         (place / FILE).write_bytes(encoded(array_metadata(each)))
         if each.values is not None:
             write_piece(place, 0, each.piece, each.values, each.fill)
-    attrs = {"flexdyn_batch": FORMAT, "flexdyn": __version__, "study": study.to_text()}
+    attrs = {"flexdyn_batch": STORE_FORMAT, "flexdyn": __version__, "study": study.to_text()}
     (folder / FILE).write_bytes(encoded(group_metadata(attrs, arrays)))
 
 

@@ -25,7 +25,7 @@ from flexdyn.simulation.command_input import make_drive
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.solvers import make_solver
 
-FORMAT = 1
+STUDY_FORMAT = 1
 TOP_KEYS = (
     "flexdyn_study",
     "model",
@@ -87,8 +87,8 @@ def study_from_dict(content: Mapping[str, Any], folder: Path) -> Study:
 
 def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
     check_keys(content, TOP_KEYS, required=("flexdyn_study", "model", "vary"))
-    if isinstance(content["flexdyn_study"], bool) or content["flexdyn_study"] != FORMAT:
-        remedy = f"this version reads format {FORMAT}"
+    if isinstance(content["flexdyn_study"], bool) or content["flexdyn_study"] != STUDY_FORMAT:
+        remedy = f"this version reads format {STUDY_FORMAT}"
         raise InputError("no such format", key="flexdyn_study", value=content["flexdyn_study"], remedy=remedy)
     if not content.get("keep") and not content.get("metrics"):
         remedy = "name channels under keep, or metrics"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from flexdyn.batch.sensitivity import Sensitivity, sensitivity
 
 Array = NDArray[np.float64]
-SHARES = (0.05, 0.25, 0.5, 0.75, 0.95)
+SUMMARY_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 """Quantiles of metrics."""
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d*)?([eE][-+]?\d+)?(?!\w)")
 
@@ -124,7 +124,7 @@ def metric_summary(name: str, unit: str, values: Array) -> MetricSummary:
         mean=float(there.mean()),
         std=float(there.std(ddof=1)) if len(there) > 1 else None,
         least=float(there.min()),
-        quantiles=dict(zip(SHARES, np.quantile(there, SHARES).tolist(), strict=True)),
+        quantiles=dict(zip(SUMMARY_QUANTILES, np.quantile(there, SUMMARY_QUANTILES).tolist(), strict=True)),
         greatest=float(there.max()),
         worst=int(np.nanargmax(values)),
     )

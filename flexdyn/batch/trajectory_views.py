@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexdyn.batch.results import Results
 
 Array = NDArray[np.float64]
-SHARES = (0.05, 0.95, 0.25, 0.75, 0.5)
+BAND_QUANTILES = (0.05, 0.95, 0.25, 0.75, 0.5)
 """Of runs below each line, the lowest line first."""
 LABELS = (
     "9 of 10 runs between",
@@ -32,7 +32,7 @@ STYLES = (("dashed", 0.9, 0.45), ("dashed", 0.9, 0.45), ("solid", 0.9, 0.3), ("s
 """Dash, width [pt] and how pale."""
 INSTANTS = 1000
 """Samples that are drawn of a trajectory."""
-MOST_JOINTS = 8
+MOST_JOINTS_DRAWN = 8
 
 
 def trajectory_keys() -> tuple[Key, ...]:
@@ -54,9 +54,9 @@ def trajectories(results: Results, channels: Sequence[str], notes: list[str]) ->
     """
     times = results.times
     instants = np.unique(np.linspace(0, len(times) - 1, min(len(times), INSTANTS)).round().astype(np.intp))
-    joints = results.joints[:MOST_JOINTS]
+    joints = results.joints[:MOST_JOINTS_DRAWN]
     if len(joints) < len(results.joints):
-        notes.append(f"Trajectories of the first {MOST_JOINTS} of {len(results.joints)} joints.")
+        notes.append(f"Trajectories of the first {MOST_JOINTS_DRAWN} of {len(results.joints)} joints.")
     if len(instants) < len(times):
         notes.append(f"Of {len(times)} samples of a trajectory {len(instants)} are drawn.")
     panels = {channel: _panels(results, channel, instants) for channel in channels}
@@ -67,7 +67,7 @@ def trajectories(results: Results, channels: Sequence[str], notes: list[str]) ->
 
 
 def _panels(results: Results, channel: str, instants: NDArray[np.intp]) -> list[Panel]:
-    found = quantiles(lambda: results.blocks(channel, instants), len(results.complete), SHARES)
+    found = quantiles(lambda: results.blocks(channel, instants), len(results.complete), BAND_QUANTILES)
     t = results.times[instants]
     return [
         _panel(t, found[:, :, j], f"{channel}.{joint}", results.unit(channel), hue(j))
@@ -78,7 +78,7 @@ def _panels(results: Results, channel: str, instants: NDArray[np.intp]) -> list[
 def _panel(t: Array, lines: Array, name: str, unit: str, colour: str) -> Panel:
     curves = tuple(
         Curve(t, line, f"{name}, {share:.0%}", label, blend(colour, "#FFFFFF", pale), dash, width)
-        for line, share, label, (dash, width, pale) in zip(lines, SHARES, LABELS, STYLES, strict=True)
+        for line, share, label, (dash, width, pale) in zip(lines, BAND_QUANTILES, LABELS, STYLES, strict=True)
     )
     signal, _, joint = name.partition(".")
     return Panel(

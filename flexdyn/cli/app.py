@@ -8,7 +8,7 @@ import typer
 from typer.core import TyperGroup
 
 from flexdyn.cli import completion
-from flexdyn.cli.failures import Interrupted
+from flexdyn.cli.failures import ProgramInterrupted
 from flexdyn.errors import InputError, did_you_mean
 
 
@@ -29,12 +29,12 @@ class Commands(TyperGroup):
         """Run the command that was found.
 
         Raises:
-            Interrupted: Ctrl-C.
+            ProgramInterrupted: Ctrl-C.
         """
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            raise Interrupted from None
+            raise ProgramInterrupted from None
 
 
 def build() -> Any:
@@ -57,7 +57,7 @@ def build() -> Any:
         add_completion=False,
         pretty_exceptions_enable=False,
         rich_markup_mode="markdown",
-        help="Robot arms with elastic joints: simulated fast, compared with measurements, missing effects named.",
+        help="Simulate robot arms with elastic joints, compare them with measurements, and name missing effects.",
         epilog="Exit codes: 0 done, 2 what was given is wrong (one line on stderr says what), 1 a fault of flexdyn.",
         context_settings={"help_option_names": ["-h", "--help"]},
     )

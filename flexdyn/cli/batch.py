@@ -39,7 +39,8 @@ def batch(
         int | None, typer.Option(metavar="N", help="Threads. Default: the processors this process may use.")
     ] = None,
     scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Of Dask, whose workers do the runs: tcp://host:8786.")
+        str | None,
+        typer.Option(metavar="ADDRESS", help="The Dask scheduler whose workers do the runs: tcp://host:8786."),
     ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", metavar="", help="Go on with the store: only what is missing is done.")
@@ -63,9 +64,9 @@ def batch(
 ) -> None:
     """Run a batch study, or look into the store of one.
 
-    A kill at any moment loses at most the chunks in work: --resume goes on, and the store is then bit for bit that of
-    one uninterrupted run. Runs that fail say why in the store's status, and the others go on. A metric of your own
-    (package.module:function) is imported: run no study file whose Python you do not trust.
+    If the process is killed, the chunks in work are lost, at most: --resume continues, and the store is then bit for
+    bit that of one uninterrupted run. The store's status says why a run failed; the others continue. A metric of your
+    own (package.module:function) is imported: run no study file whose Python you do not trust.
     """
     asked = [name for name, given in (("--summary", summary), ("--extract", extract is not None)) if given]
     if len(asked) > 1:

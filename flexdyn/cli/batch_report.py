@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from flexdyn.batch.summary import Summary
 
 METRICS = ("metric", "unit", "runs", "mean", "std", "least", "5 %", "median", "95 %", "greatest", "of run")
-SHARES = (0.05, 0.5, 0.95)
+REPORT_QUANTILES = (0.05, 0.5, 0.95)
 STRONGEST = 3
 """Metrics that are named beside each parameter."""
 
@@ -35,7 +35,7 @@ def summary_parts(summary: Summary) -> list[Any]:
                 each.unit or "-",
                 each.runs,
                 *map(number, (each.mean, each.std, each.least)),
-                *(number(each.quantiles.get(share)) for share in SHARES),
+                *(number(each.quantiles.get(share)) for share in REPORT_QUANTILES),
                 number(each.greatest),
                 "-" if each.worst is None else each.worst,
             )

@@ -25,7 +25,7 @@ LEGEND = {
 
 def compare(
     first: Annotated[Path, typer.Argument(metavar="FIRST", help="A run or recording: the reference.")],
-    second: Annotated[Path, typer.Argument(metavar="SECOND", help="What is held against it.")],
+    second: Annotated[Path, typer.Argument(metavar="SECOND", help="The run or recording to compare with FIRST.")],
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help=f"A picture: {', '.join(FILES)} by its suffix."),
@@ -37,8 +37,8 @@ def compare(
 ) -> None:
     """Compare two runs or recordings: the errors of every channel that both have, second - first.
 
-    They are taken at the times of FIRST that both cover, SECOND on the line between its samples, tau and tau_applied
-    as held from one sample to the next. Spread is the standard deviation of FIRST. Exit 0 however much they differ.
+    Errors are computed at the times of FIRST that both cover. SECOND is interpolated linearly; tau and tau_applied
+    are held from sample to sample. Spread is the standard deviation of FIRST. Large errors do not change the exit code.
     """
     path = None if output is None else output_file("--output", output, FILES, inputs=(first, second))
     low, high = window(start, end)

@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 from flexdyn.cli import completion
-from flexdyn.cli.failures import Interrupted
+from flexdyn.cli.failures import ProgramInterrupted
 from flexdyn.cli.options import JsonOption, naming, output_folder, span_of
 from flexdyn.cli.output import note, show, show_json
 from flexdyn.cli.recordings import load_each, parts_of, trimmed
@@ -156,7 +156,7 @@ def diagnose(
         if stop.diagnosis is not None:
             replace(stop.diagnosis, verdict="interrupted", record=done()).save(folder)
             note(f"what was known by then is in {folder / 'report.html'}")
-        raise Interrupted from None
+        raise ProgramInterrupted from None
     diagnosis = replace(diagnosis, record=done())
     diagnosis.save(folder)
     told = {target: diagnosis.explain(target) for target in targets}

@@ -27,9 +27,7 @@ _NOWHERE = {
 def effects(
     name: Annotated[
         str | None,
-        typer.Argument(
-            metavar="NAME", help="Of one effect, for all there is to say on it.", autocompletion=completion.effects
-        ),
+        typer.Argument(metavar="NAME", help="An effect to describe in full.", autocompletion=completion.effects),
     ] = None,
     output: Annotated[
         Path | None,

@@ -24,7 +24,7 @@ def example(
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; default: NAME.")
     ] = None,
 ) -> None:
-    """Write a model, logs of a robot that the model describes wrongly, and the commands that find out how.
+    """Write an example: a model, logs of a robot with an effect that the model lacks, and commands to find it.
 
     The robot is simulated; its sensors are noisy. What its model lacks is the effect of that name.
     """

@@ -25,7 +25,7 @@ DIGITS = 9
 
 
 @dataclass(frozen=True)
-class Case:
+class ExampleCase:
     """What a robot has and its model lacks.
 
     Attributes:
@@ -37,15 +37,15 @@ class Case:
     hidden: Effect
 
 
-EXAMPLES: Mapping[str, Case] = {
-    "coulomb_friction": Case("dry friction in a motor", CoulombFriction("shoulder", side="motor", level=0.8)),
-    "stribeck_friction": Case(
+EXAMPLES: Mapping[str, ExampleCase] = {
+    "coulomb_friction": ExampleCase("dry friction in a motor", CoulombFriction("shoulder", side="motor", level=0.8)),
+    "stribeck_friction": ExampleCase(
         "friction that falls as a motor speeds up", StribeckFriction("elbow", side="motor", excess=0.6, velocity=0.05)
     ),
-    "viscous_friction": Case(
+    "viscous_friction": ExampleCase(
         "friction that grows with a motor's speed", ViscousFriction("elbow", side="motor", coefficient=1.2)
     ),
-    "backlash": Case("play in a gear", Backlash("elbow", half_gap=2e-3)),
+    "backlash": ExampleCase("play in a gear", Backlash("elbow", half_gap=2e-3)),
 }
 
 

@@ -15,7 +15,7 @@ from flexdyn.errors import FlexdynError, did_you_mean, shown, visible
 UsageError: type[Exception] = next(kind for kind in typer.BadParameter.__mro__ if kind.__name__ == "UsageError")
 
 
-class Interrupted(Exception):
+class ProgramInterrupted(Exception):
     """Ctrl-C, out of reach of click, which would print of its own accord."""
 
 
@@ -31,7 +31,7 @@ def report(error: BaseException) -> int:
     debug = bool(os.environ.get("FLEXDYN_DEBUG"))
     if debug:
         traceback.print_exception(error)
-    if isinstance(error, KeyboardInterrupt | Interrupted):
+    if isinstance(error, KeyboardInterrupt | ProgramInterrupted):
         return _say("interrupted", 130)
     if isinstance(error, FlexdynError):
         return _say(str(error), 2)

@@ -70,9 +70,9 @@ def info(
 ) -> None:
     """Show what a robot or model is made of: joints, drives, inertias, frequencies, effects.
 
-    A name that is both (panda) means the shipped model. M_ii is what the joint turns at --q with the other joints
-    held, J included where it is rigid. f locked is the frequency with the rotor held, sqrt(K/M_ii)/2pi; f free the
-    one with the rotor let go, J against M_ii. --modes takes all joints together, springs as they are loaded at --q.
+    A name that is both (panda) means the shipped model. M_ii is the inertia about a joint at --q with the other
+    joints held; for a rigid joint it includes J. f locked is the frequency with the rotor held, sqrt(K/M_ii)/2pi.
+    f free is the frequency with the rotor free. --modes couples all joints, each spring under its load at --q.
     """
     picture = _picture(modes, path, output)
     found = find(target)

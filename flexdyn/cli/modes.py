@@ -14,9 +14,9 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import read_recording
 
-SHOWN = 0.1
+SHOWN_SHAPE_SHARE = 0.1
 """Share of a shape's largest entry from which an entry is shown."""
-POSES = 400
+PATH_POSES = 400
 """As many poses of a path are looked at."""
 
 
@@ -79,7 +79,7 @@ def tables(document: Mapping[str, Any], elastic: Mapping[str, bool]) -> list[Any
 
 
 def _table(title: str, modes_: list[dict[str, Any]], elastic: Mapping[str, bool]) -> Any:
-    columns = ("mode", "frequency", "damping", "kind", "moves most", f"shape, entries from {SHOWN:g}")
+    columns = ("mode", "frequency", "damping", "kind", "moves most", f"shape, entries from {SHOWN_SHAPE_SHARE:g}")
     rows = []
     for row in modes_:
         ratio = "-" if row["damping_ratio"] is None else f"{100 * row['damping_ratio']:.3g} %"
@@ -95,7 +95,7 @@ def _shape(row: Mapping[str, Any], elastic: Mapping[str, bool]) -> str:
     for joint, part, value in _entries(row):
         twin = row["rotor" if part == "link" else "link"][joint]
         together = not elastic[joint] or number(value, 2) == number(twin, 2)
-        if abs(value) >= SHOWN and not (together and part == "rotor"):
+        if abs(value) >= SHOWN_SHAPE_SHARE and not (together and part == "rotor"):
             shown.append(f"{joint} {number(value, 2)}" if together else f"{joint} {part} {number(value, 2)}")
     return ", ".join(shown)
 
@@ -111,5 +111,5 @@ def along(model: FlexibleJointModel, path: Path) -> PathFrequencies:
         poses = recording.signal("q", model.joint_names)
     except InputError as error:
         raise error.at(file=path) from None
-    kept = np.unique(np.linspace(0, len(poses) - 1, POSES).round().astype(int))
+    kept = np.unique(np.linspace(0, len(poses) - 1, PATH_POSES).round().astype(int))
     return frequencies_over_path(model, poses[kept])

@@ -25,7 +25,7 @@ from flexdyn.robot import load_robot
 from flexdyn.simulation.plant import LinkSide
 
 _PLAIN = re.compile(r"(\.\.?/)*[A-Za-z_/][A-Za-z0-9_./-]*")
-BANDWIDTH = 2.0
+SUGGESTED_BANDWIDTH = 2.0
 """Of the motion that is suggested [Hz]."""
 _WORDS = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 
@@ -171,7 +171,7 @@ def _command(model: FlexibleJointModel) -> list[str]:
     start = 0.0 if low <= 0.0 < high else low + 0.25 * span
     goal = start + 0.25 * min(span, high - start)
     unit, torque = robot.angle_unit(0), robot.torque_unit(0)
-    turn = math.tau * BANDWIDTH
+    turn = math.tau * SUGGESTED_BANDWIDTH
     kp, kd = (
         ", ".join(f"{name}: {float(f'{factor * M[j, j]:.2g}'):g}" for j, name in enumerate(names))
         for factor in (turn**2, 1.4 * turn)
@@ -181,7 +181,7 @@ def _command(model: FlexibleJointModel) -> list[str]:
         "# command:",
         "#   pd:  # tracking; or torques: {t: [0, 1], ...}",
         f"#     reference: {{t: [0, 1, 2], {names[0]}: [{start:.4g}, {goal:.4g}, {start:.4g}]}}  # {unit}; others stay",
-        f"#     kp: {{{kp}}}  # {torque}/{unit}, by M_ii for {BANDWIDTH:g} Hz",
+        f"#     kp: {{{kp}}}  # {torque}/{unit}, by M_ii for {SUGGESTED_BANDWIDTH:g} Hz",
         f"#     kd: {{{kd}}}  # {torque} s/{unit}",
     ]
 

@@ -29,7 +29,7 @@ def play(
     ] = None,
     model: Annotated[
         str | None,
-        typer.Option(metavar="MODEL", help="Whose motion it is, where a recording does not hold its model (CSV)."),
+        typer.Option(metavar="MODEL", help="The model of the arm, for a recording that does not hold it (CSV)."),
     ] = None,
     map: MapOption = None,
     rigid: Annotated[
@@ -44,7 +44,7 @@ def play(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="With --rigid: what drives that arm instead, such as the controller of RUN (YAML).",
+            help="With --rigid: the command of that arm (YAML), for example the controller of RUN.",
         ),
     ] = None,
     html: Annotated[
@@ -58,7 +58,7 @@ def play(
     """Play a run in the browser.
 
     The page is served on 127.0.0.1 until Ctrl-C. It shows the arm, at each elastic joint a dial with the deflection
-    magnified, and the path of the tip. A --map is that of OTHER, if there is one, else of RUN.
+    magnified, and the path of the tip. --map belongs to OTHER, or to RUN if there is no OTHER.
     """
     from flexdyn.viewer import play as watch
     from flexdyn.viewer.rigid import RIGID

@@ -26,7 +26,7 @@ ToOption = Annotated[str | None, typer.Option("--to", metavar="S", help="Last ti
 
 
 def plot(
-    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Runs or recordings; what was measured first.")],
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Runs or recordings, the measured one first.")],
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help=f"The picture: {', '.join(FILES)} by its suffix."),
@@ -47,8 +47,8 @@ def plot(
 ) -> None:
     """Draw runs and recordings: positions, deflection and torques of every joint, and the energy of runs.
 
-    Several are drawn over one another, with what the others are beside the first underneath. Without --output an
-    interactive page is opened in the browser; .html writes such a page, which works offline.
+    Several files share the axes; their differences from the first are drawn below. Without --output an interactive
+    page opens in the browser; .html writes such a page, which works offline.
     """
     path = None if output is None else output_file("--output", output, FILES, inputs=runs)
     first, last = window(start, end)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-GAP = 2
+COLUMN_GAP = 2
 """Blanks between columns."""
 Row = tuple[str, ...]
 
@@ -61,13 +61,13 @@ class Sheet:
     def _below(self, width: int) -> list[str]:
         """The first cell of each row above the others; empty where these do not fit."""
         others = range(1, len(self.columns))
-        widths = self._widths(others, width - GAP)
+        widths = self._widths(others, width - COLUMN_GAP)
         if widths is None or len(self.columns) < 3:
             return []
-        found = [" " * GAP + line for line in self._line(self.columns, widths, rule=True, first=1)]
+        found = [" " * COLUMN_GAP + line for line in self._line(self.columns, widths, rule=True, first=1)]
         for row in self.rows:
             found += _wrapped(row[0], width)
-            found += [" " * GAP + line for line in self._line(row, widths, rule=False, first=1)]
+            found += [" " * COLUMN_GAP + line for line in self._line(row, widths, rule=False, first=1)]
         return found
 
     def _apart(self, width: int) -> list[str]:
@@ -77,7 +77,7 @@ class Sheet:
             found += _wrapped(row[0], width)
             cells = zip(self.columns[1:], row[1:], strict=True)
             pairs = [f"{' '.join(head.split())} {' '.join(cell.split())}".strip() for head, cell in cells if cell]
-            found += [" " * GAP + line for line in _packed(pairs, width - GAP)]
+            found += [" " * COLUMN_GAP + line for line in _packed(pairs, width - COLUMN_GAP)]
         return found
 
     def _widths(self, which: Sequence[int], width: int) -> list[int] | None:
@@ -89,7 +89,7 @@ class Sheet:
             words = max((len(word) for cell in cells for word in cell.split()), default=0)
             natural.append(longest)
             least.append(longest if self.columns[k] in self.right else words)
-        room = width - GAP * (len(natural) - 1)
+        room = width - COLUMN_GAP * (len(natural) - 1)
         if sum(least) > room:
             return None
         while sum(natural) > room:
@@ -111,9 +111,9 @@ class Sheet:
                 piece[k].rjust(wide) if head in self.right else piece[k].ljust(wide)
                 for piece, wide, head in zip(even, widths, columns, strict=True)
             ]
-            found.append((" " * GAP).join(texts).rstrip())
+            found.append((" " * COLUMN_GAP).join(texts).rstrip())
         if rule:
-            found.append("\N{BOX DRAWINGS LIGHT HORIZONTAL}" * (sum(widths) + GAP * (len(widths) - 1)))
+            found.append("\N{BOX DRAWINGS LIGHT HORIZONTAL}" * (sum(widths) + COLUMN_GAP * (len(widths) - 1)))
         return found
 
 

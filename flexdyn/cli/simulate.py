@@ -61,18 +61,18 @@ def simulate(
         ),
     ] = None,
     map: MapOption = None,
-    duration: Annotated[str | None, typer.Option(metavar="S", help="In s. Default: the command's.")] = None,
+    duration: Annotated[str | None, typer.Option(metavar="S", help="Duration in s. Default: the command's.")] = None,
     solver: Annotated[str, typer.Option(metavar="NAME", help=f"auto, {', '.join(SOLVERS)}.")] = "auto",
-    step: Annotated[str | None, typer.Option(metavar="S", help="Of RungeKutta4 or TimeStepping, in s.")] = None,
+    step: Annotated[str | None, typer.Option(metavar="S", help="Step of RungeKutta4 or TimeStepping, in s.")] = None,
     rtol: Annotated[str | None, typer.Option(metavar="R", help="Relative tolerance of an adaptive solver.")] = None,
     atol: Annotated[
         str | None, typer.Option(metavar="A", help="Absolute tolerance of an adaptive solver, in rad and rad/s.")
     ] = None,
     smoothing: Annotated[
         str | None,
-        typer.Option(metavar="U", help="Smooth dry friction over this, in rad/s, instead of exact sticking."),
+        typer.Option(metavar="U", help="Smooth dry friction below this velocity, in rad/s. Default: exact sticking."),
     ] = None,
-    rate: Annotated[str, typer.Option(metavar="HZ", help="Of the samples in the run, in Hz.")] = "1000",
+    rate: Annotated[str, typer.Option(metavar="HZ", help="Sample rate of the run, in Hz.")] = "1000",
     q0: Annotated[
         list[str] | None, typer.Option(metavar="VALUES", help=f"First link positions, {STARTS}; rad or m.")
     ] = None,
@@ -94,8 +94,8 @@ def simulate(
 ) -> None:
     """Simulate a model under a command and write the run.
 
-    The first state comes from --q0 and the like, else from the first row of a recording as command, else from the
-    model's initial. Rotors start at theta = q, omega = v where nothing is said.
+    The first state comes from --q0, --v0, --theta0 and --omega0. Without them it comes from the first row of the
+    recording in --command, or else from the model file. Rotors start at theta = q, omega = v by default.
     """
     path = output_file("--output", output, SUFFIXES, inputs=(Path(model), command, map))
     span = None if duration is None else decimal("--duration", duration)

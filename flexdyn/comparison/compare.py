@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.comparison.difference import common_rows, difference, root_mean_square
-from flexdyn.comparison.motion_sources import Source, as_sources, unit_in
+from flexdyn.comparison.motion_sources import MotionSource, as_sources, unit_in
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.signals.gaps import in_gaps
@@ -80,7 +80,7 @@ class Comparison(Public):
     rows: tuple[ChannelError, ...]
     only_first: tuple[str, ...]
     only_second: tuple[str, ...]
-    sources: tuple[Source, Source] = field(repr=False, compare=False)
+    sources: tuple[MotionSource, MotionSource] = field(repr=False, compare=False)
 
     def __repr__(self) -> str:
         """Which two, over which time, in a line."""
@@ -183,7 +183,7 @@ def compare(first: Any, second: Any, *, start: float | None = None, end: float |
     )
 
 
-def _channel_error(one: Source, two: Source, channel: str, rows: slice) -> ChannelError:
+def _channel_error(one: MotionSource, two: MotionSource, channel: str, rows: slice) -> ChannelError:
     unit = unit_in((one, two), channel)
     both = difference(one, two, channel, rows)
     error, worst = both.error, int(np.argmax(np.abs(both.error)))
@@ -204,6 +204,6 @@ def _or_dash(value: float | None) -> float | str:
     return "-" if value is None else value
 
 
-def _listed(source: Source) -> str:
+def _listed(source: MotionSource) -> str:
     names = list(source.recording.channels)
     return ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")

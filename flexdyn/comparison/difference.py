@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.comparison.motion_sources import HELD, Source
+from flexdyn.comparison.motion_sources import HELD, MotionSource
 from flexdyn.errors import InputError
 from flexdyn.records.signals.gaps import in_gaps
 from flexdyn.records.units import split_name
 
 Array = NDArray[np.float64]
-GREATEST = 1e290
+LARGEST_COMPARED = 1e290
 """Sums of numbers up to this do not overflow."""
 SAME_TIME = 1e-6
 """Times closer than this share of the second's mean sample interval are one: grids of a rate differ by rounding."""
@@ -45,7 +45,7 @@ class Difference:
         return root_mean_square(self.error)
 
 
-def common_rows(one: Source, two: Source, start: float | None = None, end: float | None = None) -> slice:
+def common_rows(one: MotionSource, two: MotionSource, start: float | None = None, end: float | None = None) -> slice:
     """Which samples of the first lie in the time that both cover.
 
     Raises:
@@ -63,7 +63,7 @@ def common_rows(one: Source, two: Source, start: float | None = None, end: float
     return slice(first, last)
 
 
-def difference(one: Source, two: Source, channel: str, rows: slice) -> Difference:
+def difference(one: MotionSource, two: MotionSource, channel: str, rows: slice) -> Difference:
     """A channel of two motions at the times of the first's samples.
 
     Args:
@@ -81,13 +81,13 @@ def difference(one: Source, two: Source, channel: str, rows: slice) -> Differenc
     second = taken_at(two, channel, t)
     for values in (first, second):
         greatest = float(np.abs(values).max())
-        if not greatest <= GREATEST:
-            remedy = f"the limit is {GREATEST:g}; check the channel's unit"
+        if not greatest <= LARGEST_COMPARED:
+            remedy = f"the limit is {LARGEST_COMPARED:g}; check the channel's unit"
             raise InputError("the numbers are too great to be compared", key=channel, value=greatest, remedy=remedy)
     return Difference(t, first, second)
 
 
-def taken_at(source: Source, channel: str, t: Array) -> Array:
+def taken_at(source: MotionSource, channel: str, t: Array) -> Array:
     """A channel at other times: held where the signal is, else on the line between two samples.
 
     Args:
@@ -109,6 +109,6 @@ def root_mean_square(values: Array) -> float:
     return scale * math.sqrt(float(np.mean((values / scale) ** 2))) if scale > 0 else 0.0
 
 
-def slack(source: Source) -> float:
+def slack(source: MotionSource) -> float:
     """Times of a motion closer than this are one [s]."""
     return SAME_TIME * source.recording.duration / len(source.recording)

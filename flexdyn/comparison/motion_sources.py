@@ -21,7 +21,7 @@ HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class MotionSource:
     """A motion to be drawn or compared.
 
     Attributes:
@@ -55,12 +55,12 @@ class Source:
         units = self.recording.meta.get("units", {})
         return self.recording.unit(channel) if self.run is not None or channel in units else ""
 
-    def renamed(self, name: str) -> Source:
+    def renamed(self, name: str) -> MotionSource:
         """The same motion under another name."""
-        return Source(name, self.recording, self.run)
+        return MotionSource(name, self.recording, self.run)
 
 
-def as_source(given: Any, name: str = "") -> Source:
+def as_source(given: Any, name: str = "") -> MotionSource:
     """One form for all that can be drawn.
 
     Args:
@@ -70,12 +70,12 @@ def as_source(given: Any, name: str = "") -> Source:
     Raises:
         InputError: it is something else, or the file is wrong.
     """
-    if isinstance(given, Source):
+    if isinstance(given, MotionSource):
         return given
     if isinstance(given, Run):
-        return Source(printable(name or given.model.name) or "run", _true(given), given)
+        return MotionSource(printable(name or given.model.name) or "run", _true(given), given)
     given = as_recording(given)
-    return Source(printable(name or given.name) or "recording", given)
+    return MotionSource(printable(name or given.name) or "recording", given)
 
 
 def printable(name: str) -> str:
@@ -83,7 +83,7 @@ def printable(name: str) -> str:
     return "".join(letter if letter.isprintable() else " " for letter in name).strip()
 
 
-def as_sources(given: Sequence[Any]) -> tuple[Source, ...]:
+def as_sources(given: Sequence[Any]) -> tuple[MotionSource, ...]:
     """Several of them; those that share a name are numbered.
 
     Raises:
@@ -99,7 +99,7 @@ def as_sources(given: Sequence[Any]) -> tuple[Source, ...]:
     return tuple(sources)
 
 
-def unit_in(sources: Sequence[Source], channel: str) -> str:
+def unit_in(sources: Sequence[MotionSource], channel: str) -> str:
     """Unit of a channel in all of them: as one of them states it, else as its name has it.
 
     Raises:
@@ -114,7 +114,7 @@ def unit_in(sources: Sequence[Source], channel: str) -> str:
     return next(iter(stated), "") or having[0].recording.unit(channel)
 
 
-def windowed(source: Source, start: float | None, end: float | None) -> NDArray[np.intp]:
+def windowed(source: MotionSource, start: float | None, end: float | None) -> NDArray[np.intp]:
     """Which samples lie in a window of time, as indices.
 
     Args:

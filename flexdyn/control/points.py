@@ -30,7 +30,7 @@ COMMAND_KEYS = ("pd", "torques")
 PD_KEYS = ("reference", "kp", "kd", "rate", "feedback", "feedforward", "interpolation")
 
 
-class Points(Samples):
+class CommandPoints(Samples):
     """Samples by joint, the first of which is where the arm starts."""
 
     def whole(self, joint_names: Sequence[str], rest: Mapping[str, float]) -> Samples:
@@ -72,7 +72,7 @@ def command_of(content: Mapping[str, Any], folder: Path | None = None) -> PD | S
     return PD(**settings)
 
 
-def points_of(entry: Any, key: str, between: Any) -> Points:
+def points_of(entry: Any, key: str, between: Any) -> CommandPoints:
     """Points as they stand in the text: ``t`` and a list a joint, and ``interpolation`` if it is another.
 
     Args:
@@ -99,7 +99,7 @@ def points_of(entry: Any, key: str, between: Any) -> Points:
             problem = f"{np.size(values)} points where t has {length}"
             raise InputError(problem, key=f"{key}.{joint}", remedy="give one for each time")
     try:
-        return Points(entry["t"], columns, interpolation)
+        return CommandPoints(entry["t"], columns, interpolation)
     except InputError as error:
         raise InputError(error.problem, key=key, value=error.value, remedy=error.remedy) from None
 

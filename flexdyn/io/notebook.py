@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
-MOST = 20
+MOST_TABLE_ROWS = 20
 """Rows of a table; further ones are counted."""
 _CELL = 'style="text-align:left;padding:2px 12px 2px 0"'
 
@@ -34,7 +34,7 @@ def card(title: str, facts: Mapping[str, Any], *tables: str, notes: Iterable[str
     return f"<div>{''.join(f'<div>{line}</div>' for line in lines)}{''.join(tables)}{below}</div>"
 
 
-def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST) -> str:
+def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST_TABLE_ROWS) -> str:
     """An HTML table; of many rows the first `most`."""
     listed = [tuple(row) for row in rows]
     head = "".join(f"<th {_CELL}>{escape(text)}</th>" for text in heads)

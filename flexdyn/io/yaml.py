@@ -11,7 +11,7 @@ from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
 
-MAX_BYTES = 500_000
+MAX_YAML_BYTES = 500_000
 """Of a file: so much is read in some seconds."""
 MAX_NODES = 100_000
 """Entries once aliases are unfolded."""
@@ -29,9 +29,9 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
         InputError: no such file, too large, not YAML, or no mapping.
     """
     try:
-        if path.stat().st_size > MAX_BYTES:
+        if path.stat().st_size > MAX_YAML_BYTES:
             remedy = "keep long data in recordings"
-            raise InputError(f"the file is larger than {MAX_BYTES} bytes", file=path, remedy=remedy)
+            raise InputError(f"the file is larger than {MAX_YAML_BYTES} bytes", file=path, remedy=remedy)
         text = path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:
         raise InputError("there is no such file", file=path) from None

@@ -17,7 +17,7 @@ from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.axes import plain_axes
 from flexdyn.robot.names import shipped_dir
 
-FORMAT = 1
+MODEL_FORMAT = 1
 ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
 TOP_KEYS = ("flexdyn", "robot", "joints", "links", "initial", "tolerance", "effects", "command")
 ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "axes", "urdf_dynamics", "rotor_coupling")
@@ -68,8 +68,8 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
         InputError: a key, joint, effect or number that does not fit.
     """
     check_keys(content, TOP_KEYS, required=("flexdyn", "robot"))
-    if isinstance(content["flexdyn"], bool) or content["flexdyn"] != FORMAT:
-        remedy = f"this version reads format {FORMAT}"
+    if isinstance(content["flexdyn"], bool) or content["flexdyn"] != MODEL_FORMAT:
+        remedy = f"this version reads format {MODEL_FORMAT}"
         raise InputError("no such format", key="flexdyn", value=content["flexdyn"], remedy=remedy)
     entry = content["robot"]
     check_keys(entry, ROBOT_KEYS, required=("urdf",), key="robot")
@@ -130,7 +130,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
     robot |= {"urdf_dynamics": model.urdf_dynamics, "rotor_coupling": model.rotor_coupling}
     tolerance = dict(model.tolerance) if isinstance(model.tolerance, Mapping) else model.tolerance
     content = {
-        "flexdyn": FORMAT,
+        "flexdyn": MODEL_FORMAT,
         "robot": robot,
         "joints": {name: joint.to_dict() for name, joint in model.joints.items()},
         "initial": {signal: dict(values) for signal, values in model.initial.items()},

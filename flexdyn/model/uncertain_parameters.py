@@ -18,9 +18,9 @@ OF_JOINT = ("rotor_inertia", "stiffness", "damping")
 OF_MOTOR = ("torque_constant", "resistance")
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 DEFAULT_TOLERANCE = 0.05
-OPEN = 10.0
+UNKNOWN_TOLERANCE = 10.0
 """A relative tolerance from which a number counts as not known [1]."""
-NOTHING = 1e-12
+INERTIA_ROUNDING = 1e-12
 """Change of inertias, by their size, that is rounding."""
 
 
@@ -45,7 +45,7 @@ class FileNumber:
     @property
     def is_open(self) -> bool:
         """Whether it was not known: its tolerance is that much larger than the value that a diagnosis starts from."""
-        return self.tolerance >= OPEN
+        return self.tolerance >= UNKNOWN_TOLERANCE
 
     def error(self, factor: float) -> ParameterError:
         """The effect that says ``true = factor*given``."""
@@ -92,7 +92,7 @@ def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
                 other = robot.with_link_scaled(frame, **{word: 2.0})
             except InputError:
                 break
-            if np.abs(other.tree.inertial_parameters - own).max() > NOTHING * np.abs(own).max():
+            if np.abs(other.tree.inertial_parameters - own).max() > INERTIA_ROUNDING * np.abs(own).max():
                 tolerance = _tolerance(model, f"links.{frame}.{word}")
                 if parameter == "link_inertia" and frame in model.links:
                     tolerance = _relative(model.links[frame], tolerance)

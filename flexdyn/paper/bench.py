@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.control.commands import Controller, Samples, State
 from flexdyn.paper import equations as eq
-from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, Cases, reference
+from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, PaperCases, reference
 from flexdyn.records import Recording
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
@@ -19,14 +19,14 @@ from flexdyn.simulation.simulate import simulate
 Array = NDArray[np.float64]
 Corners = Sequence[tuple[float, float]]
 
-RATE = 1000.0  # Hz, of control and of recordings
+BENCH_RATE = 1000.0  # Hz, of control and of recordings
 LINK_STEP = 2.0 * np.pi / 2**20  # rad: encoders of 20 bit on the links
 MOTOR_STEP = 2.0 * np.pi / 2**17  # rad: of 17 bit on the motor shafts
 TORQUE_NOISE = 0.002  # of the greatest torque, standard deviation
 KP, KD = 2.0, 1.0  # N m/rad, N m s/rad: as stiff as the springs allow
 FILTERED = 1.5e-3  # s, low pass on the differences of the encoders
-MOST = 0.5  # N m, that the controller asks for: it stays below the actuator line of Table I
-WATCHED = 12.0  # s, of the arm under the torque of Fig. 4
+LARGEST_ASKED_TORQUE = 0.5  # N m, that the controller asks for: it stays below the actuator line of Table I
+BENCH_WATCHED = 12.0  # s, of the arm under the torque of Fig. 4
 
 # Time [s] and angle [rad] at which each joint is to be at rest: fast moves, slow sweeps, dwells.
 FIT: tuple[Corners, Corners] = (
@@ -55,7 +55,7 @@ class Bench:
         seed: of the torque noise.
     """
 
-    cases: Cases
+    cases: PaperCases
     seed: int = 7
 
     @cached_property
@@ -64,7 +64,7 @@ class Bench:
         return {
             "fit": self._controlled(FIT),
             "check": self._controlled(CHECK),
-            "check_fig4": simulate(self.cases.model, torque_of_fig4(), WATCHED, reference(), rate=RATE),
+            "check_fig4": simulate(self.cases.model, torque_of_fig4(), BENCH_WATCHED, reference(), rate=BENCH_RATE),
         }
 
     @cached_property
@@ -75,13 +75,15 @@ class Bench:
 
     def _controlled(self, corners: tuple[Corners, Corners]) -> Run:
         wanted = motion(corners)
-        law = Servo(wanted, feedforward(self.cases.arm(), wanted))
-        duration = (len(wanted) - 1) / RATE
-        return simulate(self.cases.model, Controller(law, RATE), duration, reference(), q0=wanted[0], rate=RATE)
+        law = PaperServo(wanted, feedforward(self.cases.arm(), wanted))
+        duration = (len(wanted) - 1) / BENCH_RATE
+        return simulate(
+            self.cases.model, Controller(law, BENCH_RATE), duration, reference(), q0=wanted[0], rate=BENCH_RATE
+        )
 
 
 @dataclass
-class Servo:
+class PaperServo:
     """PD control on the motor encoders, the rigid arm's torque fed forward.
 
     Attributes:
@@ -96,20 +98,20 @@ class Servo:
 
     def __call__(self, t: float, state: State) -> Array:
         """Torques asked for, held to the next sample (2,) [N m]."""
-        k = min(round(t * RATE), len(self.wanted) - 2)
+        k = min(round(t * BENCH_RATE), len(self.wanted) - 2)
         seen = quantised(state.theta, motor_step())
         last = seen if self._seen is None else self._seen
-        share = 1.0 / (1.0 + FILTERED * RATE)
-        self._slow = self._slow + share * ((seen - last) * RATE - self._slow)
+        share = 1.0 / (1.0 + FILTERED * BENCH_RATE)
+        self._slow = self._slow + share * ((seen - last) * BENCH_RATE - self._slow)
         self._seen = seen
-        speed = (self.wanted[k + 1] - self.wanted[k]) * RATE
+        speed = (self.wanted[k + 1] - self.wanted[k]) * BENCH_RATE
         torque = self.forward[k] + KP * (self.wanted[k] - seen) + KD * (speed - self._slow)
-        return np.asarray(np.clip(torque, -MOST, MOST))
+        return np.asarray(np.clip(torque, -LARGEST_ASKED_TORQUE, LARGEST_ASKED_TORQUE))
 
 
 def motion(corners: tuple[Corners, Corners]) -> Array:
     """From corner to corner with zero velocity and acceleration there (samples, 2) [rad]."""
-    t = np.arange(round(corners[0][-1][0] * RATE) + 1) / RATE
+    t = np.arange(round(corners[0][-1][0] * BENCH_RATE) + 1) / BENCH_RATE
     columns = []
     for each in corners:
         times, angles = np.array(each).T
@@ -121,8 +123,8 @@ def motion(corners: tuple[Corners, Corners]) -> Array:
 
 def feedforward(arm: eq.Arm, wanted: Array) -> Array:
     """Torques that the rigid arm without friction needs for a motion, eq. 12-15 (samples, 2) [N m]."""
-    v = np.gradient(wanted, 1.0 / RATE, axis=0)
-    a = np.gradient(v, 1.0 / RATE, axis=0)
+    v = np.gradient(wanted, 1.0 / BENCH_RATE, axis=0)
+    a = np.gradient(v, 1.0 / BENCH_RATE, axis=0)
     links = np.einsum("tij,tj->ti", eq.mass_matrix(arm, wanted), a) + eq.coriolis(arm, wanted, v)
     return np.asarray(links + arm.J * a)
 
@@ -130,7 +132,7 @@ def feedforward(arm: eq.Arm, wanted: Array) -> Array:
 def torque_of_fig4() -> Samples:
     """Accelerate, brake, let go; the same at both joints."""
     signs = np.array([1.0, -1.0, 0.0, 0.0])
-    return Samples([0.0, PULSE, TORQUE_END, WATCHED], np.outer(AMPLITUDE * signs, [1.0, 1.0]))
+    return Samples([0.0, PULSE, TORQUE_END, BENCH_WATCHED], np.outer(AMPLITUDE * signs, [1.0, 1.0]))
 
 
 def recorded(

@@ -20,12 +20,12 @@ from flexdyn.simulation.solvers import DormandPrince
 
 Array = NDArray[np.float64]
 
-RATE = 250.0  # Hz, of the runs that are kept: 60 samples and more in the shortest period
+CASES_RATE = 250.0  # Hz, of the runs that are kept: 60 samples and more in the shortest period
 AMPLITUDE = 0.6  # N m: 95 % of the stall torque of Table I
 PULSE = 0.6  # s, of acceleration, and as long of braking
 TORQUE_END = 2 * PULSE
-WATCHED = 10.0  # s, over which the vibration that is left is watched
-DURATION = TORQUE_END + WATCHED + 1.0  # s
+CASES_WATCHED = 10.0  # s, over which the vibration that is left is watched
+CASES_DURATION = TORQUE_END + CASES_WATCHED + 1.0  # s
 PAPER_V = 0.01  # N m s/rad: v_1 = v_2 of Fig. 5
 DAMPINGS = (0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # N m s/rad
 SMOOTH_AMPLITUDE = 0.3  # N m
@@ -50,7 +50,7 @@ class FrictionNumbers:
 
 
 @dataclass(frozen=True)
-class Cases:
+class PaperCases:
     """The shipped model, what follows from it, and the runs that several chapters look at.
 
     Attributes:
@@ -113,8 +113,10 @@ def reference() -> DormandPrince:
 def bang_bang(model: FlexibleJointModel) -> Run:
     """The model under the torque of Fig. 4, and on until the vibration that is left has been watched."""
     signs = np.array([1.0, -1.0, 0.0, 0.0])
-    t = [0.0, PULSE, TORQUE_END, DURATION]
-    return simulate(model, Samples(t, np.outer(AMPLITUDE * signs, [1, 1])), DURATION, reference(), rate=RATE)
+    t = [0.0, PULSE, TORQUE_END, CASES_DURATION]
+    return simulate(
+        model, Samples(t, np.outer(AMPLITUDE * signs, [1, 1])), CASES_DURATION, reference(), rate=CASES_RATE
+    )
 
 
 def smooth_torque(t: ArrayLike) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.paper import style
-from flexdyn.paper.cases import DAMPINGS, DURATION, TORQUE_END, WATCHED, Cases, bang_bang
+from flexdyn.paper.cases import CASES_DURATION, CASES_WATCHED, DAMPINGS, TORQUE_END, PaperCases, bang_bang
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.vibration import Residual, amplitude, modes, pluck_rate, residual, slowest_rates
 from flexdyn.simulation.run import Run
@@ -17,7 +17,7 @@ from flexdyn.simulation.run import Run
 Array = NDArray[np.float64]
 ELBOW = np.pi / 2  # rad: the pose of Table I, at which modes are computed
 SWEEP = np.logspace(-2, 2, 161)  # N m s/rad
-SHOWN = (0.01, 0.5, 2.0)  # N m s/rad
+SHOWN_DAMPINGS = (0.01, 0.5, 2.0)  # N m s/rad
 DASHES: tuple[Any, ...] = (
     "-",
     (0, (6, 2)),
@@ -30,7 +30,7 @@ DASHES: tuple[Any, ...] = (
 COLOURS = (style.BLACK, style.BLUE, style.SKY, style.GREEN, style.ORANGE, style.VERMILION, style.PURPLE)
 
 
-def damping(cases: Cases) -> Chapter:
+def damping(cases: PaperCases) -> Chapter:
     """Increased damping suppresses the vibration: how much, how fast, and up to where."""
     runs = {v: bang_bang(cases.viscous_model(v)) for v in DAMPINGS}
     found = {v: residual(cases.arm(v=v), run) for v, run in runs.items()}
@@ -70,7 +70,7 @@ def damping(cases: Cases) -> Chapter:
             "Growing viscous damping v (N m s/rad): deflection of the elbow (a) and amplitude of the vibration (b) "
             "after the torque of Fig. 4, no dry friction.",
             lambda canvas: _draw_growing(canvas, cases, runs),
-            (style.WIDE, 3.0),
+            (style.FULL_WIDTH, 3.0),
         ),
         Figure(
             "fig5_decay_rates",
@@ -80,19 +80,19 @@ def damping(cases: Cases) -> Chapter:
             (3.5, 2.9),
         ),
     )
-    kept = {f"damping_v_{v:g}": runs[v] for v in SHOWN}
+    kept = {f"damping_v_{v:g}": runs[v] for v in SHOWN_DAMPINGS}
     text = _text(cases, found, best, float(rates.max()))
     numbers_all = {"by_v": numbers, "best_v": best, "best_rate": float(rates.max())}
     return Chapter("Growing damping", text, checks, numbers_all, figures, kept)
 
 
-def _plucked(cases: Cases, v: float) -> list[tuple[float, float]]:
+def _plucked(cases: PaperCases, v: float) -> list[tuple[float, float]]:
     """Measured and linearised decay rate [1/s] of each mode."""
     arm, model = cases.arm(v=v), cases.smooth_model(v)
     return [(pluck_rate(arm, model, mode, ELBOW), mode.rate) for mode in modes(arm, ELBOW)]
 
 
-def _text(cases: Cases, found: Mapping[float, Residual], best: float, best_rate: float) -> str:
+def _text(cases: PaperCases, found: Mapping[float, Residual], best: float, best_rate: float) -> str:
     rows = []
     for v, each in found.items():
         slow, *_, fast = modes(cases.arm(v=v), ELBOW)
@@ -110,8 +110,8 @@ def _text(cases: Cases, found: Mapping[float, Residual], best: float, best_rate:
             f"Table I, {slow.frequency:.2f} and {fast.frequency:.2f} Hz without damping: their decay rate and "
             "logarithmic decrement (ln of the ratio of two successive peaks).",
             "",
-            f"| v [N m s/rad] | A after the torque [deg] | {WATCHED:g} s later [deg] | left | fitted rate [1/s] | "
-            "slow: rate [1/s] | decrement | fast: rate [1/s] | decrement |",
+            f"| v [N m s/rad] | A after the torque [deg] | {CASES_WATCHED:g} s later [deg] | left | fitted rate [1/s] "
+            "| slow: rate [1/s] | decrement | fast: rate [1/s] | decrement |",
             "|---|---|---|---|---|---|---|---|---|",
             *rows,
             "",
@@ -127,11 +127,11 @@ def _text(cases: Cases, found: Mapping[float, Residual], best: float, best_rate:
     )
 
 
-def _draw_growing(canvas: Any, cases: Cases, runs: Mapping[float, Run]) -> None:
+def _draw_growing(canvas: Any, cases: PaperCases, runs: Mapping[float, Run]) -> None:
     left, right = canvas.subplots(1, 2)
     for v, run in runs.items():
         look = dict(zip(("color", "linestyle"), (COLOURS[DAMPINGS.index(v)], DASHES[DAMPINGS.index(v)]), strict=True))
-        if v in SHOWN:
+        if v in SHOWN_DAMPINGS:
             left.plot(run.t, np.degrees(run.deflection[:, 1]), **look, label=f"$v = {v:g}$")
         right.semilogy(run.t, np.degrees(amplitude(cases.arm(v=v), run)), **look, label=f"{v:g}")
     style.titled(left, "a", "elbow")
@@ -140,8 +140,8 @@ def _draw_growing(canvas: Any, cases: Cases, runs: Mapping[float, Run]) -> None:
     right.set_ylabel("amplitude $A$ (deg)")
     for panel in (left, right):
         style.torque_on(panel)
-        panel.set(xlim=(0, DURATION - 1.0), xlabel="time (s)")
-    right.set_xlim(TORQUE_END, DURATION - 1.0)
+        panel.set(xlim=(0, CASES_DURATION - 1.0), xlabel="time (s)")
+    right.set_xlim(TORQUE_END, CASES_DURATION - 1.0)
     right.set_ylim(4.5, 13)
     right.set_yticks([5, 6, 8, 10, 12], ["5", "6", "8", "10", "12"])
     right.minorticks_off()
@@ -149,7 +149,9 @@ def _draw_growing(canvas: Any, cases: Cases, runs: Mapping[float, Run]) -> None:
     right.legend(loc="lower left", ncols=2, title="$v$ (N m s/rad)", title_fontsize=8)
 
 
-def _draw_rates(canvas: Any, cases: Cases, plucked: Mapping[float, list[tuple[float, float]]], best: float) -> None:
+def _draw_rates(
+    canvas: Any, cases: PaperCases, plucked: Mapping[float, list[tuple[float, float]]], best: float
+) -> None:
     panel = canvas.subplots()
     lines = _rate_lines(cases)
     looks = ((style.BLUE, "-", "o"), (style.VERMILION, (0, (5, 2)), "s"))
@@ -164,7 +166,7 @@ def _draw_rates(canvas: Any, cases: Cases, plucked: Mapping[float, list[tuple[fl
     panel.legend(loc="upper left")
 
 
-def _rate_lines(cases: Cases) -> tuple[Array, Array]:
+def _rate_lines(cases: PaperCases) -> tuple[Array, Array]:
     """Rates of the slow and the fast vibration over the sweep, each followed from one damping to the next."""
     slow, fast = (mode.eigenvalue for mode in modes(cases.arm(v=float(SWEEP[0])), ELBOW))
     rates = []

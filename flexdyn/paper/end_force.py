@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flexdyn.control.commands import PD, FrameWrench, Samples
 from flexdyn.paper import style
-from flexdyn.paper.cases import PAPER_V, Cases, reference
+from flexdyn.paper.cases import PAPER_V, PaperCases, reference
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.equations import Arm, jacobian, tip
 from flexdyn.simulation.run import Run
@@ -19,10 +19,10 @@ Array = NDArray[np.float64]
 FORCE = np.array([-0.2, 0.0])  # N, along -x: across the second link as it stands
 RISE, RELEASE, END = 1.0, 16.0, 20.0  # s
 SETTLING = 3.0  # N m s/rad: brings both joints to rest well before the release
-KP, KD = 50.0, 4.5  # N m/rad, N m s/rad: motors that hold their place, critically damped for J = 0.1 kg m^2
+END_FORCE_KP, END_FORCE_KD = 50.0, 4.5  # N m/rad, N m s/rad: hold the motors, critically damped for J = 0.1 kg m^2
 
 
-def end_force(cases: Cases) -> Chapter:
+def end_force(cases: PaperCases) -> Chapter:
     """A lateral push at the tool: at rest the springs bend by K^-1 J^T F."""
     light, heavy = (_pushed(cases, v) for v in (PAPER_V, SETTLING))
     arm = cases.arm()
@@ -62,7 +62,7 @@ def end_force(cases: Cases) -> Chapter:
         "A push of 0.2 N across the second link from 0 to 16 s: deflection of the joints. Dotted: the static value "
         "-K^-1 J_r^T F.",
         lambda canvas: _draw(canvas, light, heavy, bent),
-        (style.WIDE, 2.8),
+        (style.FULL_WIDTH, 2.8),
     )
     return Chapter("The end-of-arm force", text, checks, numbers, (figure,), {"end_force": light})
 
@@ -72,7 +72,7 @@ def static_deflection(arm: Arm, q: Array) -> Array:
     return np.asarray(-jacobian(arm, q).T @ FORCE / arm.K)
 
 
-def _pushed(cases: Cases, v: float) -> Run:
+def _pushed(cases: PaperCases, v: float) -> Run:
     model = cases.viscous_model(v)
     held = [model.initial["q"].get(joint, 0.0) for joint in model.joint_names]
     still = Samples([0.0, END], [held, held], "linear")
@@ -82,7 +82,7 @@ def _pushed(cases: Cases, v: float) -> Run:
     size = np.concatenate([rise, [1.0, 0.0, 0.0]])
     push = Samples(t, np.outer(size, [*FORCE, 0, 0, 0, 0]), "linear")
     wrench = FrameWrench(model.robot.tip, push)
-    return simulate(model, PD(still, KP, KD), END, reference(), rate=100.0, external=wrench)
+    return simulate(model, PD(still, END_FORCE_KP, END_FORCE_KD), END, reference(), rate=100.0, external=wrench)
 
 
 def _degrees(angles: Array) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.paper import style
-from flexdyn.paper.cases import DURATION, PAPER_V, TORQUE_END, WATCHED, Cases, bang_bang
+from flexdyn.paper.cases import CASES_DURATION, CASES_WATCHED, PAPER_V, TORQUE_END, PaperCases, bang_bang
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.vibration import Residual, residual, ringing_after
 
@@ -18,7 +18,7 @@ WITHOUT = {"color": style.BLUE, "linestyle": "-", "label": "without friction"}
 WITH = {"color": style.VERMILION, "linestyle": (0, (5, 2)), "label": "with friction"}
 
 
-def friction_effect(cases: Cases) -> Chapter:
+def friction_effect(cases: PaperCases) -> Chapter:
     """Fig. 5: what friction does to both arms."""
     runs, arm = cases.driven, cases.arm()
     viscous = bang_bang(cases.viscous_model(PAPER_V))
@@ -52,7 +52,7 @@ def friction_effect(cases: Cases) -> Chapter:
         "Fig. 5: effect of friction on the flexible (a, d) and the rigid arm (b, e), and on the deflection of the "
         "flexible one (c, f); v = 0.01 N m s/rad and the dry friction chosen.",
         lambda canvas: _draw(canvas, runs),
-        (style.WIDE, 3.9),
+        (style.FULL_WIDTH, 3.9),
     )
     kept = {"fig5_flexible_friction": runs["flexible_friction"], "fig5_rigid_friction": runs["rigid_friction"]}
     return Chapter("The effect of friction: Fig. 5", _text(left, moved), checks, numbers, (figure,), kept)
@@ -70,13 +70,13 @@ def _text(left: Mapping[str, Residual], moved: Mapping[str, Array]) -> str:
             "that is left after the torque is measured by its amplitude A, the deflection of one spring that would "
             "hold all its energy. Without friction A is constant but for the slow change of the arm's pose.",
             "",
-            f"| friction of the flexible arm | A after the torque [deg] | {WATCHED:g} s later [deg] | lost | rate of "
-            "the exponential fitted [1/s] |",
+            f"| friction of the flexible arm | A after the torque [deg] | {CASES_WATCHED:g} s later [deg] | lost | "
+            "rate of the exponential fitted [1/s] |",
             "|---|---|---|---|---|",
             *rows,
             "",
             "Without friction the arm coasts on after the torque; with it, that motion dies within seconds. At the end "
-            f"of the runs ({DURATION:g} s) the links stand elsewhere by {_degrees(moved['flexible'])} "
+            f"of the runs ({CASES_DURATION:g} s) the links stand elsewhere by {_degrees(moved['flexible'])} "
             f"degrees (flexible arm, joints 1 and 2) and {_degrees(moved['rigid'])} degrees (rigid arm): friction is "
             "indeed quite important for where the arm goes. For the vibration it is the dry part, at the levels "
             f"chosen, that matters; v = {PAPER_V:g} alone takes little of it.",
@@ -100,7 +100,7 @@ def _draw(canvas: Any, runs: Any) -> None:
         for panel, name, at in zip(panels[j], names, "abc" if j == 0 else "def", strict=True):
             style.titled(panel, at, name)
             style.torque_on(panel)
-            panel.set_xlim(0, TORQUE_END + WATCHED)
+            panel.set_xlim(0, TORQUE_END + CASES_WATCHED)
         _share(panels[j, 0], panels[j, 1])
         panels[j, 0].set_ylabel(f"angle $q_{j + 1}$ (deg)")
         panels[j, 2].set_ylabel(rf"$\theta_{j + 1} - q_{j + 1}$ (deg)")

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from flexdyn.effects import CoulombFriction, Effect, StribeckFriction, ViscousFriction
 from flexdyn.paper import style
-from flexdyn.paper.cases import Cases, FrictionNumbers
+from flexdyn.paper.cases import FrictionNumbers, PaperCases
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.equations import friction
 
 Array = NDArray[np.float64]
 
 
-def friction_law(cases: Cases) -> Chapter:
+def friction_law(cases: PaperCases) -> Chapter:
     """Eq. 1 is the sum of three effects of the model, and drawn as Fig. 1."""
     numbers = cases.friction
     u = np.linspace(-1.0, 1.0, 2001)
@@ -48,7 +48,7 @@ def friction_law(cases: Cases) -> Chapter:
                 "fig1_friction_law",
                 "Fig. 1, redrawn: eq. 1 with the numbers of the shipped model, whole (a) and near rest (b).",
                 lambda canvas: _draw(canvas, numbers),
-                (style.WIDE, 2.7),
+                (style.FULL_WIDTH, 2.7),
             ),
         ),
     )

@@ -13,11 +13,11 @@ from flexdyn.diagnose.report.digits import estimate_text, times
 from flexdyn.diagnose.report.verdicts import verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, place_phrase
 from flexdyn.diagnose.shooting.gap import shoot
-from flexdyn.diagnose.shooting.windows import Noise, Windows
+from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
 from flexdyn.effects import Effect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper.bench import LINK_STEP, TORQUE_NOISE, Bench, motor_step
-from flexdyn.paper.cases import Cases
+from flexdyn.paper.cases import PaperCases
 from flexdyn.paper.chapter import Chapter, Check, Figure, check
 from flexdyn.paper.hidden_friction_figure import Step, draw
 from flexdyn.records import Recording
@@ -35,7 +35,7 @@ CHECKED = ("check_fig4", "check")
 Progress = Callable[[str, float], None]
 
 
-def hidden_friction(cases: Cases, folder: Path, progress: Progress | None = None) -> Chapter:
+def hidden_friction(cases: PaperCases, folder: Path, progress: Progress | None = None) -> Chapter:
     """Record the true arm, diagnose a model without its friction, compare what is found with what was hidden.
 
     Args:
@@ -110,7 +110,7 @@ def _without(model: FlexibleJointModel, missing: Sequence[Suspect]) -> FlexibleJ
     return model.replace(effects=[effect for effect in model.effects if _place(effect) not in places])
 
 
-def sensors_noise(recordings: Sequence[Recording]) -> Noise:
+def sensors_noise(recordings: Sequence[Recording]) -> WindowNoise:
     """What the sensors of the bench make: encoder steps evenly spread, step / sqrt(12), and the torque's noise.
 
     Args:
@@ -119,7 +119,7 @@ def sensors_noise(recordings: Sequence[Recording]) -> Noise:
     joints = ("shoulder", "elbow")
     peak = [np.mean([np.abs(each[f"tau.{joint}"]).max() for each in recordings]) for joint in joints]
     link, motor = (np.full(2, step / np.sqrt(12.0)) for step in (LINK_STEP, motor_step()))
-    return Noise(link, motor, TORQUE_NOISE * np.array(peak))
+    return WindowNoise(link, motor, TORQUE_NOISE * np.array(peak))
 
 
 def _place(entry: Effect | Suspect) -> tuple[Any, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.paper import equations as eq
-from flexdyn.paper.cases import AMPLITUDE, PULSE, Cases
+from flexdyn.paper.cases import AMPLITUDE, PULSE, PaperCases
 from flexdyn.paper.verification import random_states, tip_acceleration
 
 AREA_MOMENT = 9.9e-12  # m^4: I_1 = I_2 of Table I
@@ -30,7 +30,7 @@ class Reading:
     why: str
 
 
-def readings(cases: Cases) -> tuple[Reading, ...]:
+def readings(cases: PaperCases) -> tuple[Reading, ...]:
     """All of them: misprints in equations, then symbols, Table I, what is missing, figures."""
     return (*_misprints(cases.arm()), *_symbols(), *_table(cases), *_missing(cases), *_figures())
 
@@ -127,7 +127,7 @@ def _symbols() -> tuple[Reading, ...]:
     )
 
 
-def _table(cases: Cases) -> tuple[Reading, ...]:
+def _table(cases: PaperCases) -> tuple[Reading, ...]:
     arm = cases.arm()
     radius = (4 * AREA_MOMENT / np.pi) ** 0.25
     density = arm.mu / (np.pi * radius**2)
@@ -157,7 +157,7 @@ def _table(cases: Cases) -> tuple[Reading, ...]:
     )
 
 
-def _missing(cases: Cases) -> tuple[Reading, ...]:
+def _missing(cases: PaperCases) -> tuple[Reading, ...]:
     numbers = cases.friction
     return (
         Reading(

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from flexdyn.paper import style
-from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, Cases
+from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, PaperCases
 from flexdyn.paper.chapter import Chapter, Check, Figure, check
 from flexdyn.paper.vibration import amplitude, ringing_after
 from flexdyn.simulation.run import Run
 
 
-def responses(cases: Cases) -> Chapter:
+def responses(cases: PaperCases) -> Chapter:
     """Flexible and rigid arm under the torque of Fig. 4, without friction."""
     flexible, rigid = cases.driven["flexible"], cases.driven["rigid"]
     numbers = {
@@ -42,21 +42,21 @@ def responses(cases: Cases) -> Chapter:
             "Fig. 4, chosen: the torque at joint 1 (a) and joint 2 (b), asked and applied, and the applied torque over "
             "rotor speed (c) under the torque-speed line of Table I.",
             lambda canvas: _draw_torque(canvas, cases),
-            (style.WIDE, 2.8),
+            (style.FULL_WIDTH, 2.8),
         ),
         Figure(
             "fig3_joint_responses",
             "Fig. 3: joint responses of the flexible and the rigid arm (a, b) and deflection of the joints (c, d), "
             "without friction. Grey: the torque acts.",
             lambda canvas: _draw_responses(canvas, flexible, rigid),
-            (style.WIDE, 4.0),
+            (style.FULL_WIDTH, 4.0),
         ),
     )
     runs = {"fig3_flexible": flexible, "fig3_rigid": rigid}
     return Chapter("Torque and joint responses: Fig. 4 and Fig. 3", text, _checks(cases), numbers, figures, runs)
 
 
-def _checks(cases: Cases) -> tuple[Check, ...]:
+def _checks(cases: PaperCases) -> tuple[Check, ...]:
     flexible, rigid = cases.driven["flexible"], cases.driven["rigid"]
     excess = max(_over_limit(cases, run) for run in cases.driven.values())
     energy = flexible.energy.mechanical[flexible.t >= TORQUE_END]
@@ -87,7 +87,7 @@ def _cut_off(run: Run) -> list[float]:
     return [float(most) for most in np.abs(run.tau - run.tau_applied).max(0)]
 
 
-def _over_limit(cases: Cases, run: Run) -> float:
+def _over_limit(cases: PaperCases, run: Run) -> float:
     """By how much the applied torque leaves the torque-speed line [N m]."""
     stall, no_load = cases.limit.stall_torque, cases.limit.no_load_speed
     upper = np.maximum(0.0, stall * (1 - run.omega / no_load))
@@ -95,7 +95,7 @@ def _over_limit(cases: Cases, run: Run) -> float:
     return float(np.maximum(run.tau_applied - upper, lower - run.tau_applied).max())
 
 
-def _draw_torque(canvas: Any, cases: Cases) -> None:
+def _draw_torque(canvas: Any, cases: PaperCases) -> None:
     flexible, rigid = cases.driven["flexible"], cases.driven["rigid"]
     panels = canvas.subplots(1, 3, width_ratios=(1, 1, 0.95))
     steps_t = [-0.15, 0, 0, PULSE, PULSE, TORQUE_END, TORQUE_END, 1.5]
@@ -112,7 +112,7 @@ def _draw_torque(canvas: Any, cases: Cases) -> None:
     _draw_line(panels[2], cases, flexible)
 
 
-def _draw_line(panel: Any, cases: Cases, run: Run) -> None:
+def _draw_line(panel: Any, cases: PaperCases, run: Run) -> None:
     stall, no_load = cases.limit.stall_torque, cases.limit.no_load_speed
     edge = {"color": style.GREY, "linewidth": 1.4}
     panel.plot([-1.5, no_load, 4], [stall * (1 + 1.5 / no_load), 0, 0], **edge, label="torque-speed line")

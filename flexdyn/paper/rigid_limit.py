@@ -8,29 +8,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.paper import style
-from flexdyn.paper.cases import SMOOTH_AMPLITUDE, SMOOTH_END, Cases, smooth_samples
+from flexdyn.paper.cases import SMOOTH_AMPLITUDE, SMOOTH_END, PaperCases, smooth_samples
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
 
 Array = NDArray[np.float64]
 FACTORS = 10.0 ** np.arange(0.0, 6.01, 0.5)  # times the K of Table I
-FITTED = 1e2  # the law of large K is fitted from this factor on
-DURATION = 5.0
+FITTED_FACTOR = 1e2  # the law of large K is fitted from this factor on
+RIGID_LIMIT_DURATION = 5.0
 
 
-def rigid_limit(cases: Cases) -> Chapter:
+def rigid_limit(cases: PaperCases) -> Chapter:
     """Distance between flexible and rigid arm over K: slope -1."""
     solver = DormandPrince(rtol=1e-10, atol=1e-12)
     model, command = cases.smooth_model(), smooth_samples()
-    rigid = simulate(model.rigid(), command, DURATION, solver, rate=200.0)
+    rigid = simulate(model.rigid(), command, RIGID_LIMIT_DURATION, solver, rate=200.0)
     K, rms, most = FACTORS * cases.arm().K, [], []
     for stiffness in K:
-        run = simulate(model.replace(joints={"*": {"stiffness": stiffness}}), command, DURATION, solver, rate=200.0)
+        run = simulate(
+            model.replace(joints={"*": {"stiffness": stiffness}}), command, RIGID_LIMIT_DURATION, solver, rate=200.0
+        )
         distance = np.linalg.norm(run.q - rigid.q, axis=1)
         rms.append(float(np.sqrt((distance**2).mean())))
         most.append(float(distance.max()))
-    stiff = FACTORS >= FITTED
+    stiff = FACTORS >= FITTED_FACTOR
     slope, offset = np.polyfit(np.log10(K[stiff]), np.log10(rms)[stiff], 1)
     text = (
         'The paper checks its model by the sentence that "the responses of the system with large spring constant are '
@@ -57,7 +59,7 @@ def rigid_limit(cases: Cases) -> Chapter:
 
 def _draw(canvas: Any, K: Array, rms: Array, most: Array, line: tuple[float, float]) -> None:
     panel = canvas.subplots()
-    start = K[FACTORS >= FITTED][0]
+    start = K[FACTORS >= FITTED_FACTOR][0]
     fitted = np.array([start, K[-1]])
     panel.loglog(K, most, "s", color=style.VERMILION, markersize=4, markerfacecolor="white", label="largest")
     panel.loglog(K, rms, "o", color=style.BLUE, markersize=4, label="root mean square")

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from flexdyn.paper import style
-from flexdyn.paper.cases import Cases, bang_bang
+from flexdyn.paper.cases import PaperCases, bang_bang
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.damping import ELBOW, SWEEP
 from flexdyn.paper.vibration import Residual, modes, residual, ringing_after, slowest_rates
 
 INERTIAS = (0.01, 0.1, 1.0)  # kg m^2, reflected
-COMPARED = (0.01, 0.1, 0.5)  # N m s/rad
+COMPARED_INERTIAS = (0.01, 0.1, 0.5)  # N m s/rad
 LOOKS: tuple[Any, ...] = ((style.VERMILION, (0, (5, 2))), (style.BLUE, "-"), (style.GREEN, (0, (1, 1.2))))
 
 
@@ -37,10 +37,10 @@ class Row:
     best_v: float
 
 
-def rotor_inertia(cases: Cases) -> Chapter:
+def rotor_inertia(cases: PaperCases) -> Chapter:
     """Residual vibration for three rotor inertias a decade apart."""
     rows = [_row(cases, J) for J in INERTIAS]
-    parts = [[row.residuals[v].left for v in COMPARED] for row in rows]
+    parts = [[row.residuals[v].left for v in COMPARED_INERTIAS] for row in rows]
     shares = [ratio for part in parts for ratio in np.divide(part[1:], part[:-1])]
     checks = (
         check(
@@ -66,8 +66,8 @@ def rotor_inertia(cases: Cases) -> Chapter:
     }
     lines = [
         f"| {row.J:g} | {row.frequencies[0]:.2f}, {row.frequencies[-1]:.2f} | "
-        f"{np.degrees(row.residuals[COMPARED[0]].first):.2f} | "
-        + " | ".join(f"{100 * row.residuals[v].left:.1f} %" for v in COMPARED)
+        f"{np.degrees(row.residuals[COMPARED_INERTIAS[0]].first):.2f} | "
+        + " | ".join(f"{100 * row.residuals[v].left:.1f} %" for v in COMPARED_INERTIAS)
         + f" | {row.best_v:.1f} |"
         for row in rows
     ]
@@ -98,16 +98,16 @@ def rotor_inertia(cases: Cases) -> Chapter:
     return Chapter("The rotor inertia, which the paper leaves out", text, checks, numbers, (figure,))
 
 
-def _row(cases: Cases, J: float) -> Row:
+def _row(cases: PaperCases, J: float) -> Row:
     free = cases.viscous_model(0.0, J)
     ratio = ringing_after(bang_bang(free.rigid())) / ringing_after(bang_bang(free))
-    found = {v: residual(cases.arm(v=v, J=J), bang_bang(cases.viscous_model(v, J))) for v in COMPARED}
+    found = {v: residual(cases.arm(v=v, J=J), bang_bang(cases.viscous_model(v, J))) for v in COMPARED_INERTIAS}
     rates = slowest_rates(cases.arm(J=J), SWEEP, ELBOW)
     frequencies = tuple(mode.frequency for mode in modes(cases.arm(J=J), ELBOW))
     return Row(J, frequencies, ratio, found, float(SWEEP[int(np.argmax(rates))]))
 
 
-def _draw(canvas: Any, cases: Cases, rows: list[Row]) -> None:
+def _draw(canvas: Any, cases: PaperCases, rows: list[Row]) -> None:
     panel = canvas.subplots()
     for row, (colour, dash) in zip(rows, LOOKS, strict=True):
         rates = slowest_rates(cases.arm(J=row.J), SWEEP, ELBOW)

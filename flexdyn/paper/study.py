@@ -12,7 +12,7 @@ from typing import Any
 from flexdyn.errors import InputError, MissingExtra
 from flexdyn.io.files import write_text
 from flexdyn.paper import style
-from flexdyn.paper.cases import Cases
+from flexdyn.paper.cases import PaperCases
 from flexdyn.paper.chapter import Chapter, Check
 from flexdyn.paper.damping import damping
 from flexdyn.paper.end_force import end_force
@@ -26,7 +26,7 @@ from flexdyn.paper.rotor_inertia import rotor_inertia
 from flexdyn.paper.tip_deflection import tip_deflection
 from flexdyn.paper.verification import verification
 
-CHAPTERS: tuple[tuple[str, Callable[[Cases], Chapter]], ...] = (
+CHAPTERS: tuple[tuple[str, Callable[[PaperCases], Chapter]], ...] = (
     ("equations against Pinocchio and SciPy", verification),
     ("friction law, Fig. 1", friction_law),
     ("torque and joint responses, Fig. 4 and 3", responses),
@@ -40,7 +40,7 @@ CHAPTERS: tuple[tuple[str, Callable[[Cases], Chapter]], ...] = (
 
 
 @dataclass(frozen=True)
-class Study:
+class PaperStudy:
     """What the study found.
 
     Attributes:
@@ -59,7 +59,7 @@ class Study:
         return all(check.passed for check in self.checks)
 
 
-def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], None] | None = None) -> Study:
+def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], None] | None = None) -> PaperStudy:
     """Reproduce the paper's study on the shipped ``scara_two_link``.
 
     Writes into `out`, each file whole or not at all: figures as PNG (300 dpi) and PDF, ``summary.md``,
@@ -83,7 +83,7 @@ def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], No
     out, say = Path(out), progress or (lambda line: None)
     _make(out / "runs")
     parts = [*CHAPTERS, _diagnosis(out, say, len(CHAPTERS) + 1)] if diagnose else CHAPTERS
-    cases, chapters, files = Cases(), list[Chapter](), list[Path]()
+    cases, chapters, files = PaperCases(), list[Chapter](), list[Path]()
     for place, (title, part) in enumerate(parts, 1):
         say(f"{place} of {len(parts)}: {title}")
         chapter = part(cases)
@@ -99,10 +99,10 @@ def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], No
     write_text(out / "summary.json", json.dumps(data, indent=1, allow_nan=False) + "\n")
     write_text(out / "summary.md", summary_text(chapters, read, __version__))
     files += [out / "summary.json", out / "summary.md"]
-    return Study(data, tuple(check for chapter in chapters for check in chapter.checks), tuple(files))
+    return PaperStudy(data, tuple(check for chapter in chapters for check in chapter.checks), tuple(files))
 
 
-def _diagnosis(out: Path, say: Callable[[str], None], place: int) -> tuple[str, Callable[[Cases], Chapter]]:
+def _diagnosis(out: Path, say: Callable[[str], None], place: int) -> tuple[str, Callable[[PaperCases], Chapter]]:
     """The part that hides friction and finds it: it brings SciPy, and takes longer than all others."""
     from flexdyn.paper.hidden_friction import FOLDER, hidden_friction
 
@@ -111,7 +111,7 @@ def _diagnosis(out: Path, say: Callable[[str], None], place: int) -> tuple[str, 
     _make(out / FOLDER)
     title = "friction hidden, and found"
 
-    def part(cases: Cases) -> Chapter:
+    def part(cases: PaperCases) -> Chapter:
         return hidden_friction(
             cases, out / FOLDER, lambda stage, share: say(f"{place} of {place}: {title}: {stage}, {100 * share:.0f} %")
         )

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.paper import style
-from flexdyn.paper.cases import TORQUE_END, WATCHED, Cases
+from flexdyn.paper.cases import CASES_WATCHED, TORQUE_END, PaperCases
 from flexdyn.paper.chapter import Chapter, Figure, check
 from flexdyn.paper.equations import tip
 from flexdyn.robot import frame_positions
@@ -17,7 +17,7 @@ from flexdyn.simulation.run import Run
 Array = NDArray[np.float64]
 
 
-def tip_deflection(cases: Cases) -> Chapter:
+def tip_deflection(cases: PaperCases) -> Chapter:
     """Distance between the tip at q and the tip at the rotor angles theta."""
     runs = {"without friction": cases.driven["flexible"], "with friction": cases.driven["flexible_friction"]}
     vectors = {name: _vector(run) for name, run in runs.items()}
@@ -27,7 +27,7 @@ def tip_deflection(cases: Cases) -> Chapter:
     numbers = {}
     lines = []
     for name, run in runs.items():
-        acting, end = run.t < TORQUE_END, run.t >= TORQUE_END + WATCHED
+        acting, end = run.t < TORQUE_END, run.t >= TORQUE_END + CASES_WATCHED
         after = (run.t >= TORQUE_END) & (run.t < TORQUE_END + 1.0)
         found = [
             1e3 * float(each) for each in (sizes[name][acting].max(), sizes[name][after].max(), sizes[name][end].max())
@@ -53,7 +53,7 @@ def tip_deflection(cases: Cases) -> Chapter:
         "End-effector deflection caused by the joints: path of the tip and of its rigid pose at the rotors' angles "
         "during the first 2.4 s, without friction (a); distance between the two (b).",
         lambda canvas: _draw(canvas, runs, sizes),
-        (style.WIDE, 3.0),
+        (style.FULL_WIDTH, 3.0),
     )
     checks = (check("Tip deflection from Pinocchio equals the closed form", apart, 1e-12, "m, two runs"),)
     return Chapter("End-effector deflection", text, checks, numbers, (figure,))
@@ -83,7 +83,7 @@ def _draw(canvas: Any, runs: dict[str, Run], sizes: dict[str, Array]) -> None:
     for name, (colour, dash) in looks.items():
         right.plot(runs[name].t, 1e3 * sizes[name], color=colour, linestyle=dash, linewidth=0.9, label=name)
     style.torque_on(right)
-    right.set(xlim=(0, TORQUE_END + WATCHED), xlabel="time (s)", ylabel="tip deflection (mm)")
+    right.set(xlim=(0, TORQUE_END + CASES_WATCHED), xlabel="time (s)", ylabel="tip deflection (mm)")
     right.set_ylim(0, 1.22e3 * max(size.max() for size in sizes.values()))
     right.legend(loc="upper right", ncols=2)
     style.titled(left, "a", "path of the tip")

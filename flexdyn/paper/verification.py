@@ -7,7 +7,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from flexdyn.paper import equations as eq
-from flexdyn.paper.cases import PAPER_V, Cases, smooth_samples, smooth_torque
+from flexdyn.paper.cases import PAPER_V, PaperCases, smooth_samples, smooth_torque
 from flexdyn.paper.chapter import Chapter, Check, check
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.plant import LinkSide
@@ -20,7 +20,7 @@ STATES = 1000
 SEED = 830
 
 
-def verification(cases: Cases) -> Chapter:
+def verification(cases: PaperCases) -> Chapter:
     """Eq. 6-19 at 1,000 random states, and a smooth motion of 5 s integrated twice."""
     run, distance = twice_integrated(cases)
     checks = [*_dynamics(cases), *_kinematics(cases)]
@@ -49,7 +49,7 @@ def relative(got: Array, true: Array) -> float:
     return float((np.abs(got - true).max(axes) / np.abs(true).max(axes)).max())
 
 
-def twice_integrated(cases: Cases) -> tuple[Run, float]:
+def twice_integrated(cases: PaperCases) -> tuple[Run, float]:
     """The smooth motion as a run, and its largest distance [rad] from SciPy's integration of eq. 12-15."""
     from scipy.integrate import solve_ivp
 
@@ -65,7 +65,7 @@ def twice_integrated(cases: Cases) -> tuple[Run, float]:
     return run, float(np.abs(solution.y[:4].T - np.hstack([run.q, run.theta])).max())
 
 
-def _dynamics(cases: Cases) -> list[Check]:
+def _dynamics(cases: PaperCases) -> list[Check]:
     arm, links = cases.arm(), LinkSide(cases.smooth_model())
     q, v, torque = random_states()
     note = f"relative, largest of {STATES:,} random states"
@@ -79,7 +79,7 @@ def _dynamics(cases: Cases) -> list[Check]:
     ]
 
 
-def _kinematics(cases: Cases) -> list[Check]:
+def _kinematics(cases: PaperCases) -> list[Check]:
     arm, robot = cases.arm(), cases.model.robot
     q, v, _ = random_states()
     model = robot.pin_model

@@ -9,7 +9,7 @@ from numpy.polynomial.chebyshev import chebfit, chebval
 from numpy.typing import NDArray
 
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.paper.cases import TORQUE_END, WATCHED
+from flexdyn.paper.cases import CASES_WATCHED, TORQUE_END
 from flexdyn.paper.equations import Arm, mass_matrix
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
@@ -56,7 +56,7 @@ def residual(arm: Arm, run: Run) -> Residual:
     size = amplitude(arm, run)
     after = run.t >= TORQUE_END
     first = after & (run.t < TORQUE_END + 1.0)
-    last = run.t >= TORQUE_END + WATCHED
+    last = run.t >= TORQUE_END + CASES_WATCHED
     start, end = (float(np.sqrt((size[window] ** 2).mean())) for window in (first, last))
     return Residual(start, end, decay_rate(run.t[after], size[after]))
 

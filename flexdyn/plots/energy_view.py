@@ -9,7 +9,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots.file_energy import FileEnergy, file_energy
 from flexdyn.plots.palette import INK, LOSSES, PARTS
 from flexdyn.plots.panel import Curve, Panel, limits
-from flexdyn.plots.scene import Scene
+from flexdyn.plots.scene import PlotScene
 from flexdyn.plots.thinning import outline
 from flexdyn.plots.views import TIME
 from flexdyn.simulation.energy import Energy
@@ -21,7 +21,7 @@ UP = "energy [J]"
 ALL = "all of it"
 
 
-def energy_panels(scene: Scene, place: int, model: FlexibleJointModel | None) -> tuple[Panel, ...]:
+def energy_panels(scene: PlotScene, place: int, model: FlexibleJointModel | None) -> tuple[Panel, ...]:
     """The energies of one motion: the ledger of a run in three panels, what a file tells of them in two.
 
     Args:
@@ -81,7 +81,7 @@ def _losses(energy: Energy) -> dict[str, Array]:
     return found
 
 
-def _panel(title: str, scene: Scene, place: int, entries: Entries) -> Panel:
+def _panel(title: str, scene: PlotScene, place: int, entries: Entries) -> Panel:
     rows = scene.rows[place]
     t = scene.sources[place].recording.t[rows]
     curves = []

@@ -9,13 +9,13 @@ import numpy as np
 
 from flexdyn.analysis import PathFrequencies
 from flexdyn.errors import InputError
-from flexdyn.plots.page import BLUE, GREY, WIDE, checked_path, dress, new_figure, save
+from flexdyn.plots.page import BLUE, GREY, LAW_LINE_WIDTH, checked_path, dress, new_figure, save
 
-FAR = 12.0
+LOGARITHMIC_SPAN = 12.0
 """A span of frequencies wider than this factor is drawn on a logarithmic axis."""
 DEEP = 200.0
 """No mode below the greatest frequency by more than this factor is shown: those are swings under gravity."""
-APART = 0.04
+LABEL_DISTANCE = 0.04
 """Least distance of two names at the right end, as a share of the axis."""
 
 
@@ -43,10 +43,10 @@ def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
     shades = {mode: _shade(place / max(1, len(modes) - 1)) for place, mode in enumerate(modes)}
     alone = {"marker": "o", "markersize": 5.0} if len(found.q) == 1 else {}
     for mode, column in modes.items():
-        axes.plot(found.distance, column, color=shades[mode], linewidth=WIDE, **alone)
+        axes.plot(found.distance, column, color=shades[mode], linewidth=LAW_LINE_WIDTH, **alone)
     values = np.concatenate(list(modes.values()))
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    if high > FAR * low:
+    if high > LOGARITHMIC_SPAN * low:
         axes.set_yscale("log")
         axes.set_ylim(low / 1.2, high * 1.3)
     else:
@@ -66,7 +66,7 @@ def _name(axes: Any, ends: dict[int, float], shades: dict[int, Any]) -> None:
     to_axes = axes.transData + axes.transAxes.inverted()
     last = -1.0
     for mode, frequency in ends.items():
-        last = max(float(to_axes.transform((0.0, frequency))[1]), last + APART)
+        last = max(float(to_axes.transform((0.0, frequency))[1]), last + LABEL_DISTANCE)
         axes.text(1.012, last, f"{mode}", transform=axes.transAxes, va="center", color=shades[mode])
 
 

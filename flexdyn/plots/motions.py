@@ -14,15 +14,15 @@ from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.energy_view import energy_panels
 from flexdyn.plots.panel import Key, Panel, short
 from flexdyn.plots.picture import Picture
-from flexdyn.plots.scene import Scene, make_scene
-from flexdyn.plots.thinning import MOST
+from flexdyn.plots.scene import PlotScene, make_scene
+from flexdyn.plots.thinning import MOST_CURVE_POINTS
 from flexdyn.plots.views import RESIDUAL, VIEWS, View, grid, keys_of, panel_of, residual_of, shows
 
 OVERVIEW = ("positions", "deflection", "torques", "energy")
 """Views that are drawn where none is chosen."""
 VIEW_NAMES = (*VIEWS, "energy")
 NO_ENERGY = "No energy"
-MOST_ROWS = 8
+MOST_VIEW_ROWS = 8
 """Joints on a page of several views."""
 MOST_PANELS = 40
 """Joints on a page of one view."""
@@ -105,7 +105,7 @@ def _checked_views(views: Sequence[str] | str | None) -> tuple[str, ...]:
 
 
 def _drawable(
-    scene: Scene, wanted: Sequence[str], model: FlexibleJointModel | None, notes: list[str], *, chosen: bool
+    scene: PlotScene, wanted: Sequence[str], model: FlexibleJointModel | None, notes: list[str], *, chosen: bool
 ) -> tuple[list[View], list[Block]]:
     """The views that there are signals for, and the energy; what there is not is noted."""
     drawn, missing, energy = [], [], []
@@ -121,7 +121,7 @@ def _drawable(
     return drawn, energy
 
 
-def _energy(scene: Scene, model: FlexibleJointModel | None, notes: list[str]) -> list[Block]:
+def _energy(scene: PlotScene, model: FlexibleJointModel | None, notes: list[str]) -> list[Block]:
     """Energies of every motion that was simulated; why there are none of one is noted."""
     rows: list[tuple[Panel | None, ...]] = []
     heights: list[float] = []
@@ -138,9 +138,9 @@ def _energy(scene: Scene, model: FlexibleJointModel | None, notes: list[str]) ->
     return [Block(tuple(rows), tuple(heights))] if rows else []
 
 
-def _bounded(scene: Scene, drawn: Sequence[View], notes: list[str], *, chosen: bool) -> Scene:
+def _bounded(scene: PlotScene, drawn: Sequence[View], notes: list[str], *, chosen: bool) -> PlotScene:
     """The scene with no more joints than a page has room for, unless they were asked for by name."""
-    most = MOST_PANELS if len(drawn) == 1 else MOST_ROWS
+    most = MOST_PANELS if len(drawn) == 1 else MOST_VIEW_ROWS
     count = len(scene.joints)
     if chosen or count <= most:
         return scene
@@ -148,7 +148,7 @@ def _bounded(scene: Scene, drawn: Sequence[View], notes: list[str], *, chosen: b
     return replace(scene, joints=scene.joints[:most])
 
 
-def _joint_blocks(scene: Scene, drawn: Sequence[View]) -> list[Block]:
+def _joint_blocks(scene: PlotScene, drawn: Sequence[View]) -> list[Block]:
     """Panels joint by joint: a grid of one view, or a row for each joint with a column for each view."""
     if not drawn:
         return []
@@ -190,7 +190,7 @@ def _grid_shape(count: int) -> tuple[int, float, float]:
     return (3, 3.5, 1.5) if count <= 18 else (4, 2.8, 1.3)
 
 
-def _keys(scene: Scene, drawn: Sequence[View], blocks: Sequence[Block]) -> tuple[Key, ...]:
+def _keys(scene: PlotScene, drawn: Sequence[View], blocks: Sequence[Block]) -> tuple[Key, ...]:
     return keys_of(scene, drawn, _panels(blocks)) if blocks else ()
 
 
@@ -198,7 +198,7 @@ def _panels(blocks: Sequence[Block]) -> list[Panel | None]:
     return [panel for block in blocks for row in block.rows for panel in row]
 
 
-def _described(scene: Scene, place: int) -> str:
+def _described(scene: PlotScene, place: int) -> str:
     """Where a motion comes from and how long it is."""
     source, rows = scene.sources[place], scene.rows[place]
     t = source.recording.t[rows]
@@ -208,15 +208,15 @@ def _described(scene: Scene, place: int) -> str:
     return f"{name}{kind}{solver}, {len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s."
 
 
-def _note_thinning(scene: Scene, notes: list[str]) -> None:
+def _note_thinning(scene: PlotScene, notes: list[str]) -> None:
     longest = max(len(rows) for rows in scene.rows)
-    if longest > MOST:
+    if longest > MOST_CURVE_POINTS:
         notes.append(
             f"Of {longest} samples those are drawn that the outline needs, every peak among them; "
             "a narrower window of time shows more."
         )
 
 
-def _some_channels(scene: Scene) -> str:
+def _some_channels(scene: PlotScene) -> str:
     names = [name for source in scene.sources for name in source.recording.channels]
     return ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")

@@ -14,7 +14,7 @@ BLUE, RED, GREY, PALE = "#1f4e9c", "#c23b22", "#6b7280", "#dbe4f3"
 SHADES = ("#7f1d1d", "#d97757", GREY, "#6ea0dc", BLUE)
 """Of five curves, from the least to the greatest."""
 DASHED = (0, (3, 3))
-WIDE = 2.2
+LAW_LINE_WIDTH = 2.2
 """Width of a law's line [pt]."""
 
 

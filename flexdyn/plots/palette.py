@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from flexdyn.comparison.motion_sources import Source
+from flexdyn.comparison.motion_sources import MotionSource
 
 HUES = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#B8860B", "#3BA3D9", "#332288", "#7A5230")
 """Of joints, in their order and then from the start again: Okabe and Ito's, darkened where pale, and Tol's."""
@@ -41,7 +41,7 @@ def hue(place: int) -> str:
     return HUES[place % len(HUES)]
 
 
-def shade(colour: str, sources: Sequence[Source], place: int) -> str:
+def shade(colour: str, sources: Sequence[MotionSource], place: int) -> str:
     """Of one of several motions: a grey if it was measured and another was not, else a shade of the joint's hue.
 
     Args:

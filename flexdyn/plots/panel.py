@@ -11,9 +11,9 @@ from flexdyn.errors import InputError
 from flexdyn.plots.palette import INK
 
 Array = NDArray[np.float64]
-GREATEST, SMALLEST = 1e150, 1e-150
+LARGEST_DRAWN, SMALLEST_DRAWN = 1e150, 1e-150
 """Numbers beyond the one are not drawn, differences below the other not seen: renderers square them."""
-LONGEST = 48
+LONGEST_NAME_SHOWN = 48
 """Letters of a name that are shown."""
 
 
@@ -142,7 +142,7 @@ class Panel:
 
 def short(name: str) -> str:
     """A name of bounded length, which keeps its end, where numbers stand."""
-    return name if len(name) <= LONGEST else f"{name[:30]}…{name[31 - LONGEST :]}"
+    return name if len(name) <= LONGEST_NAME_SHOWN else f"{name[:30]}…{name[31 - LONGEST_NAME_SHOWN :]}"
 
 
 def limits(*values: Array, margin: float = 0.06) -> tuple[float, float]:
@@ -155,10 +155,12 @@ def limits(*values: Array, margin: float = 0.06) -> tuple[float, float]:
     low = min(float(np.nanmin(array)) for array in values)
     high = max(float(np.nanmax(array)) for array in values)
     size = max(abs(low), abs(high))
-    if size > GREATEST:
-        raise InputError("the values are beyond what can be drawn", value=size, remedy=f"the limit is {GREATEST:g}")
-    if high - low <= max(1e-9 * size, SMALLEST):
-        pad = max(0.1 * size, SMALLEST) if size else 1.0
+    if size > LARGEST_DRAWN:
+        raise InputError(
+            "the values are beyond what can be drawn", value=size, remedy=f"the limit is {LARGEST_DRAWN:g}"
+        )
+    if high - low <= max(1e-9 * size, SMALLEST_DRAWN):
+        pad = max(0.1 * size, SMALLEST_DRAWN) if size else 1.0
         return low - pad, high + pad
     air = margin * (high - low)
     return low - air, high + air
@@ -171,6 +173,6 @@ def check_times(first: float, last: float) -> None:
         InputError: its ends are too great or too close for numbers between them.
     """
     size = max(abs(first), abs(last))
-    if size > GREATEST or last - first <= max(1e-12 * size, SMALLEST):
+    if size > LARGEST_DRAWN or last - first <= max(1e-12 * size, SMALLEST_DRAWN):
         problem = f"times from {first!r} to {last!r} s cannot be drawn"
         raise InputError(problem, key="t", remedy="shift or scale the clock by a map")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.comparison.difference import common_rows
-from flexdyn.comparison.motion_sources import HELD, Source, as_sources, unit_in, windowed
+from flexdyn.comparison.motion_sources import HELD, MotionSource, as_sources, unit_in, windowed
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.plots.palette import hue, shade
 from flexdyn.plots.panel import Curve, Key, check_times, short
@@ -21,14 +21,14 @@ from flexdyn.records.meta import as_plain
 from flexdyn.records.table import Table
 
 Array = NDArray[np.float64]
-FEW = 150
+MOST_DOTS = 150
 """A measured curve of up to this many samples is drawn as dots."""
 DEFLECTION = "deflection"
 """Theta - q as a signal."""
 
 
 @dataclass(frozen=True)
-class Trace:
+class SignalTrace:
     """A signal over time or over another signal.
 
     Attributes:
@@ -45,7 +45,7 @@ class Trace:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class PlotScene:
     """Motions in a window of time.
 
     Attributes:
@@ -55,7 +55,7 @@ class Scene:
         end: of the window [s].
     """
 
-    sources: tuple[Source, ...]
+    sources: tuple[MotionSource, ...]
     joints: tuple[str, ...]
     start: float | None = None
     end: float | None = None
@@ -83,7 +83,7 @@ class Scene:
         """Samples of the first motion in the time that each of the motions covers too; None: there are none."""
         return tuple(self._common(source) for source in self.sources)
 
-    def _common(self, source: Source) -> slice | None:
+    def _common(self, source: MotionSource) -> slice | None:
         try:
             return common_rows(self.sources[0], source, self.start, self.end)
         except InputError:
@@ -107,7 +107,7 @@ class Scene:
     def dotted(self, place: int) -> bool:
         """Whether a motion is drawn as dots: one that was measured, beside one that was not, with few samples."""
         grey = self.sources[place].measured and not all(source.measured for source in self.sources)
-        return grey and len(self.rows[place]) <= FEW
+        return grey and len(self.rows[place]) <= MOST_DOTS
 
     def has(self, place: int, signal: str, joint: str) -> bool:
         """Whether a motion has a signal of a joint, one that tells something of its own in some motion.
@@ -125,7 +125,7 @@ class Scene:
         name = f"{'q' if signal == DEFLECTION else signal}.{joint}"
         return unit_in([source for source in self.sources if name in source.recording], name)
 
-    def curve(self, place: int, trace: Trace, joint: str) -> Curve:
+    def curve(self, place: int, trace: SignalTrace, joint: str) -> Curve:
         """One signal of one joint of one motion, thinned."""
         source, rows = self.sources[place], self.rows[place]
         t, up = source.recording.t[rows], source.recording[f"{trace.up}.{joint}"][rows]
@@ -152,7 +152,7 @@ class Scene:
 _TWINS = {"theta": "q", "omega": "v", "tau_applied": "tau"}
 
 
-def make_scene(given: Sequence[Any], joints: Sequence[str] | None, start: float | None, end: float | None) -> Scene:
+def make_scene(given: Sequence[Any], joints: Sequence[str] | None, start: float | None, end: float | None) -> PlotScene:
     """What is to be drawn.
 
     Args:
@@ -175,12 +175,12 @@ def make_scene(given: Sequence[Any], joints: Sequence[str] | None, start: float 
         if joint not in known:
             raise InputError("no such joint", key="joints", value=joint, remedy=did_you_mean(joint, known))
     chosen = tuple(dict.fromkeys(joints)) if joints else known
-    scene = Scene(sources, chosen, start, end)
+    scene = PlotScene(sources, chosen, start, end)
     _ = scene.rows  # refuses an empty window
     return scene
 
 
-def _with_deflection(source: Source) -> Source:
+def _with_deflection(source: MotionSource) -> MotionSource:
     """The same motion with theta - q of every joint that has both as one more signal."""
     recording = source.recording
     columns = {"t": recording.t, **recording.channels}
@@ -188,4 +188,4 @@ def _with_deflection(source: Source) -> Source:
         if recording.has("q", joint) and recording.has("theta", joint):
             columns[f"{DEFLECTION}.{joint}"] = recording[f"theta.{joint}"] - recording[f"q.{joint}"]
     deflected = Recording.from_table(Table(columns, as_plain(recording.meta)), recording.name)
-    return Source(source.name, deflected, source.run)
+    return MotionSource(source.name, deflected, source.run)

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.effects import ChannelLag, CommandDelay, SensorEffect
 from flexdyn.plots.friction_curves import turn
-from flexdyn.plots.page import BLUE, DASHED, GREY, WIDE, cross, legend_above
+from flexdyn.plots.page import BLUE, DASHED, GREY, LAW_LINE_WIDTH, cross, legend_above
 
 VISIBLE = 0.02
 """Errors smaller than this share of what is measured are drawn by themselves."""
@@ -22,7 +22,7 @@ def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
     step = [0.0, 1.0, 1.0]
     axes.step(asked, step, where="post", color=GREY, linewidth=1.4, linestyle=DASHED, label=r"asked: $\tau$")
-    axes.step(given, step, where="post", color=BLUE, linewidth=WIDE, label=r"given: $\tau_\mathrm{applied}$")
+    axes.step(given, step, where="post", color=BLUE, linewidth=LAW_LINE_WIDTH, label=r"given: $\tau_\mathrm{applied}$")
     axes.legend(frameon=False, loc="center right")
     return "time $t$ [s]", "motor torque [N m]"
 
@@ -38,10 +38,10 @@ def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
     reported = effect.measured(true, np.arange(801.0))
     cross(axes)
     if np.abs(reported - true).max() < VISIBLE * reach:
-        axes.plot(true, reported - true, color=BLUE, linewidth=WIDE)
+        axes.plot(true, reported - true, color=BLUE, linewidth=LAW_LINE_WIDTH)
         return "true position [rad]", "measured - true [rad]"
     axes.plot(true, true, color=GREY, linewidth=1.0, linestyle=DASHED, label="true")
-    axes.plot(true, reported, color=BLUE, linewidth=WIDE, label="measured")
+    axes.plot(true, reported, color=BLUE, linewidth=LAW_LINE_WIDTH, label="measured")
     axes.legend(frameon=False, loc="upper left")
     return "true position [rad]", "measured position [rad]"
 
@@ -52,6 +52,6 @@ def _late(axes: Any, effect: ChannelLag) -> tuple[str, str]:
     true = np.sin(2.0 * math.pi * t / (10.0 * effect.delay))
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
     axes.plot(t, true, color=GREY, linewidth=1.4, linestyle=DASHED, label="true")
-    axes.plot(t, effect.measured(true, t), color=BLUE, linewidth=WIDE, label="measured")
+    axes.plot(t, effect.measured(true, t), color=BLUE, linewidth=LAW_LINE_WIDTH, label="measured")
     legend_above(axes, 2)
     return "time $t$ [s]", "position [rad]"

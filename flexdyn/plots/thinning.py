@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 from flexdyn.records.signals.gaps import gap_rows
 
 Array = NDArray[np.float64]
-MOST = 6000
+MOST_CURVE_POINTS = 6000
 """Curves of up to this many samples are drawn as they are."""
 SLICES = 1500
 """Of longer ones: slices of time, each narrower than a dot of the picture, of which the extremes are kept."""
 FINE, COARSE = 800, 240
 """Cells across and up, of a plane in which a curve is drawn: those of its line, those of its dots."""
-AVERAGES, LEAST = 80, 20
+MOST_AVERAGES, DOTS_IN_AN_AVERAGE = 80, 20
 """Averages through a cloud of dots at most, and dots in each of them at least."""
-LONGEST = 24000
+MOST_PLANE_POINTS = 24000
 """Points of a curve in a plane; one that needs more is drawn as dots."""
 
 
@@ -66,7 +66,7 @@ def broken(t: Array, values: Array, kept: NDArray[np.intp]) -> tuple[Array, Arra
 def outline_in_plane(x: Array, y: Array) -> tuple[NDArray[np.intp], bool]:
     """Which samples to draw of a long curve in a plane, such as position and velocity.
 
-    Of the samples in a row that lie in one of 800 by 800 cells the first is kept. Where more than `LONGEST`
+    Of the samples in a row that lie in one of 800 by 800 cells the first is kept. Where more than `MOST_PLANE_POINTS`
     remain, one sample of every cell of a coarser grid, to be drawn as a dot: the plane is all but full there.
 
     Args:
@@ -76,12 +76,12 @@ def outline_in_plane(x: Array, y: Array) -> tuple[NDArray[np.intp], bool]:
     Returns:
         Indices, increasing; whether they are dots rather than a line.
     """
-    if len(x) <= MOST:
+    if len(x) <= MOST_CURVE_POINTS:
         return np.arange(len(x)), False
     ends = [int(extreme) for signal in (x, y) for extreme in (signal.argmin(), signal.argmax())] + [len(x) - 1]
     cells = _cells(x, FINE) * (FINE + 1) + _cells(y, FINE)
     moved = np.flatnonzero(np.diff(cells, prepend=-1))
-    if len(moved) <= LONGEST:
+    if len(moved) <= MOST_PLANE_POINTS:
         return np.unique(np.concatenate([moved, ends])), False
     cells = _cells(x, COARSE) * (COARSE + 1) + _cells(y, COARSE)
     _, first = np.unique(cells, return_index=True)
@@ -104,7 +104,7 @@ def averages(columns: Array) -> Array:
         In the order of the first column (averages, columns); none where there are too few points.
     """
     finite = columns[np.isfinite(columns).all(axis=1)]
-    count = min(AVERAGES, len(finite) // LEAST)
+    count = min(MOST_AVERAGES, len(finite) // DOTS_IN_AN_AVERAGE)
     if count < 2:
         return np.zeros((0, columns.shape[1]))
     ordered = finite[np.argsort(finite[:, 0], kind="stable")]

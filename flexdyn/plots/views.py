@@ -12,7 +12,7 @@ from flexdyn.comparison.motion_sources import HELD
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, shade
 from flexdyn.plots.panel import Curve, Key, Panel, limits, short
-from flexdyn.plots.scene import DEFLECTION, Scene, Trace
+from flexdyn.plots.scene import DEFLECTION, PlotScene, SignalTrace
 from flexdyn.plots.thinning import broken, outline
 
 TIME = "t [s]"
@@ -32,53 +32,57 @@ class View:
 
     title: str
     up: str
-    traces: tuple[Trace, ...]
+    traces: tuple[SignalTrace, ...]
     across: str = ""
 
 
 VIEWS: dict[str, View] = {
     "positions": View(
-        "Positions", "position", (Trace("q", "q: link"), Trace("theta", "theta: rotor, reflected", "dashed"))
+        "Positions",
+        "position",
+        (SignalTrace("q", "q: link"), SignalTrace("theta", "theta: rotor, reflected", "dashed")),
     ),
     "velocities": View(
-        "Velocities", "velocity", (Trace("v", "v: link"), Trace("omega", "omega: rotor, reflected", "dashed"))
+        "Velocities",
+        "velocity",
+        (SignalTrace("v", "v: link"), SignalTrace("omega", "omega: rotor, reflected", "dashed")),
     ),
-    "deflection": View("Deflection", "theta - q", (Trace(DEFLECTION, "theta - q: deflection"),)),
+    "deflection": View("Deflection", "theta - q", (SignalTrace(DEFLECTION, "theta - q: deflection"),)),
     "torques": View(
         "Torques",
         "torque",
         (
-            Trace("tau", "tau: asked of the motor"),
-            Trace("tau_applied", "tau_applied: after the actuator's effects", "dotted"),
-            Trace("tau_s", "tau_s: in the transmission", "dashed"),
+            SignalTrace("tau", "tau: asked of the motor"),
+            SignalTrace("tau_applied", "tau_applied: after the actuator's effects", "dotted"),
+            SignalTrace("tau_s", "tau_s: in the transmission", "dashed"),
         ),
     ),
     "phase": View(
         "Phase plane",
         "velocity",
         (
-            Trace("v", "v over q: link", across="q"),
-            Trace("omega", "omega over theta: rotor", "dashed", across="theta"),
+            SignalTrace("v", "v over q: link", across="q"),
+            SignalTrace("omega", "omega over theta: rotor", "dashed", across="theta"),
         ),
         "position",
     ),
     "loops": View(
         "Torque over deflection",
         "tau_s",
-        (Trace("tau_s", "tau_s over theta - q", across=DEFLECTION),),
+        (SignalTrace("tau_s", "tau_s over theta - q", across=DEFLECTION),),
         "theta - q",
     ),
-    "temperature": View("Temperature", "temperature", (Trace("temperature", "temperature"),)),
+    "temperature": View("Temperature", "temperature", (SignalTrace("temperature", "temperature"),)),
 }
 """Views that have a panel for every joint, by the names that `plot` and ``--view`` take."""
 
 
-def shows(scene: Scene, view: View) -> bool:
+def shows(scene: PlotScene, view: View) -> bool:
     """Whether any joint of any motion has something to show in it."""
     return any(panel_of(scene, view, joint) is not None for joint in scene.joints)
 
 
-def panel_of(scene: Scene, view: View, joint: str) -> Panel | None:
+def panel_of(scene: PlotScene, view: View, joint: str) -> Panel | None:
     """One view of one joint; None where no motion has the signals."""
     found = [
         (place, trace)
@@ -107,7 +111,7 @@ def panel_of(scene: Scene, view: View, joint: str) -> Panel | None:
     )
 
 
-def residual_of(scene: Scene, view: View, joint: str) -> Panel | None:
+def residual_of(scene: PlotScene, view: View, joint: str) -> Panel | None:
     """What the other motions are beside the first, over time; None where there is nothing to subtract."""
     curves, said, unit = [], [], ""
     for trace in view.traces:
@@ -137,7 +141,7 @@ def residual_of(scene: Scene, view: View, joint: str) -> Panel | None:
     )
 
 
-def keys_of(scene: Scene, views: Sequence[View], panels: Sequence[Panel | None]) -> tuple[Key, ...]:
+def keys_of(scene: PlotScene, views: Sequence[View], panels: Sequence[Panel | None]) -> tuple[Key, ...]:
     """The legend that these panels share: a line for each kind of signal that occurs, then one for each motion."""
     drawn = {curve.name.partition(".")[0] for panel in panels if panel is not None for curve in panel.curves}
     traces = [trace for view in views for trace in view.traces if trace.up in drawn]
@@ -159,12 +163,12 @@ def _in_few(rms: Sequence[float]) -> str:
     return least if least == greatest else f"{least} to {greatest}"
 
 
-def _difference(scene: Scene, place: int, channel: str) -> Difference | None:
+def _difference(scene: PlotScene, place: int, channel: str) -> Difference | None:
     one, two, rows = scene.sources[0], scene.sources[place], scene.common[place]
     return difference(one, two, channel, rows) if rows is not None and channel in one.recording else None
 
 
-def _residual_curve(scene: Scene, place: int, trace: Trace, joint: str, found: Difference) -> Curve:
+def _residual_curve(scene: PlotScene, place: int, trace: SignalTrace, joint: str, found: Difference) -> Curve:
     kept = outline(found.t, found.error)
     source = scene.sources[place]
     return Curve(

@@ -17,7 +17,7 @@ _PART = re.compile(r"(?P<array>.+?)\s*\[\s*(?P<row>:|[0-9]{1,9})\s*,\s*(?P<colum
 
 
 @dataclass(frozen=True)
-class Part:
+class RequestedColumn:
     """One column that is asked for.
 
     Attributes:
@@ -57,7 +57,7 @@ class Part:
         return np.array(array[self.index, :] if self.axis == 0 else array[:, self.index])
 
 
-def parts_of(keys: Iterable[str | int], arrays: Collection[str]) -> list[Part]:
+def parts_of(keys: Iterable[str | int], arrays: Collection[str]) -> list[RequestedColumn]:
     """The columns asked for, in the order of the arrays.
 
     Args:
@@ -72,10 +72,10 @@ def parts_of(keys: Iterable[str | int], arrays: Collection[str]) -> list[Part]:
     return sorted(parts, key=lambda part: (order[part.array], part.axis or 0, part.index))
 
 
-def _part(key: str | int, arrays: Collection[str]) -> Part:
+def _part(key: str | int, arrays: Collection[str]) -> RequestedColumn:
     name = str(key)
     if isinstance(key, str) and name in arrays:
-        return Part(name, name)
+        return RequestedColumn(name, name)
     match = _PART.fullmatch(name)
     if isinstance(key, int) or match is None or match["array"] not in arrays:
         near = did_you_mean(match["array"] if match else name, arrays)
@@ -84,4 +84,4 @@ def _part(key: str | int, arrays: Collection[str]) -> Part:
         remedy = "take a column as q[:,0] or a row as q[0,:]"
         raise InputError("neither a row nor a column", key=name, remedy=remedy, channel=name)
     axis = 1 if match["row"] == ":" else 0
-    return Part(name, match["array"], axis, int(match["column"] if axis else match["row"]))
+    return RequestedColumn(name, match["array"], axis, int(match["column"] if axis else match["row"]))

@@ -16,7 +16,7 @@ USUAL_EXPANSION = 64
 """Times its size to which a file may unpack beyond `SMALL`."""
 MOST_COLUMNS = 10_000
 """Channels, columns, arrays, variables or datasets of a file."""
-MOST_ROWS = 2**31 - 1
+MOST_SAMPLES = 2**31 - 1
 """Samples of a channel."""
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from flexdyn.errors import InputError
 
-_LONGEST = 16 * 2**20
+_LONGEST_META = 16 * 2**20
 
 
 def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
@@ -40,7 +40,7 @@ def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
 def as_json(meta: Mapping[str, Any]) -> str:
     """JSON text of what `locked` takes and returns, in ASCII."""
     text = json.dumps(meta, default=_plain, allow_nan=False)
-    if len(text) > _LONGEST:
+    if len(text) > _LONGEST_META:
         raise InputError("meta is longer than 16 MiB", key="meta", remedy="keep long data in channels")
     return text
 
@@ -58,7 +58,7 @@ def from_json(text: str) -> dict[str, Any]:
         InputError: the text is not JSON, or not a mapping.
     """
     try:
-        meta = json.loads(text) if len(text) <= _LONGEST else None
+        meta = json.loads(text) if len(text) <= _LONGEST_META else None
     except (ValueError, RecursionError):
         meta = None
     if not isinstance(meta, dict):

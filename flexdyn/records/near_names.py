@@ -9,7 +9,7 @@ from flexdyn.records.units import SIGNALS, split_name
 
 _SIGNALS = "|".join(sorted(SIGNALS, key=len, reverse=True))
 _NEARLY = re.compile(rf"({_SIGNALS})[_\-/: ](\S.*)", re.IGNORECASE)
-MOST = 3
+MOST_NEAR_NAMES = 3
 
 
 def nearly_signals(channels: Iterable[str]) -> dict[str, str]:
@@ -36,5 +36,5 @@ def asked_back(channels: Iterable[str], signal: str = "") -> str:
     near = [(name, other) for name, other in meant.items() if not signal or other.startswith(f"{signal}.")]
     if not near:
         return ""
-    listed = ", ".join(f"{other} for {name}" for name, other in near[:MOST])
-    return f"did you mean {listed}{', ...' if len(near) > MOST else ''}?"
+    listed = ", ".join(f"{other} for {name}" for name, other in near[:MOST_NEAR_NAMES])
+    return f"did you mean {listed}{', ...' if len(near) > MOST_NEAR_NAMES else ''}?"

@@ -10,7 +10,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from flexdyn.errors import InputError
-from flexdyn.records.array_columns import Part, parts_of
+from flexdyn.records.array_columns import RequestedColumn, parts_of
 from flexdyn.records.bounds import MOST_COLUMNS, check_count, check_size
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
@@ -87,7 +87,7 @@ def _name_of(member: zipfile.ZipInfo, *, by_convention: bool) -> str:
     return name
 
 
-def _array(stream: IO[bytes], size: int, name: str, parts: list[Part]) -> np.ndarray[Any, np.dtype[Any]]:
+def _array(stream: IO[bytes], size: int, name: str, parts: list[RequestedColumn]) -> np.ndarray[Any, np.dtype[Any]]:
     """One array of a member of `size` bytes; nothing is allocated before type, shape and size agree."""
     reader = _READERS.get(np.lib.format.read_magic(stream))
     if reader is None:

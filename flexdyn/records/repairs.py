@@ -14,7 +14,7 @@ from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.table import FloatArray, Rows, Table, as_floats, check_lengths, check_time_named
 
-LONGEST = 0.1
+LONGEST_FILLED_GAP = 0.1
 """Gap that is filled unless a longer one is allowed [s]."""
 
 _Columns = dict[str, FloatArray]
@@ -31,11 +31,11 @@ class Repair:
     """
 
     name: str
-    longest: float = LONGEST
+    longest: float = LONGEST_FILLED_GAP
 
     def to_plain(self) -> str | dict[str, Any]:
         """As a map file writes it."""
-        return self.name if self.longest == LONGEST else {self.name: {"longest": self.longest}}
+        return self.name if self.longest == LONGEST_FILLED_GAP else {self.name: {"longest": self.longest}}
 
 
 def repairs_of(entries: Any, key: str = "repair") -> tuple[Repair, ...]:

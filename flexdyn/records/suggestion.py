@@ -18,9 +18,9 @@ _WORDS = {
 _ASKED = re.compile(r"soll|cmd|command|desired|target|ref|setpoint", re.IGNORECASE)
 """Words of columns that were asked for and not measured."""
 _PLAIN = re.compile(r"[A-Za-z_À-ÿ][\w À-ÿ./-]*")
-MOST = 14
+MOST_CHANNELS = 14
 """Channels in the suggestion: position and torque of seven joints."""
-MOST_JOINTS = 7
+MOST_JOINTS_SUGGESTED = 7
 """Columns of a matrix that are taken to be one joint each."""
 
 
@@ -60,7 +60,7 @@ def suggested_map(names: Sequence[str], gaps: Collection[str] = ()) -> str:
         (f"{signal}.JOINT{k + 1 if len(columns) > 1 else ''}", name)
         for signal, columns in found.items()
         for k, name in enumerate(columns)
-    ][:MOST]
+    ][:MOST_CHANNELS]
     channels = ", ".join(f"{channel}: {_quoted(name)}" for channel, name in entries)
     repair = ", repair: [fill_nan]" if any(name in gaps for _, name in entries) else ""
     return f"{{flexdyn_map: 1, {time}, channels: {{{channels}}}{repair}}}"
@@ -83,7 +83,7 @@ def columns_of_arrays(shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
         count = min(shape)
         if count == 1:
             found.append(name)
-        elif count <= MOST_JOINTS:
+        elif count <= MOST_JOINTS_SUGGESTED:
             place = "(:,{})" if shape[0] == samples else "({},:)"
             found += [name + place.format(k + 1) for k in range(count)]
     return found

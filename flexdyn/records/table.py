@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import FlexdynError, InputError
-from flexdyn.records.bounds import MOST_ROWS, check_count
+from flexdyn.records.bounds import MOST_SAMPLES, check_count
 from flexdyn.records.suggestion import remedy_without_time
 
 FloatArray = npt.NDArray[np.float64]
@@ -77,8 +77,8 @@ class Table:
         if name in self.columns:
             raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
         check_count(len(self.columns) + 1)
-        if values.size > MOST_ROWS:
-            problem = f"the column has {values.size} rows, more than {MOST_ROWS}"
+        if values.size > MOST_SAMPLES:
+            problem = f"the column has {values.size} rows, more than {MOST_SAMPLES}"
             raise InputError(problem, key=name, remedy="split the recording", channel=name)
         self.columns[name] = values
 

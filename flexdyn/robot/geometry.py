@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from flexdyn.robot.joints import Joint
+from flexdyn.robot.joints import RobotJoint
 from flexdyn.robot.links import Link
 from flexdyn.robot.meshes import MeshWarning
 from flexdyn.robot.text import urdf_text
 
 
-def visual_model(model: pin.Model, links: Sequence[Link], joints: Sequence[Joint]) -> pin.GeometryModel:
+def visual_model(model: pin.Model, links: Sequence[Link], joints: Sequence[RobotJoint]) -> pin.GeometryModel:
     """Build the visual geometry on a normalised model.
 
     Args:

@@ -14,7 +14,7 @@ _KINDS = (*MOVING, "fixed", "floating", "planar")
 
 
 @dataclass(frozen=True)
-class Joint:
+class RobotJoint:
     """A joint of kind revolute, continuous, prismatic or fixed; limits are infinite where the file states none."""
 
     name: str
@@ -34,7 +34,7 @@ class Joint:
     line: int | None
 
 
-def read_joint(element: Any) -> Joint:
+def read_joint(element: Any) -> RobotJoint:
     """Read and check a ``<joint>``.
 
     Args:
@@ -57,7 +57,7 @@ def read_joint(element: Any) -> Joint:
     damping, friction = _dynamics(element, key)
     axis = _axis(element, key) if kind in MOVING else (1.0, 0.0, 0.0)
     mimic = _mimic(element, key) if kind in MOVING else None
-    return Joint(
+    return RobotJoint(
         name, kind, parent, child, xyz, rpy, axis, lower, upper, velocity, effort, damping, friction, mimic,
         element.sourceline,
     )  # fmt: skip

@@ -29,7 +29,7 @@ _SKEW = {
 
 
 @dataclass(frozen=True)
-class Motion:
+class JointMotion:
     """How one joint moves: "revolute" or "prismatic" along a unit axis, whether unbounded, and what it mimics."""
 
     kind: str
@@ -38,7 +38,7 @@ class Motion:
     mimic: Mimic | None = None
 
 
-def motion_of(model: pin.Model, index: int) -> Motion:
+def motion_of(model: pin.Model, index: int) -> JointMotion:
     """How a joint of a model moves.
 
     Args:
@@ -46,7 +46,7 @@ def motion_of(model: pin.Model, index: int) -> Motion:
         index: the joint's index, from 1.
 
     Returns:
-        Its Motion.
+        How the joint moves.
 
     Raises:
         InputError: it is not one rotation or one translation.
@@ -58,10 +58,10 @@ def motion_of(model: pin.Model, index: int) -> Motion:
     if kind_name in _SKEW:
         kind, continuous = _SKEW[kind_name]
         subspace = _subspace(model, index)
-        return Motion(kind, subspace[3:] if kind == "revolute" else subspace[:3], continuous)
+        return JointMotion(kind, subspace[3:] if kind == "revolute" else subspace[:3], continuous)
     if kind_name[:-1] in _PREFIXES and kind_name[-1] in "XYZ":
         kind, continuous = _PREFIXES[kind_name[:-1]]
-        return Motion(kind, np.eye(3)["XYZ".index(kind_name[-1])], continuous)
+        return JointMotion(kind, np.eye(3)["XYZ".index(kind_name[-1])], continuous)
     raise _refused(model.names[index], kind_name)
 
 
@@ -73,7 +73,7 @@ def _subspace(model: pin.Model, index: int) -> np.ndarray:
     return np.array(data.S, dtype=float).reshape(-1)
 
 
-def _mimic_motion(model: pin.Model, index: int) -> Motion:
+def _mimic_motion(model: pin.Model, index: int) -> JointMotion:
     """Python sees no type of a mimic joint, but its motion subspace: scaling times the axis."""
     joint = model.joints[index]
     scaling, offset = float(joint.extract().scaling), float(joint.extract().offset)
@@ -89,7 +89,7 @@ def _mimic_motion(model: pin.Model, index: int) -> Motion:
     at = list(model.mimicking_joints).index(index)
     leader = model.names[model.mimicked_joints[at]]
     axis = axis / scaling
-    return Motion(kind, axis / np.linalg.norm(axis), False, (leader, scaling, offset))
+    return JointMotion(kind, axis / np.linalg.norm(axis), False, (leader, scaling, offset))
 
 
 def _refused(name: str, kind_name: str) -> InputError:
@@ -102,7 +102,7 @@ def _refused(name: str, kind_name: str) -> InputError:
     return InputError(f"a joint of kind {kind_name.removeprefix('JointModel')}", key=f"joint '{name}'", remedy=remedy)
 
 
-def joint_model(motion: Motion) -> Any:
+def joint_model(motion: JointMotion) -> Any:
     """The bounded Pinocchio joint of a motion: JointModelRX, ..., JointModelPrismaticUnaligned."""
     for direction, aligned in zip(np.eye(3), _ALIGNED[motion.kind], strict=True):
         if np.array_equal(motion.axis, direction):

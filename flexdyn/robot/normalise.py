@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from flexdyn.errors import InputError
 from flexdyn.robot.mimic import Mimic
-from flexdyn.robot.motion import Motion, joint_model, motion_of
+from flexdyn.robot.motion import JointMotion, joint_model, motion_of
 from flexdyn.robot.values import unfit_name
 
 _UNLIMITED = 1e300
@@ -105,7 +105,7 @@ def _check_body(model: pin.Model, index: int) -> None:
         )
 
 
-def _copy_numbers(old: pin.Model, new: pin.Model, motions: list[Motion]) -> None:
+def _copy_numbers(old: pin.Model, new: pin.Model, motions: list[JointMotion]) -> None:
     """Per-joint arrays; a mimic joint of Pinocchio has none of its own, and gets no limits and no friction."""
     m = new.nv
     lower, upper = np.full(m, -np.inf), np.full(m, np.inf)

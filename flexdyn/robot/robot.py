@@ -15,7 +15,7 @@ import pinocchio as pin
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.axes import Axes, with_axes
-from flexdyn.robot.joints import Joint
+from flexdyn.robot.joints import RobotJoint
 from flexdyn.robot.links import Inertial, Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
 from flexdyn.robot.tree import Floats, FramePlacement, Tree, locked, spatial
@@ -77,7 +77,7 @@ class Robot(Public):
     tree: Tree
     _model: pin.Model
     _links: tuple[Link, ...] = field(default=())
-    _joints: tuple[Joint, ...] = field(default=())
+    _joints: tuple[RobotJoint, ...] = field(default=())
     axes: Axes = field(default_factory=dict)
 
     def __post_init__(self) -> None:

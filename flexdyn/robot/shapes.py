@@ -7,7 +7,7 @@ from typing import Any
 
 from flexdyn.robot.values import number, numbers, pose_of
 
-GREY = (0.7, 0.7, 0.7, 1.0)
+SHAPE_GREY = (0.7, 0.7, 0.7, 1.0)
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ def _color(visual: Any, colors: dict[str, tuple[float, ...]]) -> tuple[float, ..
     if own is not None:
         return _rgba(own)
     material = visual.find("material")
-    return GREY if material is None else colors.get(material.get("name") or "", GREY)
+    return SHAPE_GREY if material is None else colors.get(material.get("name") or "", SHAPE_GREY)
 
 
 def _rgba(color: Any) -> tuple[float, ...]:
-    return tuple(min(max(value, 0.0), 1.0) for value in numbers(color, "rgba", "material/color/rgba", 4, GREY))
+    return tuple(min(max(value, 0.0), 1.0) for value in numbers(color, "rgba", "material/color/rgba", 4, SHAPE_GREY))

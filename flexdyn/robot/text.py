@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.sax.saxutils import quoteattr
 
-from flexdyn.robot.joints import Joint
+from flexdyn.robot.joints import RobotJoint
 from flexdyn.robot.links import Link
 from flexdyn.robot.shapes import Visual
 
 
-def urdf_text(links: Sequence[Link], joints: Sequence[Joint]) -> str:
+def urdf_text(links: Sequence[Link], joints: Sequence[RobotJoint]) -> str:
     """A whole URDF.
 
     Limits, damping, friction and mimics are left out: they do not enter the kinematics, and come from the values.
@@ -42,7 +42,7 @@ def _link(link: Link) -> str:
     return f"<link name={quoteattr(link.name)}>{inner}</link>"
 
 
-def _joint(joint: Joint) -> str:
+def _joint(joint: RobotJoint) -> str:
     limit = '<limit lower="0" upper="0" effort="0" velocity="0"/>' if joint.kind != "fixed" else ""
     return (
         f'<joint name={quoteattr(joint.name)} type="{joint.kind}">'

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from flexdyn.errors import InputError, one_line
 from flexdyn.robot.graph import check_graph
-from flexdyn.robot.joints import Joint, read_joint
+from flexdyn.robot.joints import RobotJoint, read_joint
 from flexdyn.robot.links import Link, read_link
 from flexdyn.robot.shapes import read_colors
 from flexdyn.robot.values import LONGEST_NAME
@@ -25,7 +25,7 @@ class Urdf:
 
     name: str
     links: tuple[Link, ...]
-    joints: tuple[Joint, ...]
+    joints: tuple[RobotJoint, ...]
 
 
 def read_urdf(path: Path) -> Urdf:

@@ -8,7 +8,7 @@ from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean
 
-MAX_BYTES = 5_000_000
+MAX_URDF_BYTES = 5_000_000
 """A URDF is text of some 100 kB; meshes are files of their own."""
 
 MAX_ATTRIBUTES = 1000
@@ -64,12 +64,12 @@ def _bytes_of(path: Path) -> bytes:
         if not path.is_file():
             raise InputError("not a regular file", remedy="give a URDF file")
         with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
+            data = stream.read(MAX_URDF_BYTES + 1)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", remedy="check the path and its permissions") from None
-    if len(data) > MAX_BYTES:
+    if len(data) > MAX_URDF_BYTES:
         raise InputError(
-            f"larger than {MAX_BYTES // 10**6} MB", remedy="a URDF is text; keep meshes in their own files"
+            f"larger than {MAX_URDF_BYTES // 10**6} MB", remedy="a URDF is text; keep meshes in their own files"
         )
     return data
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation, Samples, State, per_joint
 from flexdyn.control.firmware import CORE_ORDER, Firmware
-from flexdyn.control.points import COMMAND_KEYS, Points, command_of
+from flexdyn.control.points import COMMAND_KEYS, CommandPoints, command_of
 from flexdyn.control.servo import Servo
 from flexdyn.errors import InputError
 from flexdyn.io.yaml import read_yaml
@@ -207,7 +207,7 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         notes = _gaps("reference", reference, "it is interpolated")
         reference = followed(reference, pd.interpolation, names)
     _check_reference("pd.reference", reference)
-    if isinstance(reference, Points):
+    if isinstance(reference, CommandPoints):
         initial = {"q": {joint: float(reference.values[0, k]) for k, joint in enumerate(reference.joints or ())}}
         reference = reference.whole(names, {**model.initial.get("q", {})})
     if isinstance(ahead, Recording):

@@ -23,7 +23,7 @@ NO_LINE = 1e9
 """Times the speed limit (or 1 rad/s) at which the torque of a motor that only saturates would be gone."""
 TRAVEL = 0.01
 """How far a link that arrives at its speed limit presses an end stop in [rad or m]."""
-DAMPED = 0.5
+STOP_DAMPING_RATIO = 0.5
 """Damping ratio of link and end stop."""
 
 
@@ -142,7 +142,7 @@ def enforce_limits(
     for j, joint in enumerate(model.joint_names):
         if _ranged(model.robot, j) and not _has(model, EndStop, joint):
             K = (_fastest(model.robot, j) / TRAVEL) ** 2 * float(inertia[j]) if stiffness is None else stiffness
-            D = 2.0 * DAMPED * math.sqrt(K * float(inertia[j])) if damping is None else damping
+            D = 2.0 * STOP_DAMPING_RATIO * math.sqrt(K * float(inertia[j])) if damping is None else damping
             lower, upper = float(model.robot.lower[j]), float(model.robot.upper[j])
             added.append(EndStop(joint, side="link", lower=lower, upper=upper, stiffness=K, damping=D))
         effort = float(model.robot.effort_limit[j])

@@ -27,7 +27,7 @@ Numbers = Mapping[Any, Mapping[str, Array]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Columns:
+class VariantColumns:
     """What differs, a column (runs,) of numbers each.
 
     Attributes:
@@ -57,7 +57,7 @@ class Variants:
     def __init__(self, model: FlexibleJointModel, drive: Drive, duration: float, solver: Solver, grid: Array) -> None:
         self.model, self.drive, self.duration, self.solver, self.grid = model, drive, duration, solver, grid
 
-    def covers(self, columns: Columns) -> bool:
+    def covers(self, columns: VariantColumns) -> bool:
         """Whether these numbers enter the plant just so: through springs, rotors, laws and the first state.
 
         They do not where they are folded into others, change the links, or what is checked of them is more than that
@@ -73,7 +73,9 @@ class Variants:
             and all(any(effect is each for each in self._acting) and _is_plain(effect) for effect in effects)
         )
 
-    def simulate(self, columns: Columns, out: Mapping[str, Array], progress: Callable[[int], None] | None) -> Flags:
+    def simulate(
+        self, columns: VariantColumns, out: Mapping[str, Array], progress: Callable[[int], None] | None
+    ) -> Flags:
         """Integrate the runs on this thread, the interpreter's lock released; each gives what `simulate` gives.
 
         Args:

@@ -22,7 +22,7 @@ from flexdyn.simulation.solvers import (
 )
 
 STIFF = 2e4  # 1/s: an explicit method then takes steps below 0.2 ms for stability alone
-STEPS: dict[type[Solver], tuple[int, int]] = {
+STEP_BUDGETS: dict[type[Solver], tuple[int, int]] = {
     DormandPrince: (200_000, 50_000),
     Rosenbrock: (50_000, 40_000),
     DormandPrinceThenRosenbrock: (50_000, 40_000),
@@ -99,7 +99,7 @@ def budget(solver: Solver, duration: float) -> int:
     given = getattr(solver, "max_steps", None)
     if given is not None:
         return max(1, int(min(given, 1e15)))
-    fixed, per_second = STEPS.get(type(solver), (0, 0))
+    fixed, per_second = STEP_BUDGETS.get(type(solver), (0, 0))
     return int(min(fixed + per_second * duration, 1e15))
 
 

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Move:
+class NodeMove:
     """How a node of the scene moves.
 
     Attributes:
@@ -29,7 +29,7 @@ class Move:
     positions: Array
 
 
-def commands_of(moves: Sequence[Move], rate: float) -> list[dict[str, Any]]:
+def commands_of(moves: Sequence[NodeMove], rate: float) -> list[dict[str, Any]]:
     """Commands that put every node where it is first and, of two frames or more, load the animation.
 
     Args:
@@ -54,7 +54,7 @@ def commands_of(moves: Sequence[Move], rate: float) -> list[dict[str, Any]]:
     return commands + ([SetAnimation(animation, play=False).lower()] if animation.clips else [])
 
 
-def _values(move: Move) -> tuple[str, str, list[list[float]]]:
+def _values(move: NodeMove) -> tuple[str, str, list[list[float]]]:
     """Name, type and values of a node's track, as three.js calls them."""
     if move.prismatic:
         return "position", "vector3", (move.positions[:, None] * move.axis).tolist()

@@ -13,7 +13,7 @@ from flexdyn.robot.tree import Tree
 from flexdyn.viewer.solids import tube
 
 Array = NDArray[np.float64]
-GREY = (0.60, 0.65, 0.73, 1.0)
+BODY_GREY = (0.60, 0.65, 0.73, 1.0)
 STEEL = (0.35, 0.45, 0.62, 1.0)
 SHELL = (0.45, 0.58, 0.80, 0.55)
 LARGEST_MESH = 400_000
@@ -104,7 +104,7 @@ def _shapes(robot: Robot) -> tuple[list[Body], list[str]]:
                 int(entry.parentJoint) - 1,
                 geometry,
                 pose,
-                GREY if plain else color,
+                BODY_GREY if plain else color,
                 _corners(np.array(box.min_), np.array(box.max_), pose),
                 faceted=triangles > 0,
             )

@@ -20,7 +20,7 @@ RADIUS = 0.055
 
 
 @dataclass(frozen=True)
-class Part:
+class DialShape:
     """A flat shape of a dial.
 
     Attributes:
@@ -54,24 +54,24 @@ def dial_pose(tree: Tree, j: int) -> Array:
     return pose
 
 
-def face(prismatic: bool, size: float) -> Iterator[Part]:
+def face(prismatic: bool, size: float) -> Iterator[DialShape]:
     """What stands still against the link: a disc with its mark at zero, or a rail."""
     r = RADIUS * size
     if prismatic:
         rail = [(-2.2 * r, -0.12 * r), (2.2 * r, -0.12 * r), (2.2 * r, 0.12 * r), (-2.2 * r, 0.12 * r)]
-        yield Part("face", polygon(rail), FACE, 0.75, 10)
-        yield Part("mark", polygon(_bar(0.0, r, 0.09 * r)), MARK, 0.95, 12)
+        yield DialShape("face", polygon(rail), FACE, 0.75, 10)
+        yield DialShape("mark", polygon(_bar(0.0, r, 0.09 * r)), MARK, 0.95, 12)
         return
-    yield Part("face", sector(0.0, r, 0.0, 2.0 * np.pi), FACE, 0.5, 10)
-    yield Part("rim", sector(0.94 * r, r, 0.0, 2.0 * np.pi), MARK, 0.9, 11)
-    yield Part("mark", polygon([(0.0, -0.05 * r), (r, -0.05 * r), (r, 0.05 * r), (0.0, 0.05 * r)]), MARK, 0.95, 12)
+    yield DialShape("face", sector(0.0, r, 0.0, 2.0 * np.pi), FACE, 0.5, 10)
+    yield DialShape("rim", sector(0.94 * r, r, 0.0, 2.0 * np.pi), MARK, 0.9, 11)
+    yield DialShape("mark", polygon([(0.0, -0.05 * r), (r, -0.05 * r), (r, 0.05 * r), (0.0, 0.05 * r)]), MARK, 0.95, 12)
 
 
-def needle(prismatic: bool, size: float) -> Part:
+def needle(prismatic: bool, size: float) -> DialShape:
     """What moves with the rotor."""
     r = RADIUS * size
     corners = _bar(0.0, 0.9 * r, 0.12 * r) if prismatic else [(0.0, -0.11 * r), (0.98 * r, 0.0), (0.0, 0.11 * r)]
-    return Part("shape", polygon(corners), NEEDLE, 0.95, 13)
+    return DialShape("shape", polygon(corners), NEEDLE, 0.95, 13)
 
 
 def _bar(x: float, half: float, width: float) -> list[tuple[float, float]]:

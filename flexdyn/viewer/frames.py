@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.errors import InputError
-from flexdyn.viewer.motion import Motion
+from flexdyn.viewer.motion import PlayedMotion
 
 Array = NDArray[np.float64]
 FASTEST = 240.0
 """Frames in a second, at most: a tenth of the speed still shows 24 of them in a second."""
-MOST = 3600
+MOST_FRAMES = 3600
 """Frames in a page, at most."""
 MOST_MAGNIFIED = 1e9
 """Largest factor of a deflection."""
@@ -30,8 +30,8 @@ class Frames:
         rate: frames in a second [Hz].
     """
 
-    arm: Motion
-    ghost: Motion | None
+    arm: PlayedMotion
+    ghost: PlayedMotion | None
     rate: float
 
     @property
@@ -40,7 +40,7 @@ class Frames:
         return self.arm.q if self.ghost is None else np.vstack([self.arm.q, self.ghost.q])
 
 
-def frames_of(motion: Motion, ghost: Motion | None) -> Frames:
+def frames_of(motion: PlayedMotion, ghost: PlayedMotion | None) -> Frames:
     """Motions at the times that the page shows: those of the first that moves.
 
     Raises:
@@ -58,15 +58,15 @@ def frames_of(motion: Motion, ghost: Motion | None) -> Frames:
     return Frames(motion.at(times), None if ghost is None else ghost.at(times), float(rate))
 
 
-def frame_times(motion: Motion) -> Array:
+def frame_times(motion: PlayedMotion) -> Array:
     """Equally spaced times from first to last; one if the arm stands still.
 
-    Never more than the samples of the motion, `MOST`, or `FASTEST` in a second.
+    Never more than the samples of the motion, `MOST_FRAMES`, or `FASTEST` in a second.
     """
     first, last = motion.span
     if last == first:
         return np.array([first])
-    count = min(len(motion.t), MOST, math.ceil((last - first) * FASTEST) + 1)
+    count = min(len(motion.t), MOST_FRAMES, math.ceil((last - first) * FASTEST) + 1)
     return np.linspace(first, last, count)
 
 

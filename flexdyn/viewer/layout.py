@@ -13,7 +13,7 @@ from flexdyn.robot import Robot
 from flexdyn.viewer.bodies import Body, tip_of
 
 Array = NDArray[np.float64]
-SAMPLES = 60
+EXTENT_SAMPLES = 60
 """Moments that the extent is taken over."""
 
 
@@ -74,7 +74,7 @@ def tip_frame(robot: Robot) -> str:
     return str((bodies or mounted)[-1].name)
 
 
-def thinned(q: Array, most: int = SAMPLES) -> Array:
+def thinned(q: Array, most: int = EXTENT_SAMPLES) -> Array:
     """At most so many rows, first and last among them."""
     return np.asarray(q[np.unique(np.linspace(0, len(q) - 1, min(len(q), most)).astype(int))])
 

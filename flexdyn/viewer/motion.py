@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Motion:
+class PlayedMotion:
     """Positions of an arm over time.
 
     Attributes:
@@ -39,7 +39,7 @@ class Motion:
         """First and last time [s]."""
         return float(self.t[0]), float(self.t[-1])
 
-    def at(self, times: Array) -> Motion:
+    def at(self, times: Array) -> PlayedMotion:
         """The motion at other times, linear between its samples, standing still before the first and after the last."""
         q, deflection = (
             np.column_stack([np.interp(times, self.t, column) for column in table.T])
@@ -48,21 +48,23 @@ class Motion:
         return replace(self, t=times, q=q, deflection=deflection)
 
 
-def of_run(run: Run) -> Motion:
+def of_run(run: Run) -> PlayedMotion:
     """A simulated motion; joints of a finite stiffness have a rotor to show."""
     deflection = np.where(run.model.elastic, run.deflection, np.nan)
     label = run.model.name if run.model.elastic.any() else f"{run.model.name}, rigid"
-    return Motion(label, run.t, run.q, deflection)
+    return PlayedMotion(label, run.t, run.q, deflection)
 
 
-def at_rest(model: FlexibleJointModel) -> Motion:
+def at_rest(model: FlexibleJointModel) -> PlayedMotion:
     """The arm at its initial position."""
     q = np.array([[model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names]])
     notes = ("the arm stands at the model's initial position",)
-    return Motion(model.name, np.zeros(1), q, np.full_like(q, np.nan), notes)
+    return PlayedMotion(model.name, np.zeros(1), q, np.full_like(q, np.nan), notes)
 
 
-def of_recording(recording: Recording, model: FlexibleJointModel, missing: Motion, label: str = "") -> Motion:
+def of_recording(
+    recording: Recording, model: FlexibleJointModel, missing: PlayedMotion, label: str = ""
+) -> PlayedMotion:
     """A recorded motion of the joints of a model.
 
     Args:
@@ -94,7 +96,7 @@ def of_recording(recording: Recording, model: FlexibleJointModel, missing: Motio
             if model.elastic[j] or measured.any():
                 deflection[:, j] = measured
     notes = _notes(driven, absent)
-    return Motion(label or recording.name or model.name, recording.t, q, deflection, notes)
+    return PlayedMotion(label or recording.name or model.name, recording.t, q, deflection, notes)
 
 
 def _notes(driven: Sequence[str], absent: Sequence[str]) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from flexdyn.records import Recording
 from flexdyn.simulation.command_input import first_state, resolve_command
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
-from flexdyn.viewer.motion import Motion, of_run
+from flexdyn.viewer.motion import PlayedMotion, of_run
 
 RIGID = "rigid"
 """In place of what a motion is compared with: the same arm without elasticity."""
@@ -22,8 +22,8 @@ LAW_AGAIN = "the controller's law is called a second time, for the rigid arm: on
 
 
 def without_elasticity(
-    source: Run | Recording | FlexibleJointModel, model: FlexibleJointModel, shown: Motion, command: Any = None
-) -> Motion:
+    source: Run | Recording | FlexibleJointModel, model: FlexibleJointModel, shown: PlayedMotion, command: Any = None
+) -> PlayedMotion:
     """What the arm does with rigid joints, from where the motion starts, as fast where that is known.
 
     A run's controller runs on the rigid arm as well. Where there is none, or only a recording, the torques asked for
@@ -52,7 +52,7 @@ def without_elasticity(
     return replace(ghost, t=shown.t, notes=notes)
 
 
-def _beside_run(source: Run, given: Any) -> tuple[Motion, tuple[str, ...]]:
+def _beside_run(source: Run, given: Any) -> tuple[PlayedMotion, tuple[str, ...]]:
     inputs, rigid = source.inputs, source.model.rigid()
     command = inputs.controller if given is None else given
     notes = ("forces at frames are not applied to the rigid arm",) if inputs.external else ()
@@ -67,8 +67,8 @@ def _beside_run(source: Run, given: Any) -> tuple[Motion, tuple[str, ...]]:
 
 
 def _beside_recording(
-    source: Recording, model: FlexibleJointModel, shown: Motion, command: Any
-) -> tuple[Motion, tuple[str, ...]]:
+    source: Recording, model: FlexibleJointModel, shown: PlayedMotion, command: Any
+) -> tuple[PlayedMotion, tuple[str, ...]]:
     rigid, times = model.rigid(), shown.t - shown.t[0]
     if command is None:
         _check_torques(source, model)
@@ -83,7 +83,7 @@ def _beside_recording(
     return _labelled(run, command), _slow(source, model)
 
 
-def _labelled(run: Run, command: Any) -> Motion:
+def _labelled(run: Run, command: Any) -> PlayedMotion:
     """The rigid arm's motion, called by what drives it."""
     ghost = of_run(run)
     closed = isinstance(command, PD | Servo | Controller)

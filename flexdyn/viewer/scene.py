@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.robot import Robot
 from flexdyn.robot.tree import Tree
 from flexdyn.viewer import dials
-from flexdyn.viewer.animation import Move, commands_of
+from flexdyn.viewer.animation import NodeMove, commands_of
 from flexdyn.viewer.bodies import Body
 from flexdyn.viewer.solids import tube
 
@@ -33,7 +33,7 @@ class Window:
         self.commands.append(command.lower())
 
 
-class Scene:
+class ArmScene:
     """An arm as a tree of meshcat nodes: joints are nested, and a joint's node ``moved`` turns or slides alone.
 
     Args:
@@ -76,7 +76,7 @@ class Scene:
             node.set_object(body.geometry, material)
             node.set_transform(body.pose)
 
-    def add_dial(self, j: int, shown: Array) -> Move:
+    def add_dial(self, j: int, shown: Array) -> NodeMove:
         """Put a dial on a joint of the tree.
 
         Args:
@@ -94,7 +94,7 @@ class Scene:
             self._flat(f"{node}/{part.name}", part)
         self._flat(f"{node}/needle/shape", dials.needle(prismatic, self._size))
         axis = np.array([1.0, 0.0, 0.0] if prismatic else [0.0, 0.0, 1.0])
-        return Move(f"{node}/needle", axis, prismatic, shown)
+        return NodeMove(f"{node}/needle", axis, prismatic, shown)
 
     def add_tip(self, j: int, point: Array) -> None:
         """Mark the point whose way is drawn."""
@@ -112,18 +112,19 @@ class Scene:
         if line is not None:
             self._view[f"/{name}"].set_object(line, MeshBasicMaterial(color=_number(color)))
 
-    def arm_moves(self, arm: str, q_tree: Array) -> list[Move]:
+    def arm_moves(self, arm: str, q_tree: Array) -> list[NodeMove]:
         """How the joints of one of the arms move through positions of the whole tree (frames, m)."""
         tree = self._tree
         return [
-            Move(moved_path(arm, tree, j), tree.axis[j], bool(tree.prismatic[j]), q_tree[:, j]) for j in range(tree.m)
+            NodeMove(moved_path(arm, tree, j), tree.axis[j], bool(tree.prismatic[j]), q_tree[:, j])
+            for j in range(tree.m)
         ]
 
-    def animate(self, moves: Sequence[Move], rate: float) -> None:
+    def animate(self, moves: Sequence[NodeMove], rate: float) -> None:
         """Put everything where it is first, and load what comes after that."""
         self.commands.extend(commands_of(moves, rate))
 
-    def _flat(self, path: str, part: dials.Part) -> None:
+    def _flat(self, path: str, part: dials.DialShape) -> None:
         from meshcat.geometry import MeshBasicMaterial
 
         material = MeshBasicMaterial(

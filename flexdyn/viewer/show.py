@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot import frame_positions
 from flexdyn.viewer.about import about_it, legend
-from flexdyn.viewer.animation import Move
+from flexdyn.viewer.animation import NodeMove
 from flexdyn.viewer.bodies import bodies_of
 from flexdyn.viewer.frames import Frames, checked_factor, frames_of, magnification
 from flexdyn.viewer.layout import arm_size, extent, tip_frame
-from flexdyn.viewer.motion import Motion
+from flexdyn.viewer.motion import PlayedMotion
 from flexdyn.viewer.page import page
-from flexdyn.viewer.scene import ARM, BLUE, GHOST, VIOLET, Scene
+from flexdyn.viewer.scene import ARM, BLUE, GHOST, VIOLET, ArmScene
 
 Array = NDArray[np.float64]
 SHOWN_ANGLE = math.radians(25.0)
@@ -25,7 +25,9 @@ SHOWN_SHARE = 0.1
 """The same for a prismatic joint, as a share of the arm's size."""
 
 
-def show(model: FlexibleJointModel, motion: Motion, ghost: Motion | None = None, magnify: float | None = None) -> str:
+def show(
+    model: FlexibleJointModel, motion: PlayedMotion, ghost: PlayedMotion | None = None, magnify: float | None = None
+) -> str:
     """The page of a motion.
 
     Args:
@@ -41,7 +43,7 @@ def show(model: FlexibleJointModel, motion: Motion, ghost: Motion | None = None,
     size = arm_size(robot, frames.everywhere)
     bodies, notes = bodies_of(robot, size)
     factors = _factors(model, motion, size, magnify)
-    scene = Scene(robot, size)
+    scene = ArmScene(robot, size)
     scene.add_bodies(bodies)
     frame = tip_frame(robot)
     tips = [frame_positions(robot, each.q, frame) for each in (frames.arm, frames.ghost) if each is not None]
@@ -60,7 +62,7 @@ def show(model: FlexibleJointModel, motion: Motion, ghost: Motion | None = None,
     return page(motion.label, about, scene.commands)
 
 
-def _factors(model: FlexibleJointModel, motion: Motion, size: float, magnify: float | None) -> dict[str, float]:
+def _factors(model: FlexibleJointModel, motion: PlayedMotion, size: float, magnify: float | None) -> dict[str, float]:
     """Magnification by unit, of the units of joints whose rotor is shown."""
     given = None if magnify is None else checked_factor(magnify)
     found = {}
@@ -71,13 +73,13 @@ def _factors(model: FlexibleJointModel, motion: Motion, size: float, magnify: fl
     return found
 
 
-def _known(motion: Motion, j: int) -> bool:
+def _known(motion: PlayedMotion, j: int) -> bool:
     return bool(np.isfinite(motion.deflection[:, j]).any())
 
 
 def _moves(
-    model: FlexibleJointModel, frames: Frames, dialled: list[int], factors: dict[str, float], scene: Scene
-) -> list[Move]:
+    model: FlexibleJointModel, frames: Frames, dialled: list[int], factors: dict[str, float], scene: ArmScene
+) -> list[NodeMove]:
     """How everything moves; puts dials on the joints that get one."""
     robot = model.robot
     moves = scene.arm_moves(ARM, robot.expand(frames.arm.q))

@@ -17,7 +17,7 @@ from flexdyn.model.recorded_model import NAME_IT, model_in
 from flexdyn.records import Recording, read_recording
 from flexdyn.records.given import as_recording
 from flexdyn.simulation.run import Run
-from flexdyn.viewer.motion import Motion, at_rest, of_recording, of_run
+from flexdyn.viewer.motion import PlayedMotion, at_rest, of_recording, of_run
 from flexdyn.viewer.rigid import RIGID, without_elasticity
 
 Model = FlexibleJointModel | str | Path
@@ -35,7 +35,7 @@ class Shown:
     """
 
     model: FlexibleJointModel
-    motion: Motion
+    motion: PlayedMotion
     source: Run | Recording | FlexibleJointModel
 
 
@@ -57,7 +57,7 @@ def first(source: Source, model: Model | None) -> Shown:
         return Shown(arm, _motion(given, arm, at_rest(arm)), given)
 
 
-def second(source: Source, model: Model | None, shown: Shown, command: Any = None) -> Motion:
+def second(source: Source, model: Model | None, shown: Shown, command: Any = None) -> PlayedMotion:
     """What it is compared with.
 
     Args:
@@ -113,7 +113,7 @@ def _arm(given: Run | Recording | FlexibleJointModel, model: Model | None) -> Fl
     return model_in(given)
 
 
-def _motion(given: Run | Recording | FlexibleJointModel, arm: FlexibleJointModel, held: Motion) -> Motion:
+def _motion(given: Run | Recording | FlexibleJointModel, arm: FlexibleJointModel, held: PlayedMotion) -> PlayedMotion:
     if isinstance(given, Run):
         return of_run(given)
     return of_recording(given, arm, held) if isinstance(given, Recording) else at_rest(given)

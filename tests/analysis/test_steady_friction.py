@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.analysis.steady_curve import Curve, Points
+from flexdyn.analysis.steady_curve import DirectionPoints, FrictionCurve
 
 SPEEDS = np.array([0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.3, 1.6, 2.0])
 NOISE = 0.02
@@ -66,7 +66,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     """Of 60 drawn curves, those of excess and velocity hold it in 95 % of cases or so, and none reaches zero."""
     held = []
     for seed in range(60):
-        curve = Curve.fitted(Points.of(points(stribeck, seed=seed), 1), ("stribeck_friction",))
+        curve = FrictionCurve.fitted(DirectionPoints.of(points(stribeck, seed=seed), 1), ("stribeck_friction",))
         for name, true in (("excess", 0.6), ("velocity", 0.15)):
             low, high = curve.interval(f"stribeck_friction.{name}")
             held.append(low <= true <= high)

@@ -234,6 +234,6 @@ def test_nobody_answers() -> None:
 
 def test_a_scheduler_that_does_not_listen(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is not waited for without end."""
-    monkeypatch.setattr(dask_executor, "PATIENCE", 0.5)
+    monkeypatch.setattr(dask_executor, "SCHEDULER_PATIENCE", 0.5)
     with pytest.raises(fd.InputError, match=r"no scheduler answers \(Timed out"), Dask("tcp://127.0.0.1:9"):
         pass

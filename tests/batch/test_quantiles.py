@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from flexdyn.batch import quantiles as module
-from flexdyn.batch.quantiles import BINS, quantiles
+from flexdyn.batch.quantiles import HISTOGRAM_BINS, quantiles
 from flexdyn.batch.sensitivity import ranks, sensitivity
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ def test_many_runs_are_within_a_bin(monkeypatch: pytest.MonkeyPatch) -> None:
     values = rng.normal(size=(5000, 3, 2)) * np.array([1.0, 1e-3, 50.0])[:, None] + np.array([0.0, 7.0])
     values[:, 2, 1] = 4.0  # an instant at which nothing varies
     found = quantiles(lambda: in_blocks(values, 300), len(values), SHARES)
-    bin_width = np.ptp(values, axis=0) / BINS
+    bin_width = np.ptp(values, axis=0) / HISTOGRAM_BINS
     assert (np.abs(found - np.quantile(values, SHARES, axis=0)) <= 1.5 * bin_width + 1e-12).all()
 
 

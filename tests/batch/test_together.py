@@ -14,7 +14,7 @@ from flexdyn.batch.cases import Cases
 from flexdyn.batch.catalogue import METRICS
 from flexdyn.batch.draws import table
 from flexdyn.batch.metrics import measure, metrics_of
-from flexdyn.batch.motion import Motion
+from flexdyn.batch.motion import RunsMotion
 from flexdyn.batch.studyfile import read_study
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from tests.arms import EXACT
@@ -105,9 +105,9 @@ def test_measured_together_as_alone() -> None:
     aim = aim_of(command, model, 1.0)
     found = metrics_of(list(METRICS), model, aim)
     signals = {signal: np.array([getattr(run, signal) for run in runs]) for signal in SIGNALS}
-    values, reasons = measure(found, Motion(model.robot, runs[0].t, signals, aim, runs))
+    values, reasons = measure(found, RunsMotion(model.robot, runs[0].t, signals, aim, runs))
     assert np.isfinite(values).any(axis=1).sum() >= len(found) - 1
     for i, run in enumerate(runs):
-        alone, reason = measure(found, Motion.of(run, aim))
+        alone, reason = measure(found, RunsMotion.of(run, aim))
         np.testing.assert_array_equal(values[:, i], alone[:, 0])
         assert reasons[i] == reason[0]

@@ -74,7 +74,7 @@ def test_a_report_is_written_and_told(flexdyn: Runner, answer: Answer) -> None:
     assert sorted(path.name for path in Path("there/out").iterdir()) == FILES
     told = " ".join(outcome.out.split())
     for text in (
-        "The disagreement has 4 causes, first of all Stribeck friction",
+        "The disagreement has 4 causes; the largest is Stribeck friction",
         "or spring hysteresis in the transmission of",
         "p: posterior probability",
         "on the motor side of elbow",

@@ -12,7 +12,7 @@ from scipy.interpolate import PchipInterpolator
 
 import flexdyn as fd
 from flexdyn.cli import main
-from flexdyn.control.points import Points, command_of
+from flexdyn.control.points import CommandPoints, command_of
 from flexdyn.simulation.command_input import followed
 from tests.arms import repickled
 
@@ -73,7 +73,7 @@ def test_points_are_met_and_never_passed(model: fd.FlexibleJointModel) -> None:
     """The reference is SciPy's monotone interpolation: at rest where it turns back; the arm's own spring overshoots."""
     made = command_of(MOVE)
     assert isinstance(made, fd.PD)
-    assert isinstance(made.reference, Points)
+    assert isinstance(made.reference, CommandPoints)
     whole = made.reference.whole(("shoulder", "elbow"), {"elbow": 1.5})
     breaks, coefficients, last = whole.pieces(whole.values)
     t = np.linspace(0.0, 0.999, 400)

@@ -19,8 +19,15 @@ from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.library import Library
-from flexdyn.diagnose.inference.priors import SHARE
-from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Space, Structure
+from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE
+from flexdyn.diagnose.inference.space import (
+    NEGLIGIBLE_SHARE,
+    PLACE_BETA,
+    UBIQUITOUS_BETA,
+    WHOLE_NUMBER_LOG_ODDS,
+    Space,
+    Structure,
+)
 from flexdyn.effects import Effect
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.arms import two_link
@@ -66,8 +73,10 @@ class Given:
             return None
         (each,) = self.columns
         own = slice(0 if self.stands is None else 1, None)  # of what stands, its tangents
-        usual = SHARE / np.maximum(each.size[own], 1e-300)  # of a drive, where the effect's own nature says more
-        return column(each.white[:, own], NEGLIGIBLE * np.minimum(each.std[own], usual))
+        usual = EFFECT_TORQUE_SHARE / np.maximum(
+            each.size[own], 1e-300
+        )  # of a drive, where the effect's own nature says more
+        return column(each.white[:, own], NEGLIGIBLE_SHARE * np.minimum(each.std[own], usual))
 
 
 def column(white: Array, std: Numbers = 0.4, mean: Numbers = 0.0, size: Numbers = 1.0) -> Column:
@@ -200,14 +209,14 @@ class Case:
         chosen = [self.given[c].kind for c, _ in structure]
         total = 0.0
         for kind in set(chosen):
-            n, odds = kinds.count(kind), UBIQUITOUS if kind in EXPECTED else ODDS
+            n, odds = kinds.count(kind), UBIQUITOUS_BETA if kind in EXPECTED else PLACE_BETA
             total += math.log(share(chosen.count(kind), n, odds) / share(0, n, odds))
         for c, p in structure:
             each = self.given[c]
             total += self.block(c, p).log_jacobian / noise.times[most_about(self.block(c, p))]
             total -= math.log(len(each.columns))
             if each.kind == "torque_ripple" and p < len(each.points) and each.points[p][0] % 1.0:
-                total -= NATURAL
+                total -= WHOLE_NUMBER_LOG_ODDS
         return total
 
     def log_large(self, structure: Structure, noise: Discrepancy) -> float:
@@ -283,7 +292,7 @@ def most_likely(mean: float) -> float:
 
 
 @lru_cache
-def share(m: int, n: int, odds: tuple[float, float] = ODDS) -> float:
+def share(m: int, n: int, odds: tuple[float, float] = PLACE_BETA) -> float:
     """Probability of an effect at m given ones of n places, that at each one having a Beta prior."""
     a, b = odds
     if b < a:  # the density's pole is at 1: of places without it the share has one at 0

@@ -18,13 +18,13 @@ from flexdyn.diagnose.report.result import (
     JointError,
     Left,
     Number,
-    Place,
-    Source,
+    RecordingSpan,
+    ResidualPlace,
+    ResidualTrace,
     Structure,
     Suspect,
-    Trace,
 )
-from flexdyn.diagnose.report.trajectory import Curve, Trajectory
+from flexdyn.diagnose.report.trajectory import MeasuredCurve, Trajectory
 
 STRIBECK = Suspect(
     "stribeck_friction",
@@ -74,9 +74,9 @@ def explained(model: fd.FlexibleJointModel | None = None) -> Diagnosis:
             ),
         },
         (
-            Place("elbow", "motor", 0.82, "abs(omega) < 0.1 rad/s"),
-            Place("elbow", "link", 0.09, ""),
-            Place("shoulder", "transmission", 0.06, "abs(tau_s) > 12 N m"),
+            ResidualPlace("elbow", "motor", 0.82, "abs(omega) < 0.1 rad/s"),
+            ResidualPlace("elbow", "link", 0.09, ""),
+            ResidualPlace("shoulder", "transmission", 0.06, "abs(tau_s) > 12 N m"),
         ),
         (),
         ranked(),
@@ -113,7 +113,11 @@ def motion(joint: str) -> Trajectory:
     q, off = np.sin(t), np.sign(np.cos(t))
     errors = np.stack([0.1 * off, 0.09 * off, 0.001 * off])
     return Trajectory(
-        joint, "monday.csv", "test", Curve("q [rad]", t, q, 0.1 * errors), Curve("torque [N m]", t, 9.0 * q, errors)
+        joint,
+        "monday.csv",
+        "test",
+        MeasuredCurve("q [rad]", t, q, 0.1 * errors),
+        MeasuredCurve("torque [N m]", t, 9.0 * q, errors),
     )
 
 
@@ -143,12 +147,12 @@ def compared() -> tuple[Considered, ...]:
     )
 
 
-def sources() -> tuple[Source, ...]:
+def sources() -> tuple[RecordingSpan, ...]:
     """One recording, its last fifth kept for the test."""
     noise = {"q.elbow": 2.1e-6, "theta.elbow": 1.4e-7, "tau.elbow": 0.031}
     return (
-        Source("monday.csv", "fit", 0.0, 41.6, 1000.0, noise),
-        Source("monday.csv", "test", 41.6, 52.0, 1000.0, noise),
+        RecordingSpan("monday.csv", "fit", 0.0, 41.6, 1000.0, noise),
+        RecordingSpan("monday.csv", "test", 41.6, 52.0, 1000.0, noise),
     )
 
 
@@ -165,7 +169,7 @@ def unexplained() -> Diagnosis:
     return _diagnosis(
         "unexplained",
         gap_fit=Gap(9.1, 8.2, 8.2, 1.0),
-        where=(Place("elbow", "motor", 0.7, "q between 0.4 and 0.6 rad"),),
+        where=(ResidualPlace("elbow", "motor", 0.7, "q between 0.4 and 0.6 rad"),),
         left=(Left("elbow", 0.12, 0.08, ()),),
         considered=(Considered(COULOMB, 0.41, 1.1), Considered(PRESLIDING, 0.3, -0.2)),
         residuals=residuals("elbow, motor side"),
@@ -248,16 +252,16 @@ def robot() -> Diagnosis:
             joint: JointError(40.0 / (k + 1), 4.1 / (k + 1), "N m", 0.8 - 0.1 * k, 0.1 - 0.01 * k, 0.05, 0.004, "rad")
             for k, joint in enumerate(model.joint_names)
         },
-        tuple(Place(joint, "total", 0.4 / (k + 1), "") for k, joint in enumerate(model.joint_names)),
+        tuple(ResidualPlace(joint, "total", 0.4 / (k + 1), "") for k, joint in enumerate(model.joint_names)),
         tuple(Left(joint, 0.1 - 0.01 * k, 0.12, ("q", "t")[: k % 3]) for k, joint in enumerate(model.joint_names)),
         tuple(
             Structure(base if k % 2 == 0 else (*base[k:], extra), 0.6 / 2.0 ** (k + 1), -9000.0 - 3.2 * k)
             for k in range(12)
         ),
         (
-            Source("monday.csv", "fit", 0.0, 48.0, 125.0, noise),
-            Source("tuesday_with_a_long_name_of_a_file.csv", "fit", 0.0, 48.0, 125.0, noise),
-            Source("wednesday.csv", "test", 0.0, 30.0, 125.0, noise),
+            RecordingSpan("monday.csv", "fit", 0.0, 48.0, 125.0, noise),
+            RecordingSpan("tuesday_with_a_long_name_of_a_file.csv", "fit", 0.0, 48.0, 125.0, noise),
+            RecordingSpan("wednesday.csv", "test", 0.0, 30.0, 125.0, noise),
         ),
         model,
         ("Motor encoders only: an elastic joint is told by what it does to the rotor.",),
@@ -267,7 +271,7 @@ def robot() -> Diagnosis:
     )
 
 
-def residuals(title: str) -> tuple[Trace, ...]:
+def residuals(title: str) -> tuple[ResidualTrace, ...]:
     """Over time and over velocity: friction that is missing, and noise."""
     draw = np.random.default_rng(3)
     t = np.arange(0.0, 20.0, 1e-3)
@@ -276,8 +280,8 @@ def residuals(title: str) -> tuple[Trace, ...]:
     before = noise + 1.2 * np.exp(-np.abs(omega) / 0.05) * np.sign(omega)
     before[8000:8400] = math.nan
     return (
-        Trace.thinned(title, "t [s]", "residual [N m]", t, before, noise),
-        Trace.thinned(title, "omega [rad/s]", "residual [N m]", omega, before, noise),
+        ResidualTrace.thinned(title, "t [s]", "residual [N m]", t, before, noise),
+        ResidualTrace.thinned(title, "omega [rad/s]", "residual [N m]", omega, before, noise),
     )
 
 

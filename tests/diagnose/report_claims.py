@@ -13,8 +13,8 @@ E = r"(-?[\d.]+(?:e[+-]?\d+)?|beyond measure|unknown)"
 
 CLAIMS: tuple[tuple[str, Any], ...] = (
     (r"Model and measurement agree: what is left between them is noise"
-     r"(?:, once (\d+) numbers? of the model ha(?:s|ve) moved within tolerance)?\.", checks.agreement),
-    (rf"(?:The|Part of the) disagreement has (\d+) causes, first of all (.+?) \((?:together )?probability {P}\)",
+     r"(?:, after (\d+) numbers? of the model ha(?:s|ve) moved within tolerance)?\.", checks.agreement),
+    (rf"(?:The|Part of the) disagreement has (\d+) causes; the largest is (.+?) \((?:together )?probability {P}\)",
      checks.many_causes),
     (r"(?:The|Part of the) disagreement is explained by (.+?\))(?=[;.])", checks.few_causes),
     (r"; what is left is noise\.", checks.only_noise_is_left),
@@ -26,13 +26,13 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
      checks.planned),
     (rf"Model and measurement disagree, and no effect is established as the cause"
      rf"(?:: the most probable, (.+?), has probability {P}, and 0\.95 is required)?\.", checks.not_established),
-    (r"The residual appears most of all (.+?)\.", checks.appears),
+    (r"The residual is largest (.+?)\.", checks.appears),
     (r"((?:These estimates|This estimate) stopped before .+? converged: .+?\.)", checks.unconverged),
-    (r"Nothing is claimed beyond what had converged(?:, and that establishes no effect|: (.+?\)))\.",
+    (r"The report claims only what has converged: (?:no effect is established|(.+?\)))\.",
      checks.beyond_convergence),
     (r"This diagnosis was interrupted(?: while (.+?),)? before it was finished\.", checks.interrupted),
     (r"Established by then: (.+?\)(?: and \d+ more)?)\.", checks.by_then),
-    (r"No effect had been established by then(?:; of what had been compared, (.+?) was the most probable)?\.",
+    (r"No effect had been established by then(?:; the most probable so far was (.+?))?\.",
      checks.nothing_by_then),
     (r"The test data had not been opened\.", checks.unopened),
     (rf"^(.+): (each )?({'|'.join(LIKELY)}) \((?:together )?probability {P}(?: or more)?\)\.$", checks.finding),
@@ -56,13 +56,13 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
     (rf"Noise alone leaves {X} %\.", checks.noise_leaves),
     (rf"dashed: noise alone, {X}", checks.dashed),
     (r"They moved by no more than (\d) of their stated tolerances, so they are no findings\.", checks.within_tolerance),
-    (r"(\d+) numbers? moved by more than (\d) of the stated tolerances and is no finding all the same: what is left"
-     r" unexplained may have bent it\.", checks.beyond_tolerance),
+    (r"(\d+) numbers? moved by more than (\d) of the stated tolerances but is no finding: what is left"
+     r" unexplained may have changed it\.", checks.beyond_tolerance),
     (r"Nothing beyond what is said above\.", checks.nothing_to_note),
     (r"Nothing: no finding waits for another measurement\.", checks.nothing_to_measure),
     (r"More motion of (\S+)(?: \((.+?)\))?, slower, with the other joints at rest: a law that no catalogue holds shows"
      r" best where nothing else moves\.", checks.more_motion),
-    (r"The same motion once more: what does not come back the same is no law of the arm's state\.", checks.once_more),
+    (r"The same motion again: what does not repeat is no law of the arm's state\.", checks.once_more),
     (r"A second recording of another motion, to test the answer on data that no decision read\.",
      checks.second_recording),
     (r"Run the diagnosis to its end: it needs no new measurement\.", checks.to_its_end),

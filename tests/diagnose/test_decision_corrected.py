@@ -15,7 +15,7 @@ from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.diagnose.inference.passes import posterior
-from flexdyn.diagnose.inference.priors import SMALLEST
+from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.effects import Effect, EncoderEccentricity, JointElasticity, LoadDependentFriction, ViscousFriction
 from tests.diagnose.truths import sliding
 
@@ -107,7 +107,7 @@ def test_the_least_size_of_a_wave_is_a_step_of_the_encoder(tmp_path: Path) -> No
     library = posterior(bare, noise, start).space.library
     friction = ViscousFriction("axle", side="motor", coefficient=1e-3)
     change = library.equations.residual / library.size_of(friction, library.equations.residual)[0]
-    assert library.size_of(friction, change)[1] == SMALLEST
+    assert library.size_of(friction, change)[1] == SMALLEST_TORQUE_SHARE
     for amplitude in (5.0 * STEP, 40.0 * STEP):
         disc = EncoderEccentricity("q.axle", amplitude=amplitude, harmonic=3.0, phase=0.0)
         assert library.size_of(disc, change)[1] == pytest.approx(STEP / amplitude, rel=0.1)

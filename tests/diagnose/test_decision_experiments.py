@@ -11,7 +11,7 @@ from flexdyn.diagnose.decision.experiments import with_experiments
 from flexdyn.diagnose.decision.findings import findings
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import parts
-from flexdyn.diagnose.experiment.design import CLEAR
+from flexdyn.diagnose.experiment.design import CLEAR_DELTA_BIC
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.inference.passes import posterior
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
@@ -38,5 +38,5 @@ def test_the_rival_is_fitted_and_a_motion_tells_it_apart(tmp_path: Path) -> None
     (answer,) = with_experiments(told, found, either, compared.noise)
     assert answer.plan is not None
     assert answer.plan.names == ("Coulomb friction", "presliding friction")
-    assert answer.plan.delta_bic >= CLEAR
+    assert answer.plan.delta_bic >= CLEAR_DELTA_BIC
     assert answer.experiment.startswith(answer.plan.motion)

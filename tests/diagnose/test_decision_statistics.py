@@ -10,7 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.statistics import LEAST, statistics
+from flexdyn.diagnose.decision.statistics import CORRELATION_TOLD, statistics
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import workspace
@@ -48,7 +48,7 @@ def test_statistics_are_those_of_the_normal_equations(tmp_path: Path) -> None:
     assert found < -0.5, "what one takes the other gives"
     sizes = [abs(value) for _, _, value in told.correlations]
     assert sizes == sorted(sizes, reverse=True)
-    assert sizes[-1] >= LEAST
+    assert sizes[-1] >= CORRELATION_TOLD
 
 
 def test_shares_add_up_to_the_whole() -> None:

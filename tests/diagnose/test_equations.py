@@ -9,7 +9,7 @@ import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations import columns
-from flexdyn.diagnose.equations.covariance import Noise, whitener
+from flexdyn.diagnose.equations.covariance import SampleNoise, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.noise import encoder_noise, torque_noise
 from flexdyn.diagnose.hypothesis import number_columns
@@ -35,10 +35,10 @@ def equations(levels: Levels, seed: int, signals: tuple[str, ...] = BOTH) -> Equ
     return Equations(model, (data,), Filters.of_rate(data.dt))
 
 
-def noise_of(levels: Levels) -> Noise:
+def noise_of(levels: Levels) -> SampleNoise:
     """The levels that the recordings were made with."""
     position, torque = np.full(2, levels.position), np.full(2, levels.torque)
-    return Noise(position, position, torque, np.zeros(2))
+    return SampleNoise(position, position, torque, np.zeros(2))
 
 
 @pytest.mark.parametrize("signals", [BOTH, LINK, MOTOR], ids=["both encoders", "link", "motor"])
@@ -168,7 +168,7 @@ def test_noise_is_found_in_the_data() -> None:
     data = measured(model, two_link_recording(levels, 1))
     at = Equations(model, (data,), Filters.of_rate(data.dt))
     mask = np.zeros(len(at.residual), dtype=bool)
-    encoders = Noise(encoder_noise(at.data, "q"), encoder_noise(at.data, "theta"), np.ones(2), np.zeros(2))
+    encoders = SampleNoise(encoder_noise(at.data, "q"), encoder_noise(at.data, "theta"), np.ones(2), np.zeros(2))
     np.testing.assert_allclose(encoders.q, levels.position, rtol=0.05)
     np.testing.assert_allclose(torque_noise(at, at.residual, mask, encoders), levels.torque, rtol=0.12)
 

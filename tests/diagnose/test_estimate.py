@@ -16,7 +16,7 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.estimate import _after, _begun, fit
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
-from flexdyn.diagnose.hypothesis.linear import LOOSE, linearised, reached
+from flexdyn.diagnose.hypothesis.linear import OUT_OF_TOLERANCE_WIDTH, linearised, reached
 from flexdyn.diagnose.hypothesis.workspace import workspace
 from flexdyn.errors import SimulationError
 from tests.arms import two_link
@@ -53,7 +53,7 @@ def problem(*errors: fd.effects.ParameterError) -> tuple[Workspace, Hypothesis]:
 def least(space: Workspace, start: Hypothesis) -> float:
     """The least sum of squares of white rows and priors that SciPy finds over the numbers of the file."""
     numbers = list(start.factors)
-    sigma = np.array([LOOSE if n in start.freed else n.tolerance for n in numbers])
+    sigma = np.array([OUT_OF_TOLERANCE_WIDTH if n in start.freed else n.tolerance for n in numbers])
 
     def rows(x: Array) -> Array:
         factors = dict(zip(numbers, x.tolist(), strict=False))

@@ -51,5 +51,5 @@ def test_windows_that_take_more_have_failed(monkeypatch: pytest.MonkeyPatch) -> 
     model = two_link(ARM)
     windows = Windows.of(model, [two_link_recording(Levels(), 0)], Levels().noise())
     assert not shoot(model, windows).failed.any()
-    monkeypatch.setattr(shooting, "MOST", 50)
+    monkeypatch.setattr(shooting, "MOST_EVALUATIONS", 50)
     assert shoot(model, windows).failed.all()

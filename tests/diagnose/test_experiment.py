@@ -14,10 +14,10 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.gaps import window_noise
 from flexdyn.diagnose.experiment import rehearsal
 from flexdyn.diagnose.experiment.apart import Known
-from flexdyn.diagnose.experiment.design import AMPLE, CLEAR, _rehearsed, with_experiment
+from flexdyn.diagnose.experiment.design import AMPLE_DELTA_BIC, CLEAR_DELTA_BIC, _rehearsed, with_experiment
 from flexdyn.diagnose.experiment.moves import moves
 from flexdyn.diagnose.experiment.reach import Reach
-from flexdyn.diagnose.experiment.rehearsal import Bench
+from flexdyn.diagnose.experiment.rehearsal import RehearsalBench
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.workspace import workspace
@@ -122,7 +122,7 @@ def test_carried_out_elsewhere_it_tells_the_laws_apart_as_promised(law: fd.effec
     answer = question.answered((law.name, other.name), question.explained(law), question.explained(other))
     plan = answer.plan
     assert plan is not None
-    assert plan.delta_bic >= CLEAR
+    assert plan.delta_bic >= CLEAR_DELTA_BIC
     assert answer.experiment.startswith(plan.motion)
     assert f"(expected delta BIC {plan.delta_bic:.0f})" in answer.experiment
     runs = carried_out(plan, law)
@@ -197,10 +197,10 @@ def test_motions_after_one_that_is_ample_are_left_out(tmp_path: Path) -> None:
     question = Question(tmp_path, [at_one_speed(COULOMB)])
     equations, known = question.space.equations, tuple(Known.of(question.explained(law)) for law in (COULOMB, VISCOUS))
     reach = Reach.of(equations)
-    bench = Bench(question.space, window_noise(question.noise), known, reach)
+    bench = RehearsalBench(question.space, window_noise(question.noise), known, reach)
     made = moves(reach, 0, equations.true, reach.poses[0])
     slow = [move for move in made if bench.rehearse(move).apart() < 1.0]
-    telling = [move for move in made if bench.rehearse(move).apart() > 2.0 * AMPLE]
+    telling = [move for move in made if bench.rehearse(move).apart() > 2.0 * AMPLE_DELTA_BIC]
     assert len(slow) > 1
     assert len(telling) > 1
     thrown = dataclasses.replace(slow[0], push=np.full_like(slow[0].push, 1e300))

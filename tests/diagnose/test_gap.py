@@ -162,7 +162,7 @@ def test_a_delayed_command_begins_before_the_window(delay: float) -> None:
 
 def test_a_simulation_that_fails_counts_as_a_bounded_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """A law that breaks down leaves a finite gap, larger than that of any model that can be simulated."""
-    monkeypatch.setattr(shooting, "MOST", 20_000)
+    monkeypatch.setattr(shooting, "MOST_EVALUATIONS", 20_000)
     levels = Levels()
     windows = Windows.of(two_link(ARM), [two_link_recording(levels, 0)], levels.noise())
     pair = (("elbow", "shoulder"), ("shoulder", "elbow"))

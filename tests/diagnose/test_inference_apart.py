@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose.hypothesis.proposal import Proposal
-from flexdyn.diagnose.inference.apart import CHANCE, GUESSED, ODDS, OFTEN, SELDOM, UNSURE, genuine, shares
+from flexdyn.diagnose.inference.apart import (
+    CHANCE_ROOM,
+    GUESSED,
+    NOISE_LEVEL_ERROR,
+    OFTEN,
+    PREVALENCE_ODDS,
+    SELDOM,
+    genuine,
+    shares,
+)
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.space import Space, Structure
@@ -55,7 +64,9 @@ def _coloured(case: Case) -> Space:
 
 def _excess(squares: float | Array, times: float | Array = ALIKE) -> Array:
     """Of sums of squares of TIMES rows, what is neither noise of a level that is not sure, nor chance, nor white."""
-    above = np.asarray(squares) - (1.0 + UNSURE) * TIMES - CHANCE * np.sqrt(2.0 * TIMES * np.asarray(times))
+    above = (
+        np.asarray(squares) - (1.0 + NOISE_LEVEL_ERROR) * TIMES - CHANCE_ROOM * np.sqrt(2.0 * TIMES * np.asarray(times))
+    )
     return np.asarray(np.maximum(above, 0.0) * (1.0 - 1.0 / np.asarray(times)))
 
 
@@ -99,7 +110,7 @@ def _oracle(case: Case, structure: Structure, noise: Discrepancy) -> dict[int, f
         there = power > 0.01 * power.max()
         share = np.linalg.norm(blocks[c][0].size * at.mean[blocks[c][1]]) if c in blocks else np.inf
         hidden = float(power[there].sum()) * _typical(case, excess) / float(share) ** 2
-        below = UNSURE * TIMES + CHANCE * np.sqrt(2.0 * TIMES * noise.times)
+        below = NOISE_LEVEL_ERROR * TIMES + CHANCE_ROOM * np.sqrt(2.0 * TIMES * noise.times)
         left = max((weights * excess)[there].sum(), min(hidden, (weights * below)[there].sum()))
         found[c] = float(own @ own) / max(float(left), 1e-9)
     return found
@@ -155,7 +166,7 @@ def test_what_one_joint_leaves_may_hide_at_another() -> None:
     left = np.roll(_orthogonal(4, SIZE)[3].reshape(TIMES, EQUATIONS), 1, axis=1).ravel()
     found = shares(_coloured(_case(effects, -one + 0.3 * left, number)), frozenset({(1, 0)}))[1]
     # The root mean square over the two equations of what is left would be more than noise can hide here.
-    below = UNSURE * TIMES + CHANCE * np.sqrt(2.0 * TIMES * ALIKE)
+    below = NOISE_LEVEL_ERROR * TIMES + CHANCE_ROOM * np.sqrt(2.0 * TIMES * ALIKE)
     assert below < 0.5 * float(_excess(0.3**2 * POWER))
     assert found == pytest.approx(POWER / below, rel=2e-2)
 
@@ -267,7 +278,7 @@ def test_a_genuine_effect_is_more_likely_than_an_imitation(kind: str, ratio: flo
     stands_out = drawn / (1.0 - drawn)  # a share s is R = s/(1 - s) over the rest
     imitation = float((stands_out >= ratio).mean())
     known = fd.effects.registered().get(kind)
-    odds = OFTEN if kind in GUESSED else SELDOM if known is None else ODDS[known.prevalence]
+    odds = OFTEN if kind in GUESSED else SELDOM if known is None else PREVALENCE_ODDS[known.prevalence]
     assert genuine(_candidate(kind), ratio) == pytest.approx(odds / (odds + imitation), rel=5e-3)
 
 

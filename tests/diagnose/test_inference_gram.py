@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.stats import multivariate_normal, norm
 
-from flexdyn.diagnose.inference.gram import BEYOND, Estimate, Gram, Prior, Products
+from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram, Prior, Products
 
 Array = NDArray[np.float64]
 ROWS, COLUMNS, BASE = 30, 8, 2
@@ -191,7 +191,7 @@ def test_an_addition_far_below_its_bound_is_none() -> None:
     spread = math.sqrt(covariance[2, 2])
     # Rows made of column 3 move the coefficient by a known part of what is put in.
     moved = dataclasses.replace(problem, y=problem.y + problem.X[:, :, 3]).posterior([0, 1, 3])[0][2] - mean[2]
-    for ratio, finite in ((-BEYOND - 0.1, False), (-BEYOND + 0.1, True)):
+    for ratio, finite in ((-NEGATIVE_SIGMAS - 0.1, False), (-NEGATIVE_SIGMAS + 0.1, True)):
         size = (ratio * spread - mean[2]) / moved
         there = dataclasses.replace(problem, y=problem.y + size * problem.X[:, :, 3])
         assert np.isfinite(there.gram().additions(_at(), [np.array([[3]])])[0]) == finite

@@ -12,7 +12,7 @@ from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.inference.autoregression import runs_of
-from flexdyn.diagnose.inference.harmonics import MOST, PEAKS, peaks
+from flexdyn.diagnose.inference.harmonics import HIGHEST_HARMONIC, SPECTRUM_PEAKS, peaks
 from tests.diagnose.truths import Levels, slider_model, slider_recording
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ def _found(folder: Path, waves: tuple[tuple[float, float], ...], slow: float = 0
 def test_a_harmonic_that_is_no_whole_number_is_the_highest_peak(tmp_path: Path, harmonic: float) -> None:
     """In noise, much nearer than the spectrum's resolution."""
     found, resolution = _found(tmp_path, ((harmonic, 0.2),))
-    assert 1 <= len(found) <= PEAKS
+    assert 1 <= len(found) <= SPECTRUM_PEAKS
     assert found[0] == pytest.approx(harmonic, abs=0.13 * resolution)
 
 
@@ -68,8 +68,8 @@ def test_two_waves_are_two_peaks(tmp_path: Path) -> None:
 def test_peaks_are_harmonics_that_are_looked_for(tmp_path: Path) -> None:
     """Of noise alone as well."""
     found, _ = _found(tmp_path, ())
-    assert len(found) <= PEAKS
-    assert all(1.0 <= h <= MOST for h in found)
+    assert len(found) <= SPECTRUM_PEAKS
+    assert all(1.0 <= h <= HIGHEST_HARMONIC for h in found)
 
 
 def test_a_joint_that_rests_has_no_harmonics(tmp_path: Path) -> None:

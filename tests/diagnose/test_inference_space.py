@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.priors import CERTAIN
-from flexdyn.diagnose.inference.space import SPARE, Structure
+from flexdyn.diagnose.inference.priors import FITTED_SIZE_WIDTH
+from flexdyn.diagnose.inference.space import SPARE_COLUMNS, Structure
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column, in_order
@@ -54,7 +54,7 @@ def _case(seed: int = 0, level: float = 0.5, *, bounded: bool = False, stands: b
     ]
     rows = level * white()[:, 0] - effects[1].columns[0].white[:, 0] - 0.8 * effects[6].columns[0].white[:, 1]
     if stands:
-        tangents = column(white(2, 1), [CERTAIN, 0.3], [1.0, -0.1], [0.5, 0.0])
+        tangents = column(white(2, 1), [FITTED_SIZE_WIDTH, 0.3], [1.0, -0.1], [0.5, 0.0])
         effects.append(
             Given("coulomb_friction", "b", (tangents,), stands=CoulombFriction("b", side="motor", level=1.0))
         )
@@ -176,7 +176,7 @@ def test_nothing_grows_where_nothing_can() -> None:
     case = _case(6)
     assert case.space().grow(NUMBER, (0.3,)) is None
     assert replace(case, later=None).space().grow(STRIBECK, (0.3,)) is None
-    wide = replace(case, later=column(np.ones((TIMES * EQUATIONS, SPARE - 1)))).space()
+    wide = replace(case, later=column(np.ones((TIMES * EQUATIONS, SPARE_COLUMNS - 1)))).space()
     assert wide.grow(STRIBECK, (0.3,)) == 3
     assert wide.grow(STRIBECK, (0.35,)) is None
     assert wide.candidates[STRIBECK].points == [(0.1,), (0.2,), (0.4,), (0.3,)]

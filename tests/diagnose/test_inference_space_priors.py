@@ -12,8 +12,14 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from flexdyn.diagnose.inference.candidate import Column
-from flexdyn.diagnose.inference.priors import SHARE, SMALLEST
-from flexdyn.diagnose.inference.space import NATURAL, NEGLIGIBLE, ODDS, UBIQUITOUS, Structure
+from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, SMALLEST_TORQUE_SHARE
+from flexdyn.diagnose.inference.space import (
+    NEGLIGIBLE_SHARE,
+    PLACE_BETA,
+    UBIQUITOUS_BETA,
+    WHOLE_NUMBER_LOG_ODDS,
+    Structure,
+)
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, EXPECTED, TIMES, Case, Given, column, share
@@ -54,7 +60,9 @@ def test_friction_of_every_motor_is_expected(kind: str) -> None:
     space = _places(kind).space()
     priors = [space.log_prior(frozenset((c, 0) for c in range(m))) for m in range(4)]
     for m in range(1, 4):
-        assert priors[m] == pytest.approx(math.log(share(m, 3, UBIQUITOUS) / share(0, 3, UBIQUITOUS)), abs=1e-8)
+        assert priors[m] == pytest.approx(
+            math.log(share(m, 3, UBIQUITOUS_BETA) / share(0, 3, UBIQUITOUS_BETA)), abs=1e-8
+        )
     assert priors[3] > max(priors[:3])
     alone = _places(kind, joints="a").space()
     assert math.exp(alone.log_prior(ALONE)) == pytest.approx(20.0)
@@ -80,7 +88,7 @@ def test_priors_of_all_structures_add_up_to_one(kind: str) -> None:
     plain = [frozenset(zip(mine, at, strict=True)) for mine in everywhere for at in product(range(2), repeat=len(mine))]
     gridded = [EMPTY, *(frozenset({(3, p)}) for p in range(3))]
     total = sum(math.exp(space.log_prior(one | other)) for one in plain for other in gridded)
-    none = share(0, 3, UBIQUITOUS if kind in EXPECTED else ODDS) * share(0, 1)
+    none = share(0, 3, UBIQUITOUS_BETA if kind in EXPECTED else PLACE_BETA) * share(0, 1)
     assert total * none == pytest.approx(1.0, abs=1e-8)
 
 
@@ -90,7 +98,7 @@ def test_an_effect_on_all_joints_costs_less_than_its_members_apart() -> None:
     priors = [space.log_prior(frozenset((c, 0) for c in range(m))) for m in range(4)]
     assert priors[1] < 0.0
     assert np.diff(priors)[2] > np.diff(priors)[1] > np.diff(priors)[0]
-    assert math.exp(space.log_prior(frozenset({(3, 0)}))) == pytest.approx(ODDS[0] / ODDS[1] / 3)
+    assert math.exp(space.log_prior(frozenset({(3, 0)}))) == pytest.approx(PLACE_BETA[0] / PLACE_BETA[1] / 3)
 
 
 def test_a_harmonic_that_is_no_whole_number_costs_more() -> None:
@@ -99,10 +107,16 @@ def test_a_harmonic_that_is_no_whole_number_costs_more() -> None:
     ripple = Given("torque_ripple", "a", tuple(column(_draw(2, k)) for k in range(5)), points)
     space = Case((ripple,), column(_draw(2)), np.zeros(ROWS)).space()
     priors = np.array([space.log_prior(frozenset({(0, p)})) for p in range(5)])
-    np.testing.assert_allclose(priors - priors[0], [0.0, -NATURAL, -NATURAL, 0.0, -NATURAL], atol=1e-12)
+    np.testing.assert_allclose(
+        priors - priors[0],
+        [0.0, -WHOLE_NUMBER_LOG_ODDS, -WHOLE_NUMBER_LOG_ODDS, 0.0, -WHOLE_NUMBER_LOG_ODDS],
+        atol=1e-12,
+    )
     space.candidates[0].ratio = 25.3
     priors = np.array([space.log_prior(frozenset({(0, p)})) for p in range(5)])
-    np.testing.assert_allclose(priors - priors[0], [0.0, -NATURAL, 0.0, 0.0, -NATURAL], atol=1e-12)
+    np.testing.assert_allclose(
+        priors - priors[0], [0.0, -WHOLE_NUMBER_LOG_ODDS, 0.0, 0.0, -WHOLE_NUMBER_LOG_ODDS], atol=1e-12
+    )
 
 
 def test_a_law_that_forgets_the_torque_costs_what_its_rows_tell() -> None:
@@ -129,7 +143,7 @@ def _large(case: Case, structure: Structure = ALONE) -> float:
     return space.log_large(structure, space.gram.estimate(space.columns(structure)))
 
 
-@pytest.mark.parametrize("smallest", [SMALLEST, 0.05])
+@pytest.mark.parametrize("smallest", [SMALLEST_TORQUE_SHARE, 0.05])
 @pytest.mark.parametrize(("times", "low", "high"), [(10.0, -1e-6, 0.0), (0.5, -1e15, -5.0)])
 def test_negligible_sizes_are_no_effects(smallest: float, times: float, low: float, high: float) -> None:
     """An effect of half the least size is refused; one of ten times that size is not touched.
@@ -149,7 +163,7 @@ def test_the_least_size_is_a_matter_of_probability_where_the_rows_are_few() -> N
     )
     at = case.dense(ALONE, case.noise())
     mean, spread = abs(0.5 * at.mean[-1]), 0.5 * math.sqrt(at.covariance[-1, -1])
-    assert _large(case) == pytest.approx(math.log(norm.sf(SMALLEST, mean, spread)), rel=1e-9)
+    assert _large(case) == pytest.approx(math.log(norm.sf(SMALLEST_TORQUE_SHARE, mean, spread)), rel=1e-9)
     assert -3.0 < _large(case) < -0.01
 
 
@@ -189,11 +203,11 @@ def test_a_law_is_large_by_what_a_plainer_one_cannot_do(both: float, plain_at: s
     asymmetric = Given("asymmetric_friction", "a", (column(form[:, None]),))
     coulomb = Given("coulomb_friction", plain_at[0], (column(one[:, None]),))
     # The size is four times the least one, of which the plainer law leaves sqrt(1 - both^2).
-    case = Case((asymmetric, coulomb), column(_draw(), 1e-6), -4.0 * SMALLEST * form)
+    case = Case((asymmetric, coulomb), column(_draw(), 1e-6), -4.0 * SMALLEST_TORQUE_SHARE * form)
     if len(plain_at) > 1:
         found = CoulombFriction("a", side="motor", level=1.0)
         case = replace(case, given=(asymmetric, replace(coulomb, stands=found)), rows=case.rows + one)
     wanted = 0.0
     if both == 1.0 and plain_at == "a":  # of nothing, as sure as the negligible amounts of both laws let it be
-        wanted = float(norm.logcdf(-SMALLEST / (math.sqrt(2.0) * NEGLIGIBLE * SHARE)))
+        wanted = float(norm.logcdf(-SMALLEST_TORQUE_SHARE / (math.sqrt(2.0) * NEGLIGIBLE_SHARE * EFFECT_TORQUE_SHARE)))
     assert _large(case) == pytest.approx(wanted, rel=1e-2, abs=1e-6)

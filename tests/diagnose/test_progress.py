@@ -13,7 +13,7 @@ import pytest
 
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.decision import background
-from flexdyn.diagnose.decision.background import PATIENCE, beside
+from flexdyn.diagnose.decision.background import STOPPING_TIME, beside
 from flexdyn.diagnose.progress import Course, check, know, tell
 from tests.load import slowed
 
@@ -70,7 +70,7 @@ def test_work_abreast_is_stopped_and_what_was_known_stays() -> None:
     began = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         beside(work, course, show)
-    assert time.monotonic() - began < (PATIENCE + 1.0) * slowed()
+    assert time.monotonic() - began < (STOPPING_TIME + 1.0) * slowed()
     assert (course.known, course.stage) == ({"first": 1}, "begun")
     assert len(done) < 1000
 
@@ -86,7 +86,7 @@ def test_work_that_does_not_listen_is_not_waited_for() -> None:
     shown, began = threading.Event(), time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         beside(lambda: _deaf(free), Course(), show)
-    assert time.monotonic() - began < (PATIENCE + 1.0) * slowed()
+    assert time.monotonic() - began < (STOPPING_TIME + 1.0) * slowed()
     assert shown.is_set()
     free.set()
 

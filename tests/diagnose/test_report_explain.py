@@ -18,9 +18,9 @@ def test_a_name_that_was_given() -> None:
     assert told == (
         "Wrong stiffness of shoulder (+31 %)\n"
         "  Named: its probability is 0.97 (extremely likely).\n"
-        "  It stands in 3 of 4 ranked structures (ranks 1, 2, 3), which have together probability 0.97.\n"
+        "  It stands in 3 of 4 ranked structures (ranks 1, 2, 3), which together have probability 0.97.\n"
         "  Log Bayes factor of the best structure with it against the best without it: 4.1 (strong evidence).\n"
-        "  No effect is listed as indistinguishable from it."
+        "  No other effect is listed that explains the data equally well."
     )
     assert "Named: its probability is above 0.999" in cases.explained().explain("payload")
     assert cases.explained().explain("payload@tip") == cases.explained().explain("payload")
@@ -30,7 +30,7 @@ def test_a_name_that_was_given() -> None:
 def test_one_of_several_names() -> None:
     """What it cannot be told from, what that has together, and what would tell; the search's own note comes last."""
     told = cases.explained().explain("presliding_friction@elbow")
-    assert "Named as one of 3: together they have probability 0.996, by itself it has 0.21 (unlikely)." in told
+    assert "Named as one of 3: together they have probability 0.996; alone it has 0.21 (unlikely)." in told
     assert "These data do not tell it from Stribeck friction on the motor side of elbow (probability 0.71) and" in told
     assert f"What would tell them apart: {cases.SWEEPS}" in told
     assert told.endswith(cases.RIVAL_NOTE)
@@ -67,7 +67,7 @@ def test_an_effect_that_was_no_candidate() -> None:
     assert cases.explained().explain("backlash@elbow").endswith("Not named: the search compared no such candidate.")
     told = cases.interrupted().explain("backlash@elbow")
     assert "no such candidate before it was interrupted." in told
-    assert told.endswith("The diagnosis was interrupted: all of this is what was known by then.")
+    assert told.endswith("The diagnosis was interrupted: this is what was known then.")
 
 
 def test_a_finding_below_what_is_required_is_not_called_named() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexdyn.diagnose.report.motions import motion_figures
-from flexdyn.diagnose.report.trajectory import MOST, Curve, Trajectory, packed
+from flexdyn.diagnose.report.trajectory import MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
 from tests.arms import repickled
 from tests.browser import open_page
 from tests.diagnose import report_cases as cases
@@ -26,7 +26,13 @@ def drawn(joint: str, begin: float, end: float, rate: float, role: str, seed: in
     off = 0.1 * np.sign(np.cos(t)) + 0.002 * draw.standard_normal((3, len(t)))
     off *= np.array([1.0, 0.9, 0.01])[:, None]
     off[:, ::97] = np.nan
-    return Trajectory(joint, "monday", role, Curve("q [rad]", t, q, off), Curve("torque [N m]", t, 30.0 * q, 9.0 * off))  # type: ignore[arg-type]
+    return Trajectory(
+        joint,
+        "monday",
+        role,  # type: ignore[arg-type]
+        MeasuredCurve("q [rad]", t, q, off),
+        MeasuredCurve("torque [N m]", t, 30.0 * q, 9.0 * off),
+    )
 
 
 def test_a_packed_column_is_the_column() -> None:
@@ -49,7 +55,7 @@ def test_a_thinned_curve_keeps_its_peaks() -> None:
     long = drawn("elbow", 0.0, 60.0, 1000.0, "fit").torque
     errors = long.errors.copy()
     errors[2, 31_234] = 77.0
-    few = Curve(long.label, long.t, long.measured, errors).thinned(3000)
+    few = MeasuredCurve(long.label, long.t, long.measured, errors).thinned(3000)
     assert len(few.t) <= 3000 * 1.3
     assert np.nanmax(few.errors[2]) == 77.0
     assert (few.t[0], few.t[-1]) == (long.t[0], long.t[-1])
@@ -106,4 +112,4 @@ def test_long_recordings_are_thinned() -> None:
     """As many points as six joints may have, however long it was."""
     long = drawn("elbow", 0.0, 600.0, 1000.0, "fit")
     (figure,) = motion_figures(dataclasses.replace(cases.no_discrepancy(), trajectories=(long,)))
-    assert max(len(column["steps"]) for column in figure["columns"]) < 1.3 * MOST
+    assert max(len(column["steps"]) for column in figure["columns"]) < 1.3 * MOST_TRAJECTORY_POINTS

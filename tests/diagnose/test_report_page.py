@@ -14,7 +14,7 @@ import flexdyn as fd
 from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.report.apart import PICTURES
 from flexdyn.diagnose.report.digits import percent, probability_text, rounded, times
-from flexdyn.diagnose.report.found import OPEN
+from flexdyn.diagnose.report.found import FINDINGS_OPEN
 from flexdyn.diagnose.report.result import (
     Considered,
     Diagnosis,
@@ -24,11 +24,11 @@ from flexdyn.diagnose.report.result import (
     JointError,
     Left,
     Number,
-    Place,
-    Source,
+    RecordingSpan,
+    ResidualPlace,
+    ResidualTrace,
     Structure,
     Suspect,
-    Trace,
 )
 from flexdyn.diagnose.report.sentences import next_measurements
 from flexdyn.diagnose.report.verdicts import verdict_sentence
@@ -140,7 +140,7 @@ def test_much_is_folded_away_and_drawn_when_it_is_opened(tmp_path: Path) -> None
     diagnosis.save(tmp_path)
     with open_page(tmp_path / "report.html") as page:
         page.wait_for(f"document.querySelectorAll('.js-plotly-plot').length == {PICTURES}")
-        assert page.tab.locator("article:visible").count() == OPEN
+        assert page.tab.locator("article:visible").count() == FINDINGS_OPEN
         page.tab.locator("#residuals summary").click()
         page.wait_for(f"document.querySelectorAll('.js-plotly-plot').length == {len(diagnosis.residuals)}")
         wide = "[...document.querySelectorAll('#residuals .main-svg')].every(each => each.clientWidth > 200)"
@@ -173,12 +173,12 @@ def test_names_of_any_origin_do_no_harm(evil: str, tmp_path: Path) -> None:
         findings=(Finding(suspect, 0.99, 20.0, 0.5, (rival,), evil, _plan(evil)),) * 3,
         gap_test=Gap(3.0, 2.0, 1.0, 1.0),
         errors={evil: JointError(1.0, 0.5, evil, 0.1, 0.05, 0.1, 0.1, evil)},
-        where=(Place(evil, "motor", 0.5, evil),),
+        where=(ResidualPlace(evil, "motor", 0.5, evil),),
         left=(Left(evil, 0.1, 0.1, (evil,)),),
         structures=(Structure((suspect,), 0.9, -1.0), Structure((rival,), 0.1, -2.0)),
-        data=(Source(evil, "fit", 0.0, 1.0, 100.0, {evil: 0.1}),),
+        data=(RecordingSpan(evil, "fit", 0.0, 1.0, 100.0, {evil: 0.1}),),
         notes=(evil,),
-        residuals=(Trace(evil, evil, evil, np.arange(3.0), np.arange(3.0), np.arange(3.0)),),
+        residuals=(ResidualTrace(evil, evil, evil, np.arange(3.0), np.arange(3.0), np.arange(3.0)),),
         decisions={evil: evil},
         considered=(Considered(suspect, 0.9, 1.0, evil),),
         stopped=(evil,),

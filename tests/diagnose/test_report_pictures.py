@@ -13,7 +13,7 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.report.law import effect_of, law_picture
 from flexdyn.diagnose.report.pictures import residual_figure
-from flexdyn.diagnose.report.result import Number, Suspect, Trace
+from flexdyn.diagnose.report.result import Number, ResidualTrace, Suspect
 from flexdyn.plots.laws import law_figure
 from tests.arms import SLIDER, repickled
 from tests.diagnose import report_cases as cases
@@ -60,7 +60,7 @@ def test_averages_show_a_law_under_noise() -> None:
     draw = np.random.default_rng(4)
     v = draw.uniform(-0.5, 0.5, 40_000)
     noise = 0.3 * draw.standard_normal(len(v))
-    cloud = Trace.thinned("elbow", "v [rad/s]", "r [N m]", v, noise + 0.03 * np.sign(v), noise)
+    cloud = ResidualTrace.thinned("elbow", "v [rad/s]", "r [N m]", v, noise + 0.03 * np.sign(v), noise)
     assert len(cloud.x) < 2000
     x, before, after = cloud.means.T
     off = np.abs(x) > 0.02
@@ -69,7 +69,7 @@ def test_averages_show_a_law_under_noise() -> None:
     low, high = residual_figure(cloud)["layout"]["yaxis"]["range"]
     assert 0.1 < high == -low < 1.0
     assert len(repickled(cloud).means) == len(x)
-    line = Trace.thinned("elbow", "t [s]", "r [N m]", np.arange(5000.0), v[:5000], v[:5000])
+    line = ResidualTrace.thinned("elbow", "t [s]", "r [N m]", np.arange(5000.0), v[:5000], v[:5000])
     assert len(line.means) == 0
     assert "range" not in residual_figure(line)["layout"]["yaxis"]
 
@@ -79,11 +79,11 @@ def test_long_residuals_are_thinned_and_keep_their_peaks() -> None:
     t = np.arange(0.0, 50.0, 1e-3)
     before, after = np.sin(t), 0.1 * np.cos(t)
     before[12345], before[100:200] = 7.0, math.nan
-    line = Trace.thinned("elbow", "t [s]", "r [N m]", t, before, after)
+    line = ResidualTrace.thinned("elbow", "t [s]", "r [N m]", t, before, after)
     assert len(line.x) < 0.2 * len(t)
     assert np.nanmax(line.before) == 7.0
     assert np.isnan(line.before).any()
-    cloud = Trace.thinned("elbow", "omega [rad/s]", "r [N m]", np.cos(t), before, after)
+    cloud = ResidualTrace.thinned("elbow", "omega [rad/s]", "r [N m]", np.cos(t), before, after)
     assert len(cloud.x) <= 1500
     rows = {(x, y) for x, y in zip(np.cos(t).tolist(), after.tolist(), strict=True)}
     assert {(x, y) for x, y in zip(cloud.x.tolist(), cloud.after.tolist(), strict=True)} <= rows
@@ -96,9 +96,9 @@ def test_traces_are_locked_and_checked() -> None:
         with pytest.raises(ValueError, match="read-only"):
             each.before[0] = 1.0
     with pytest.raises(fd.InputError, match="columns of one length"):
-        Trace("", "", "", np.zeros(3), np.zeros(3), np.zeros(2))
+        ResidualTrace("", "", "", np.zeros(3), np.zeros(3), np.zeros(2))
     with pytest.raises(fd.InputError, match="finite numbers"):
-        Trace("", "", "", np.array([math.nan]), np.zeros(1), np.zeros(1))
+        ResidualTrace("", "", "", np.array([math.nan]), np.zeros(1), np.zeros(1))
 
 
 def _example(kind: type[fd.effects.Effect]) -> Suspect:

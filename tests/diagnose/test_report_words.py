@@ -34,24 +34,24 @@ from flexdyn.diagnose.report.words import channel_unit, finding_phrase
 from tests.diagnose import report_cases as cases
 
 SENTENCES = {
-    "explained": "The disagreement has 4 causes, first of all Stribeck friction or presliding friction on the motor"
+    "explained": "The disagreement has 4 causes; the largest is Stribeck friction or presliding friction on the motor"
     " side of elbow, or spring hysteresis in the transmission of elbow (together probability 0.996); what is left is"
     " noise.",
-    "no_discrepancy": "Model and measurement agree: what is left between them is noise, once 1 number of the model has"
+    "no_discrepancy": "Model and measurement agree: what is left between them is noise, after 1 number of the model has"
     " moved within tolerance.",
     "unexplained": "Model and measurement disagree, and no effect is established as the cause: the most probable,"
-    " Coulomb friction on the motor side of elbow, has probability 0.41, and 0.95 is required. The residual appears"
-    " most of all on the motor side of elbow.",
+    " Coulomb friction on the motor side of elbow, has probability 0.41, and 0.95 is required. The residual is"
+    " largest on the motor side of elbow.",
     "partly": "Part of the disagreement is explained by Coulomb friction on the link side of shoulder (probability"
     " 0.97). No established effect accounts for what is left: at most 4.3 % of the torque of elbow; it changes with q"
     " and omega.",
     "not_converged": "These estimates stopped before they had converged: stiffness of elbow and damping of elbow."
-    " Nothing is claimed beyond what had converged: a payload at frame tip (probability 0.998).",
+    " The report claims only what has converged: a payload at frame tip (probability 0.998).",
     "interrupted": "This diagnosis was interrupted while simulating windows, stage 3 of 5, before it was finished."
     " Established by then: a payload at frame tip (probability 0.99). The test data had not been opened.",
     "interrupted_early": "This diagnosis was interrupted while comparing structures, pass 2 of at most 5, before it was"
-    " finished. No effect had been established by then; of what had been compared, Coulomb friction on the motor side"
-    " of elbow was the most probable. The test data had not been opened.",
+    " finished. No effect had been established by then; the most probable so far was Coulomb friction on the motor side"
+    " of elbow. The test data had not been opened.",
 }
 
 
@@ -68,7 +68,7 @@ def test_verdicts_with_nothing_to_name() -> None:
     assert "No effect had been established by then." in verdict_sentence(bare)
     stopped = dataclasses.replace(cases.not_converged(), findings=(), stopped=("level of elbow",))
     assert verdict_sentence(stopped).startswith("This estimate stopped before it had converged: level of elbow.")
-    assert verdict_sentence(stopped).endswith("and that establishes no effect.")
+    assert verdict_sentence(stopped).endswith("no effect is established.")
     assert verdict_sentence(dataclasses.replace(stopped, stopped=())).startswith("An estimate stopped")
     left = dataclasses.replace(cases.partly(), left=())
     assert verdict_sentence(left).endswith("Something is left that no established effect accounts for.")

@@ -27,4 +27,4 @@ def test_what_explodes_is_cut_off() -> None:
     """A motion that grows by more than a double holds has a response that is large and finite."""
     found = spread._exponential(np.full((1, 1, 2, 2), 1e5))
     assert np.isfinite(found).all()
-    assert np.abs(found).max() == spread.HUGE
+    assert np.abs(found).max() == spread.LARGEST_SLOPE

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.shooting.windows import Noise, Windows
+from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
 from tests.diagnose.truths import slider_model
 
-LEVELS = Noise.of(1e-5, 1e-5, 0.01, 1)
+LEVELS = WindowNoise.of(1e-5, 1e-5, 0.01, 1)
 
 
 def recording(t: np.ndarray, channel: str = "q.lift") -> fd.Recording:
@@ -78,12 +78,12 @@ def test_some_of_the_windows_are_those_and_no_others(tmp_path: Path) -> None:
         ([recording(np.arange(400) / 1000.0)], LEVELS, "too short"),
         ([recording(np.arange(999) / 1000.0), recording(np.arange(999) / 500.0)], LEVELS, "different rates"),
         ([fd.Recording([0.0, 1.0], {"tau.lift": [0, 0]}, meta={"units": {"tau.lift": "N"}})], LEVELS, "no position"),
-        ([recording(np.arange(999) / 1000.0)], Noise.of(0.0, 1.0, 0.01, 1), "noise.q.lift"),
+        ([recording(np.arange(999) / 1000.0)], WindowNoise.of(0.0, 1.0, 0.01, 1), "noise.q.lift"),
         ([], LEVELS, "no position"),
     ],
 )
 def test_what_cannot_be_cut_is_said_in_a_line(
-    tmp_path: Path, recordings: list[fd.Recording], noise: Noise, line: str
+    tmp_path: Path, recordings: list[fd.Recording], noise: WindowNoise, line: str
 ) -> None:
     """Too short, two rates, nothing measured, a sensor without noise."""
     with pytest.raises(fd.InputError, match=line):
@@ -93,4 +93,4 @@ def test_what_cannot_be_cut_is_said_in_a_line(
 def test_a_torque_without_noise_level_is_refused() -> None:
     """NaN would make every unit NaN."""
     with pytest.raises(fd.InputError, match=r"noise\.tau"):
-        Noise.of(1.0, 1.0, np.nan, 2)
+        WindowNoise.of(1.0, 1.0, np.nan, 2)

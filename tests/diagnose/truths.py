@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.shooting.windows import Noise
+from flexdyn.diagnose.shooting.windows import WindowNoise
 from tests.arms import slider
 from tests.oracles.integrate import held
 from tests.oracles.two_link import TwoLink
@@ -30,9 +30,9 @@ class Levels:
     position: float = 2e-5
     torque: float = 0.01
 
-    def noise(self, n: int = 2) -> Noise:
+    def noise(self, n: int = 2) -> WindowNoise:
         """For all joints alike."""
-        return Noise.of(self.position, self.position, self.torque, n)
+        return WindowNoise.of(self.position, self.position, self.torque, n)
 
 
 @cache

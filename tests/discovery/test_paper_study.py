@@ -9,7 +9,7 @@ from two_link_run import Control, Plant, Truth, controlled, replayed, start
 
 import flexdyn as fd
 from flexdyn.paper import bench, hidden_friction
-from flexdyn.paper.cases import Cases
+from flexdyn.paper.cases import PaperCases
 
 LENGTH, MASS, TIP = 1.05, 0.405 * 1.05, 0.1  # Table I
 ROD = MASS * LENGTH**2 / 12.0
@@ -33,7 +33,7 @@ def plant() -> Plant:
 def moved(plant: Plant, corners: tuple[bench.Corners, bench.Corners]) -> Truth:
     """The arm under the bench's control law, as the other simulator has it."""
     wanted = bench.motion(corners)
-    forward = bench.feedforward(Cases().arm(), wanted)
+    forward = bench.feedforward(PaperCases().arm(), wanted)
     gains = np.full(2, bench.KP), np.full(2, bench.KD), np.full(2, bench.motor_step())
     return controlled(plant, Control(wanted, forward, *gains, bench.FILTERED))
 
@@ -47,7 +47,7 @@ def pulsed(plant: Plant) -> Truth:
 
 def test_both_simulators_move_the_arm_alike(plant: Plant) -> None:
     """Under the torque of Fig. 4 for 12 s, stick and slip included: flexdyn's events against the closed form."""
-    theirs, ours = pulsed(plant), bench.Bench(Cases()).runs["check_fig4"]
+    theirs, ours = pulsed(plant), bench.Bench(PaperCases()).runs["check_fig4"]
     np.testing.assert_allclose(ours.q, theirs.y[:, 0:2], atol=2e-6)
     np.testing.assert_allclose(ours.theta, theirs.y[:, 2:4], atol=2e-6)
 
@@ -58,13 +58,13 @@ def answer(plant: Plant) -> fd.Diagnosis:
     noise = np.random.default_rng(11)
     runs = moved(plant, bench.FIT), pulsed(plant), moved(plant, bench.CHECK)
     fit, *check = (bench.recorded(run.t, run.y[:, 0:2], run.y[:, 2:4], run.tau, noise) for run in runs)
-    return fd.diagnose(hidden_friction.forgetful(Cases().model), [fit], check)
+    return fd.diagnose(hidden_friction.forgetful(PaperCases().model), [fit], check)
 
 
 def test_the_hidden_friction_is_found_in_what_another_simulator_made(answer: fd.Diagnosis) -> None:
     """Every effect that the study hides is named, nothing else is, and its numbers hold the true ones."""
     found = {(each.suspect.effect, each.suspect.joint, each.suspect.side): each for each in answer.findings}
-    lost = hidden_friction.hidden(Cases().model)
+    lost = hidden_friction.hidden(PaperCases().model)
     hidden = {(each.name, each.joint, each.side): each for each in lost}  # type: ignore[attr-defined]
     assert found.keys() == hidden.keys()
     for place, effect in hidden.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexdyn.paper.cases import Cases
+from flexdyn.paper.cases import PaperCases
 from flexdyn.paper.equations import Arm
 
 
@@ -15,6 +15,6 @@ def arm() -> Arm:
 
 
 @pytest.fixture(scope="session")
-def cases() -> Cases:
+def cases() -> PaperCases:
     """The shipped model and its variations."""
-    return Cases()
+    return PaperCases()

@@ -14,19 +14,19 @@ import pytest
 from flexdyn.diagnose.report.result import Diagnosis, Finding, Gap, Number, Suspect
 from flexdyn.paper import bench, hidden_friction, run_study, study
 from flexdyn.paper.bench import Bench
-from flexdyn.paper.cases import Cases
+from flexdyn.paper.cases import PaperCases
 from flexdyn.paper.hidden_friction_figure import draw
 
 NAMES = ("coulomb_friction", "stribeck_friction")
 
 
 @pytest.fixture(scope="module")
-def made(cases: Cases) -> Bench:
+def made(cases: PaperCases) -> Bench:
     """The arm on its bench."""
     return Bench(cases)
 
 
-def answer(cases: Cases, *, leave_out: int = 0, wrong: float = 1.0) -> Diagnosis:
+def answer(cases: PaperCases, *, leave_out: int = 0, wrong: float = 1.0) -> Diagnosis:
     """What a perfect diagnosis says, or one that misses some effects or errs in a number."""
     findings = []
     for effect in hidden_friction.hidden(cases.model)[leave_out:]:
@@ -45,7 +45,7 @@ def test_the_motion_rests_at_every_corner() -> None:
     assert wanted.shape == (40_001, 2)
     for j, corners in enumerate(bench.FIT):
         for t, angle in corners:
-            k = round(t * bench.RATE)
+            k = round(t * bench.BENCH_RATE)
             assert wanted[k, j] == pytest.approx(angle, abs=1e-12)
             assert np.ptp(wanted[max(k - 2, 0) : k + 3, j]) < 1e-5
 
@@ -76,7 +76,7 @@ def test_sensors_are_as_stated(made: Bench) -> None:
             assert noise.std() == pytest.approx(0.002 * np.abs(run.tau[:, j]).max(), rel=0.03)
 
 
-def test_only_dry_friction_is_hidden(cases: Cases) -> None:
+def test_only_dry_friction_is_hidden(cases: PaperCases) -> None:
     """The forgetful model keeps limit and viscous friction, and its K and J are off by no more than its tolerance."""
     given = hidden_friction.forgetful(cases.model)
     assert [effect.name for effect in given.effects] == ["torque_speed_limit"] * 2 + ["viscous_friction"] * 2
@@ -87,7 +87,7 @@ def test_only_dry_friction_is_hidden(cases: Cases) -> None:
             assert 0.01 < off < 0.021
 
 
-def test_checks_hold_for_the_right_answer_only(cases: Cases) -> None:
+def test_checks_hold_for_the_right_answer_only(cases: PaperCases) -> None:
     """A missing effect, a false one, a doubtful one or a wrong number fails a check."""
     truth = hidden_friction.hidden(cases.model)
     right = answer(cases)
@@ -104,7 +104,7 @@ def test_checks_hold_for_the_right_answer_only(cases: Cases) -> None:
     assert [check.passed for check in unmeasured] == [True, True, False]
 
 
-def test_the_gap_falls_with_every_effect(cases: Cases, made: Bench, tmp_path: Path) -> None:
+def test_the_gap_falls_with_every_effect(cases: PaperCases, made: Bench, tmp_path: Path) -> None:
     """With all that is missing the gap is the diagnosis' own; on the way it is simulated, and it falls; it is drawn."""
     given, right = hidden_friction.forgetful(cases.model), answer(cases, leave_out=2)
     steps = hidden_friction.gap_steps(given, right, [made.recordings["check"].trim(3.0, 9.0)])
@@ -123,7 +123,7 @@ def test_the_gap_falls_with_every_effect(cases: Cases, made: Bench, tmp_path: Pa
     assert np.abs(lines["model as given"] - truth).max() > 5.0
 
 
-def test_the_study_with_a_diagnosis(cases: Cases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_study_with_a_diagnosis(cases: PaperCases, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One part more: its report, figure and runs beside the others, a summary that says what was not found."""
 
     def diagnose(given: Any, fit: Any, check: Any, progress: Callable[[str, float], None]) -> Diagnosis:

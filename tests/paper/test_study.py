@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from flexdyn.errors import InputError, MissingExtra
-from flexdyn.paper import Check, Study, run_study
+from flexdyn.paper import Check, PaperStudy, run_study
 from flexdyn.paper.chapter import Chapter, check
 from flexdyn.paper.report import summary_data, summary_text
 from flexdyn.records import Recording, read_recording
@@ -40,7 +40,7 @@ JOINTS = ("shoulder", "elbow")
 class Done(NamedTuple):
     """A finished study, its folder and what it said on the way."""
 
-    study: Study
+    study: PaperStudy
     out: Path
     lines: list[str]
 
@@ -213,7 +213,7 @@ def test_a_check_that_fails_is_reported() -> None:
     assert data["passed"] is False
     assert data["checks"][2]["value"] is None
     json.dumps(data, allow_nan=False)
-    assert not Study(data, (good, bad), ()).passed
+    assert not PaperStudy(data, (good, bad), ()).passed
 
 
 def test_folder_that_cannot_be_made(tmp_path: Path) -> None:

@@ -9,7 +9,15 @@ import pytest
 import scipy.linalg
 
 from flexdyn.paper import equations as eq
-from flexdyn.paper.cases import PULSE, SMOOTH_AMPLITUDE, SMOOTH_END, TORQUE_END, Cases, smooth_samples, smooth_torque
+from flexdyn.paper.cases import (
+    PULSE,
+    SMOOTH_AMPLITUDE,
+    SMOOTH_END,
+    TORQUE_END,
+    PaperCases,
+    smooth_samples,
+    smooth_torque,
+)
 from flexdyn.paper.vibration import amplitude, decay_rate, modes, residual, ringing_after
 from flexdyn.simulation.simulate import simulate
 
@@ -41,7 +49,7 @@ def test_small_damping_by_rayleigh(arm: eq.Arm) -> None:
         assert damped.decrement == pytest.approx(2 * np.pi * damped.rate / damped.eigenvalue.imag, rel=1e-12)
 
 
-def test_amplitude_is_constant_without_friction(cases: Cases) -> None:
+def test_amplitude_is_constant_without_friction(cases: PaperCases) -> None:
     """Two beating modes of small size and no friction: the amplitude does not move while the deflections do."""
     run = simulate(cases.smooth_model(), duration=8.0, theta0=[1e-4, np.pi / 2 - 2e-4], rate=100.0)
     size = amplitude(cases.arm(), run)
@@ -50,7 +58,7 @@ def test_amplitude_is_constant_without_friction(cases: Cases) -> None:
     assert np.abs(run.deflection[:, 0]).min() < 0.1 * size[0]
 
 
-def test_ringing_sees_oscillation_and_not_coasting(cases: Cases) -> None:
+def test_ringing_sees_oscillation_and_not_coasting(cases: PaperCases) -> None:
     """A sine of 1.2 Hz laid on the rigid arm's smooth motion is measured; the motion itself hardly counts."""
     run = cases.driven["rigid"]
     sine = np.outer(np.sin(2 * np.pi * 1.2 * run.t), [0.02, 0.0])
@@ -58,7 +66,7 @@ def test_ringing_sees_oscillation_and_not_coasting(cases: Cases) -> None:
     assert ringing_after(run) < 1e-6
 
 
-def test_residual_of_a_known_decay(cases: Cases) -> None:
+def test_residual_of_a_known_decay(cases: PaperCases) -> None:
     """A deflection that decays as exp(-0.1 t) is left at e^-1 of itself after ten seconds."""
     run = cases.driven["flexible"]
     decay = np.exp(-0.1 * run.t)[:, None] * np.array([0.1, 0.0])
@@ -81,7 +89,7 @@ def test_smooth_torque_starts_and_ends_smoothly() -> None:
     np.testing.assert_allclose(middle, smooth_torque(breaks[:-1] + 0.5 * np.diff(breaks)), atol=1e-9)
 
 
-def test_bang_bang_is_the_torque_said(cases: Cases) -> None:
+def test_bang_bang_is_the_torque_said(cases: PaperCases) -> None:
     """Full torque, full braking, nothing: the same at both joints, within the stall torque."""
     run = cases.driven["flexible"]
     for at, sign in ((0.5 * PULSE, 1.0), (1.5 * PULSE, -1.0), (TORQUE_END + 1.0, 0.0)):

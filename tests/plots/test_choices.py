@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.plots.motions import MOST_ROWS
+from flexdyn.plots.motions import MOST_VIEW_ROWS
 from tests.plots.test_runs import curves, signals
 
 
@@ -35,7 +35,7 @@ def test_many_joints() -> None:
     t = np.linspace(0.0, 1.0, 20)
     rec = fd.Recording(t, {f"{signal}.j{j}": np.sin(t + j) for j in range(30) for signal in ("q", "tau")})
     page = fd.plot(rec)
-    assert len({panel.title for panel in page.panels}) == MOST_ROWS
+    assert len({panel.title for panel in page.panels}) == MOST_VIEW_ROWS
     assert any("The first 8 of 30 joints" in note for note in page.notes)
     assert [panel.title for panel in fd.plot(rec, views="torques").panels] == [f"j{j}" for j in range(30)]
     assert {panel.title for panel in fd.plot(rec, joints=["j29", "j11"]).panels} == {"j29", "j11"}

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from flexdyn.plots.thinning import FINE, LONGEST, MOST, SLICES, outline, outline_in_plane
+from flexdyn.plots.thinning import FINE, MOST_CURVE_POINTS, MOST_PLANE_POINTS, SLICES, outline, outline_in_plane
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,11 @@ def recording(seed: int, count: int, gap: float) -> tuple[Array, Array]:
 
 
 @settings(max_examples=25, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), count=st.integers(MOST + 1, 20_000), gap=st.sampled_from([0.0, 0.5, 100.0]))
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    count=st.integers(MOST_CURVE_POINTS + 1, 20_000),
+    gap=st.sampled_from([0.0, 0.5, 100.0]),
+)
 def test_every_slice_of_time_keeps_its_extremes(seed: int, count: int, gap: float) -> None:
     """Over any slice the least and greatest drawn value is that of all samples, and first and last sample stay."""
     t, y = recording(seed, count, gap)
@@ -47,9 +51,9 @@ def test_every_slice_of_time_keeps_its_extremes(seed: int, count: int, gap: floa
 
 def test_short_recordings_stay_whole() -> None:
     """Up to the limit every sample is drawn, over time and in a plane."""
-    t = np.linspace(0.0, 1.0, MOST)
-    assert outline(t, np.sin(9.0 * t)).tolist() == list(range(MOST))
-    assert outline_in_plane(np.cos(t), np.sin(t))[0].tolist() == list(range(MOST))
+    t = np.linspace(0.0, 1.0, MOST_CURVE_POINTS)
+    assert outline(t, np.sin(9.0 * t)).tolist() == list(range(MOST_CURVE_POINTS))
+    assert outline_in_plane(np.cos(t), np.sin(t))[0].tolist() == list(range(MOST_CURVE_POINTS))
 
 
 def test_a_line_in_a_plane_is_drawn_to_a_cell() -> None:
@@ -71,7 +75,7 @@ def test_a_plane_that_is_full_is_dots() -> None:
     x, y = (1.0 - t) * np.cos(9000.0 * t), (1.0 - t) * np.sin(9000.0 * t)
     kept, dots = outline_in_plane(x, y)
     assert dots
-    assert LONGEST < len(kept) < len(t) / 5
+    assert MOST_PLANE_POINTS < len(kept) < len(t) / 5
     assert [x[kept].min(), x[kept].max(), y[kept].min(), y[kept].max()] == [x.min(), x.max(), y.min(), y.max()]
 
 

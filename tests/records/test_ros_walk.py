@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexdyn.errors import InputError
-from flexdyn.records.ros.walk import Layout, lay_out
+from flexdyn.records.ros.walk import MessageLayout, lay_out
 from tests.records.ros_bags import Maker
 
 MIX = "lab_msgs/msg/Mix"
@@ -73,7 +73,7 @@ def numbers(mix: dict[str, Any]) -> dict[tuple[str | int, ...], float]:
     return found
 
 
-def described(maker: Maker, raw: bytes) -> Layout:
+def described(maker: Maker, raw: bytes) -> MessageLayout:
     """The layout by the fields that rosbags parsed."""
     return lay_out(raw, MIX, {name: parsed[1] for name, parsed in maker.store.fielddefs.items()}, cdr=not maker.ros1)
 

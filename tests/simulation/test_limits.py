@@ -11,7 +11,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.cli import main
-from flexdyn.simulation.limits import DAMPED, TRAVEL
+from flexdyn.simulation.limits import STOP_DAMPING_RATIO, TRAVEL
 
 INERTIA, LOWER, UPPER, SPEED, EFFORT = 0.5, -0.8, 1.0, 3.0, 5.0
 URDF = """<robot name="hinge"><link name="base"/>
@@ -79,7 +79,7 @@ def test_limits_are_kept_on_request(tmp_path: Path) -> None:
     assert isinstance(stop, fd.effects.EndStop)
     assert (stop.lower, stop.upper) == (LOWER, UPPER)
     assert stop.stiffness == pytest.approx((SPEED / TRAVEL) ** 2 * INERTIA)
-    assert stop.damping == pytest.approx(2 * DAMPED * math.sqrt(stop.stiffness * INERTIA))
+    assert stop.damping == pytest.approx(2 * STOP_DAMPING_RATIO * math.sqrt(stop.stiffness * INERTIA))
     tight = fd.solvers.DormandPrince(rtol=1e-10, atol=1e-12)
     with pytest.warns(fd.LimitWarning, match="speed limit"):
         run = fd.simulate(model, [8.0], 2.0, tight, rate=2000)

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.viewer.frames import FASTEST, MOST, frame_times, frames_of, magnification
-from flexdyn.viewer.motion import Motion
+from flexdyn.viewer.frames import FASTEST, MOST_FRAMES, frame_times, frames_of, magnification
+from flexdyn.viewer.motion import PlayedMotion
 from flexdyn.viewer.show import SHOWN_ANGLE
 
 
-def motion(t: np.ndarray) -> Motion:
+def motion(t: np.ndarray) -> PlayedMotion:
     """One joint that stands still at these times."""
-    return Motion("arm", t, np.zeros((len(t), 1)), np.full((len(t), 1), np.nan))
+    return PlayedMotion("arm", t, np.zeros((len(t), 1)), np.full((len(t), 1), np.nan))
 
 
 @pytest.mark.parametrize(
     ("duration", "samples", "frames"),
-    [(5.0, 5001, 1201), (60.0, 60_001, MOST), (0.01, 3, 3), (3600.0, 3_600_001, MOST), (1.0, 2, 2)],
+    [(5.0, 5001, 1201), (60.0, 60_001, MOST_FRAMES), (0.01, 3, 3), (3600.0, 3_600_001, MOST_FRAMES), (1.0, 2, 2)],
 )
 def test_the_number_of_frames_is_bounded(duration: float, samples: int, frames: int) -> None:
     """240 in a second, 3600 at most, never more than there are samples; first and last are kept."""

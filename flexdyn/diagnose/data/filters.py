@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.data.kernel import Kernel
 
 Array = NDArray[np.float64]
-FIRST = 0.00125
-"""Of the first filter [s]: as narrow as the clock allows, for laws with corners see what it makes of the motion."""
-SECONDS = (0.005, 0.008, 0.0128, 0.02)
-"""Of the second filter [s]: the narrowest that leaves the encoders' noise below the torque's is taken."""
+FIRST_FILTER_WIDTH = 0.00125
+"""Standard deviation of the first filter [s]: as narrow as the clock allows, for it rounds corners of the motion."""
+SECOND_FILTER_WIDTHS = (0.005, 0.008, 0.0128, 0.02)
+"""Standard deviations of the second filter [s]: the narrowest that leaves the encoders' noise below the torque's."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Filters:
     every: int
 
     @classmethod
-    def of_rate(cls, dt: float, first: float = FIRST, second: float = SECONDS[0]) -> Filters:
+    def of_rate(cls, dt: float, first: float = FIRST_FILTER_WIDTH, second: float = SECOND_FILTER_WIDTHS[0]) -> Filters:
         """Filters of these standard deviations [s]; wider ones where the clock is too slow for them."""
         narrow = max(first, 1.25 * dt)
         wide = max(second, 2.5 * dt)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-REACH = 5.0
+KERNEL_REACH = 5.0
 """Half length of a kernel in standard deviations: what is cut off is below 1e-6."""
 
 
@@ -30,7 +30,7 @@ class Kernel:
     def gaussian(cls, sigma: float, dt: float) -> Kernel:
         """The kernel of standard deviation `sigma` [s] at the sample time `dt` [s]."""
         width = sigma / dt
-        half = max(4, math.ceil(REACH * width))
+        half = max(4, math.ceil(KERNEL_REACH * width))
         m = np.arange(-half, half + 1.0)
         weight = np.exp(-0.5 * (m / width) ** 2)
         value = weight / weight.sum()

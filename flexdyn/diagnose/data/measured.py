@@ -10,15 +10,14 @@ from numpy.typing import NDArray
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
+from flexdyn.records.signals.decimate import CLOCK_JITTER
 
 Array = NDArray[np.float64]
-JITTER = 0.02
-"""Share of a sample by which stamps may stray from a uniform clock before they are resampled."""
 
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """One recording, one column a joint of the model; columns that were not measured are zero.
+    """One recording, one column a joint of the model; unmeasured columns are zero.
 
     Attributes:
         name: of the recording.
@@ -100,6 +99,6 @@ def uniform(recording: Recording) -> Recording:
     steps = np.diff(recording.t)
     dt = float(recording.t[-1] - recording.t[0]) / len(steps)
     grid = recording.t[0] + dt * np.arange(len(recording.t))
-    if float(np.abs(recording.t - grid).max()) <= JITTER * dt:
+    if float(np.abs(recording.t - grid).max()) <= CLOCK_JITTER * dt:
         return recording
     return recording.resample(rate=1.0 / float(np.median(steps)))

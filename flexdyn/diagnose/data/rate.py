@@ -12,15 +12,15 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.simulation.plant import LinkSide
 
-FAST = 2500.0
+HIGHEST_KEPT_RATE = 2500.0
 """Rates above are decimated [Hz]: nothing that a diagnosis asks for is so fast, and its work grows with the rate."""
-ENOUGH = 1000.0
+LEAST_KEPT_RATE = 1000.0
 """The least rate that is left [Hz]."""
-SLOW = 100.0
+SLOW_RATE = 100.0
 """Below this rate reversals and impacts lie between the samples [Hz]."""
-WANTED = 250.0
+ADVISED_RATE = 250.0
 """Rate that is advised [Hz]."""
-IN_A_PERIOD = 5.0
+SAMPLES_IN_A_PERIOD = 5.0
 """Samples in a period of a vibration, below which it can hardly be seen."""
 
 
@@ -29,8 +29,8 @@ def at_needed_rates(recordings: Sequence[Recording]) -> tuple[tuple[Recording, .
     found: list[Recording] = []
     said: list[str] = []
     for rec in recordings:
-        factor = int(rec.rate / ENOUGH * (1.0 + 1e-6))
-        if rec.rate <= FAST or factor < 2:
+        factor = int(rec.rate / LEAST_KEPT_RATE * (1.0 + 1e-6))
+        if rec.rate <= HIGHEST_KEPT_RATE or factor < 2:
             found.append(rec)
             continue
         found.append(uniform(rec).decimate(factor))
@@ -52,16 +52,16 @@ def advice(model: FlexibleJointModel, data: Sequence[Measured]) -> Iterator[str]
     slowest = min(data, key=lambda each: 1.0 / each.dt)
     rate = 1.0 / slowest.dt
     name = slowest.name or "A recording"
-    if rate < SLOW * (1.0 - 1e-6):
+    if rate < SLOW_RATE * (1.0 - 1e-6):
         yield (
             f"{name} has {rate:.4g} samples in a second: reversals and impacts lie between them, and effects that"
-            f" differ there are hard to tell apart. Record at {WANTED:g} Hz or more."
+            f" differ there are hard to tell apart. Record at {ADVISED_RATE:g} Hz or more."
         )
     where = np.where(slowest.has_q, slowest.q, slowest.theta)
     inertia = np.diag(LinkSide(model).mass_matrix(where[len(where) // 2]))
     for j in np.flatnonzero(model.elastic):
         hertz = math.sqrt(float(model.stiffness[j]) / float(inertia[j])) / math.tau
-        if rate < IN_A_PERIOD * hertz:
+        if rate < SAMPLES_IN_A_PERIOD * hertz:
             yield (
                 f"{model.joint_names[j]} vibrates at about {hertz:.3g} Hz against its spring, and {name} has {rate:.4g}"
                 f" samples in a second: record at {10.0 * hertz:.2g} Hz or more, or take the joint for rigid."

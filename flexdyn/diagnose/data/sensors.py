@@ -13,9 +13,9 @@ from flexdyn.effects import ChannelLag, EncoderEccentricity, SensorEffect, Senso
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-ROUNDS, SETTLED = 20, 1e-15
+DISC_ROUNDS, DISC_ROUNDING = 20, 1e-15
 """Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
-SPARE = 16
+SPARE_SAMPLES = 16
 """Samples beyond either end, as many as a spline's coefficients take notice of."""
 
 
@@ -46,9 +46,9 @@ def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) ->
     discs = [e for e in effects if isinstance(e, EncoderEccentricity)]
     if discs:
         seen = x
-        for _ in range(ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
+        for _ in range(DISC_ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
             before, x = x, seen - sum(e.error(x) for e in discs)
-            if np.abs(x - before).max(initial=0.0) < SETTLED:
+            if np.abs(x - before).max(initial=0.0) < DISC_ROUNDING:
                 break
     delay = sum(e.delay for e in effects if isinstance(e, ChannelLag))
     return advanced(x, delay, dt) if delay else x
@@ -63,8 +63,8 @@ def advanced(x: Array, delay: float, dt: float) -> Array:
 
     whole, part = divmod(delay / dt, 1.0)
     count = len(x)
-    coefficients = spline_filter1d(np.pad(x, SPARE, mode="reflect", reflect_type="odd"), order=3)
+    coefficients = spline_filter1d(np.pad(x, SPARE_SAMPLES, mode="reflect", reflect_type="odd"), order=3)
     taps = np.array([(1 - part) ** 3, 4 - 6 * part**2 + 3 * part**3, 1 + 3 * part * (1 + part - part**2), part**3]) / 6
-    between = np.convolve(coefficients[SPARE - 1 : SPARE + count + 2], taps[::-1], "valid")
+    between = np.convolve(coefficients[SPARE_SAMPLES - 1 : SPARE_SAMPLES + count + 2], taps[::-1], "valid")
     at = np.arange(count) + int(np.clip(whole, -count, count))
     return np.where(at + part > count - 1.0, x[-1], between[np.clip(at, 0, count - 1)])

@@ -13,7 +13,7 @@ from flexdyn.diagnose.progress import Course, following
 
 Progress = Callable[[str, float], None]
 Answer = TypeVar("Answer")
-PATIENCE = 0.5
+STOPPING_TIME = 0.5
 """Time that stopped work is given to come to its end [s]; what is known is told without it after that."""
 
 
@@ -74,7 +74,7 @@ def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> An
 
 def _wait(thread: threading.Thread) -> None:
     """A moment for the work to come to its end; another Ctrl-C ends that."""
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + STOPPING_TIME
     try:
         while thread.is_alive() and time.monotonic() < end:
             thread.join(0.02)

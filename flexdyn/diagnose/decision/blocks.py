@@ -14,8 +14,8 @@ from flexdyn.checks import as_number
 from flexdyn.errors import InputError
 from flexdyn.records import Recording, RecordingWarning
 
-SHORTEST = 1.0
-"""Of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
+SHORTEST_BLOCK = 1.0
+"""Least length of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
 Block = tuple[float, float]
 
 
@@ -33,9 +33,9 @@ def checked_blocks(given: Any) -> tuple[Block, ...]:
         ends = [as_number(end) for end in entry] if isinstance(entry, Sequence) and not isinstance(entry, str) else []
         if len(ends) != 2 or not all(map(math.isfinite, ends)):
             raise InputError("a block is a first and a last time", key="hold_out", value=entry, remedy=remedy)
-        if ends[1] - ends[0] < SHORTEST:
+        if ends[1] - ends[0] < SHORTEST_BLOCK:
             problem = f"a block of {ends[1] - ends[0]:.4g} s is too short for a test"
-            raise InputError(problem, key="hold_out", value=entry, remedy=f"give {SHORTEST:g} s or more")
+            raise InputError(problem, key="hold_out", value=entry, remedy=f"give {SHORTEST_BLOCK:g} s or more")
         found.append((ends[0], ends[1]))
     return tuple(found)
 
@@ -65,7 +65,7 @@ def without_blocks(
         edges = [0, *(np.flatnonzero(np.diff(which)) + 1).tolist(), len(rec)]
         for low, high in pairwise(edges):
             k, length = int(which[low]), float(rec.t[high - 1] - rec.t[low])
-            if length < SHORTEST - 2.0 * rec.duration / len(rec):
+            if length < SHORTEST_BLOCK - 2.0 * rec.duration / len(rec):
                 if k < 0:
                     problem = f"{length:.3g} s from t = {rec.t[low]:.6g} s on are too short to fit"
                     warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=3)
@@ -75,7 +75,7 @@ def without_blocks(
     for k, block in enumerate(blocks):
         if k not in met:
             spans = "; ".join(f"{rec.name or 'a recording'} {rec.t[0]:.6g} to {rec.t[-1]:.6g} s" for rec in recordings)
-            problem = f"no recording has {SHORTEST:g} s in this block"
+            problem = f"no recording has {SHORTEST_BLOCK:g} s in this block"
             raise InputError(
                 problem, key="hold_out", value=f"{block[0]:g} to {block[1]:g} s", remedy=f"there are {spans}"
             )

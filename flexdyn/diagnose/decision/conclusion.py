@@ -16,22 +16,22 @@ from flexdyn.diagnose.decision.findings import calibration, findings, names_told
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, stopped
-from flexdyn.diagnose.decision.split import Part
+from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.decision.statistics import statistics
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.shooting.gap import NOISE
+from flexdyn.diagnose.shooting.gap import NOISE_GAP
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Parts = tuple[tuple[Part, ...], tuple[Part, ...]]
+Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
 
 
 def concluded(
@@ -88,7 +88,7 @@ def concluded(
 
 
 def _on_fit(
-    plain: Workspace, made: Fit, found: Corrected, fitted: Sequence[Part]
+    plain: Workspace, made: Fit, found: Corrected, fitted: Sequence[DataPart]
 ) -> tuple[Corrected, list[Name], OnFit]:
     """The corrected model, its names and its figures; without names the numbers of the file alone are corrected."""
     named, first = names_told(found), on_fit(plain, made, found, fitted)
@@ -102,13 +102,13 @@ def _on_fit(
 
 def _contradicting(first: OnFit) -> Windows | None:
     """Windows of the fit that leave more than noise; None: they do not, or there are none."""
-    if first.shots is None or first.shots.after.gap <= NOISE * max(first.shots.gap.floor, 1.0):
+    if first.shots is None or first.shots.after.gap <= NOISE_GAP * max(first.shots.gap.floor, 1.0):
         return None
     return first.shots.after.windows
 
 
 def known(
-    found: Corrected, named: Sequence[Name], noise: Noise, fitted: Sequence[Part], gains: dict[int, float]
+    found: Corrected, named: Sequence[Name], noise: SampleNoise, fitted: Sequence[DataPart], gains: dict[int, float]
 ) -> Diagnosis:
     """What the data of the fit tell; the verdict is `interrupted` until the test data have been opened."""
     model = found.hypothesis.given

@@ -21,14 +21,14 @@ from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.passes import Posterior, identity
-from flexdyn.diagnose.inference.priors import SMALLEST
+from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.effects import Effect, JointEffect, JointElasticity
 
 Array = NDArray[np.float64]
 Share = Callable[[int], float]
-PROMISED, WORTH = 0.005, 10.0
+PROMISED_SHARE, PROMISED_DROP = 0.005, 10.0
 """A fit has not converged where its next step promises to take such a share of its chi^2 off, and more than so much:
 the log likelihood of a name would change by five and more."""
 
@@ -109,11 +109,13 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     named = names(masses, best, own, there, may)
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
-    least = {c: 0.0 if each > 1.0 else SMALLEST for c, each in by_windows.items()}  # more than all that is left
+    least = {
+        c: 0.0 if each > 1.0 else SMALLEST_TORQUE_SHARE for c, each in by_windows.items()
+    }  # more than all that is left
     large = tuple(
         each
         for each in kept
-        if _is_large(space, space.candidates[each.candidate], made, least.get(each.candidate, SMALLEST))
+        if _is_large(space, space.candidates[each.candidate], made, least.get(each.candidate, SMALLEST_TORQUE_SHARE))
     )
     if large != kept:  # what the linear equations promised is not there
         kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
@@ -210,4 +212,4 @@ def leaves_noise(made: Fit, plain: Workspace) -> bool:
 def converged(made: Fit) -> bool:
     """Whether a fit's next step promises nothing that matters."""
     promised = made.reached - made.chi2
-    return made.stationary or not (promised > WORTH and promised > PROMISED * made.chi2)
+    return made.stationary or not (promised > PROMISED_DROP and promised > PROMISED_SHARE * made.chi2)

@@ -11,17 +11,17 @@ from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.figures import OnFit, OnTest
 from flexdyn.diagnose.decision.laws_seen import laws_seen
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.decision.split import Part
+from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.decision.trajectories import trajectories
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import traces
 from flexdyn.diagnose.hypothesis.fitted import Workspace
-from flexdyn.diagnose.report.trace import Trace
+from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.trajectory import Trajectory
 
 
-def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name]) -> tuple[Trace, ...]:
+def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
     """Pictures in the order of how much they explain: of the laws found, then two of every equation.
 
     Args:
@@ -35,7 +35,9 @@ def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name
     return (*ordered, *of_equations(plain.equations, first.after, plain.whiten, explained=bool(laws)))
 
 
-def of_equations(before: Equations, after: Equations, whiten: Whitener, *, explained: bool) -> tuple[Trace, ...]:
+def of_equations(
+    before: Equations, after: Equations, whiten: Whitener, *, explained: bool
+) -> tuple[ResidualTrace, ...]:
     """Two pictures of every equation, those of which the correction takes most first.
 
     One is over what its residual depends on more, position or velocity, and one over time. Where nothing was found,
@@ -51,7 +53,7 @@ def of_equations(before: Equations, after: Equations, whiten: Whitener, *, expla
     first, last = ((whiten(at.residual).reshape(-1, many) ** 2).sum(axis=0) for at in (before, after))
     pictures = traces(before, after, whiten.mask)
     shares = (first - last) / max(first.sum(), 1e-300) if explained else last / max(last.sum(), 1e-300)
-    equations: list[Trace] = []
+    equations: list[ResidualTrace] = []
     for k in np.argsort(-shares, kind="stable").tolist():
         over_time, *clouds = pictures[3 * k : 3 * k + 3]
         told = (max(clouds, key=_dependence), over_time)
@@ -59,14 +61,14 @@ def of_equations(before: Equations, after: Equations, whiten: Whitener, *, expla
     return tuple(equations)
 
 
-def _dependence(cloud: Trace) -> float:
+def _dependence(cloud: ResidualTrace) -> float:
     """Spread of the averages over neighbours: what the residual changes with."""
     spread = float(np.nanvar(cloud.means[:, 1])) if len(cloud.means) else 0.0
     return spread if np.isfinite(spread) else 0.0
 
 
 def motions(
-    plain: Workspace, first: OnFit, last: OnTest, parts: tuple[tuple[Part, ...], tuple[Part, ...]]
+    plain: Workspace, first: OnFit, last: OnTest, parts: tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
 ) -> tuple[Trajectory, ...]:
     """Measured and simulated motion over the test data, then over the data of the fit.
 

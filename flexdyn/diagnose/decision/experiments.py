@@ -9,7 +9,7 @@ from flexdyn.diagnose.decision.corrected import Corrected, effect_of
 from flexdyn.diagnose.decision.gaps import window_noise
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import suspect_of
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.experiment.design import with_experiment
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
@@ -17,12 +17,12 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import Finding
 
-STEPS = 4
-"""Gauss-Newton steps of a rival's fit: it begins at the linear estimate, and the motion is tried with it anyway."""
+RIVAL_STEPS = 4
+"""Gauss-Newton steps of a rival's fit, with a warm start at the linear estimate; the motion is tried with it anyway."""
 
 
 def with_experiments(
-    findings: Sequence[Finding], found: Corrected, named: Sequence[Name], noise: Noise
+    findings: Sequence[Finding], found: Corrected, named: Sequence[Name], noise: SampleNoise
 ) -> tuple[Finding, ...]:
     """Findings with rivals, each with the motion that was shown by simulation to tell them apart.
 
@@ -45,7 +45,7 @@ def with_experiments(
 def _rivals(found: Corrected, name: Name) -> list[Fit]:
     """Fits with each rival in the place of the named candidate; those that make no sense are left out."""
     starts = (_in_place(found, rival, name.candidate) for rival in name.rivals)
-    return [fit(each, found.fitted.space, steps=STEPS) for each in starts if each is not None]
+    return [fit(each, found.fitted.space, steps=RIVAL_STEPS) for each in starts if each is not None]
 
 
 def _in_place(found: Corrected, rival: int, of: int) -> Hypothesis | None:

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.gains import gains, shares
-from flexdyn.diagnose.decision.gaps import ENOUGH, Shots, shots, windows_of
+from flexdyn.diagnose.decision.gaps import FIT_WINDOWS, Shots, shots, windows_of
 from flexdyn.diagnose.decision.held_out import HeldOut, held_out, rms
 from flexdyn.diagnose.decision.left import dependence, left
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.decision.split import Part
+from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import localise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.report.measures import Gap, JointError, Left, Place
+from flexdyn.diagnose.report.measures import Gap, JointError, Left, ResidualPlace
 from flexdyn.diagnose.report.record import Shares
 
 Array = NDArray[np.float64]
@@ -45,8 +45,8 @@ class OnFit:
     made: Fit
     after: Equations
     shots: Shots | None
-    where: tuple[Place, ...]
-    left: tuple[Place, ...]
+    where: tuple[ResidualPlace, ...]
+    left: tuple[ResidualPlace, ...]
     stalled: Fit | None = None
 
     @property
@@ -73,7 +73,7 @@ class OnFit:
         return dataclasses.replace(found, fitted=made, names=()), alone
 
 
-def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[Part]) -> OnFit:
+def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[DataPart]) -> OnFit:
     """Figures on the data of the fit.
 
     Args:
@@ -84,7 +84,7 @@ def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[Part])
     """
     tolerated = made.hypothesis
     given = dataclasses.replace(tolerated, factors=dict.fromkeys(tolerated.factors, 1.0), counts=())
-    windows = windows_of(tolerated.given, parts, plain.noise, ENOUGH)
+    windows = windows_of(tolerated.given, parts, plain.noise, FIT_WINDOWS)
     over, calibrated = None, tolerated
     if windows is not None:
         models = [tolerated.given, given.seen(), tolerated.seen(), found.hypothesis.seen()]
@@ -96,10 +96,10 @@ def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[Part])
     return OnFit(calibrated, made, at, over, places[0], places[1])
 
 
-def _places(plain: Workspace, at: Equations) -> tuple[Place, ...]:
+def _places(plain: Workspace, at: Equations) -> tuple[ResidualPlace, ...]:
     """Where a model's residual is more than noise; offsets of the encoders are allowed for."""
     found = localise(at, plain.white(at.residual), plain.whiten.mask)
-    return tuple(Place(each.joint, each.side, each.share, each.regime) for each in found)
+    return tuple(ResidualPlace(each.joint, each.side, each.share, each.regime) for each in found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,9 @@ class OnTest:
         return None if self.shots is None else self.shots.gap
 
 
-def on_test(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name], parts: Sequence[Part]) -> OnTest:
+def on_test(
+    plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name], parts: Sequence[DataPart]
+) -> OnTest:
     """Figures on the test data.
 
     Args:

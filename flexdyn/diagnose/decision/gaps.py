@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.decision.held_out import rms
-from flexdyn.diagnose.decision.split import Part
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.decision.split import DataPart
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.report.measures import Gap
 from flexdyn.diagnose.shooting import windows as cutting
@@ -21,7 +21,7 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-ENOUGH = 40
+FIT_WINDOWS = 40
 """Windows of the fit's data that are simulated, spread evenly: 20 s tell the gap within some percent. All of the test
 data's are."""
 
@@ -86,7 +86,7 @@ def nearer(before: Array, after: Array) -> bool:
 
 
 def windows_of(
-    model: FlexibleJointModel, parts: Sequence[Part], noise: Noise, most: int | None = None
+    model: FlexibleJointModel, parts: Sequence[DataPart], noise: SampleNoise, most: int | None = None
 ) -> Windows | None:
     """Windows of what is fitted or tested; None where the data are too short for one.
 
@@ -103,9 +103,9 @@ def windows_of(
     return cut if most is None else cut.thinned(most)
 
 
-def window_noise(noise: Noise) -> cutting.Noise:
+def window_noise(noise: SampleNoise) -> cutting.WindowNoise:
     """The same levels, as windows take them."""
-    return cutting.Noise(np.maximum(noise.q, 1e-12), np.maximum(noise.theta, 1e-12), noise.tau)
+    return cutting.WindowNoise(np.maximum(noise.q, 1e-12), np.maximum(noise.theta, 1e-12), noise.tau)
 
 
 def shots(models: Sequence[FlexibleJointModel], windows: Windows) -> list[Shot]:

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.filters import Filters
-from flexdyn.diagnose.data.measured import JITTER, Measured
-from flexdyn.diagnose.equations.covariance import Noise, Whitener, whitener
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener, whitener
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, TOTAL, Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.equations.noise import encoder_noise, recorded_torque_noise, torque_noise
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.records.signals.decimate import CLOCK_JITTER
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,7 @@ class HeldOut:
 
     given: Equations
     after: Equations
-    noise: Noise
+    noise: SampleNoise
     whiten: Whitener
 
     @property
@@ -91,7 +92,7 @@ def held_out(equations: Equations, hypothesis: Hypothesis, data: tuple[Measured,
     return HeldOut(given, after, noise, whitener(after, noise, mask))
 
 
-def _mask(given: Equations, after: Equations, noise: Noise) -> NDArray[np.bool_]:
+def _mask(given: Equations, after: Equations, noise: SampleNoise) -> NDArray[np.bool_]:
     """Rows that say nothing by the given or by the corrected model (rows,).
 
     Where a corrected model's made-up positions would hide all rows of an equation, its own joint's standstill decides.
@@ -102,16 +103,16 @@ def _mask(given: Equations, after: Equations, noise: Noise) -> NDArray[np.bool_]
     return np.where(mask.all(axis=0), own, mask).ravel()
 
 
-def recorded_noise(data: tuple[Measured, ...]) -> Noise:
+def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
     """Of the channels, as the record shows it."""
     torque = np.maximum(recorded_torque_noise(data), 1e-12)
-    return Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
+    return SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
 
 
 def _filters(equations: Equations, dt: float) -> Filters:
     """Those of the fit; at another rate some of the same width."""
     own = equations.data[0].dt
-    if abs(dt - own) <= JITTER * own:
+    if abs(dt - own) <= CLOCK_JITTER * own:
         return equations.filters
     taps = equations.filters.second.taps[0]
     offset = np.arange(len(taps)) - 0.5 * (len(taps) - 1)

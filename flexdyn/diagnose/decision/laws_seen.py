@@ -14,18 +14,18 @@ from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import LINK, SENSOR, TRANSMISSION, Equations
 from flexdyn.diagnose.equations.localise import SIDES
-from flexdyn.diagnose.report.trace import Trace
+from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.words import capital, effect_name
 
 Array = NDArray[np.float64]
-CURVE = 0.9
+CURVE_VARIANCE_SHARE = 0.9
 """Share of a law's variance that one quantity must explain for the law to be a curve over it [1]."""
-NEAR = 0.02
+EQUAL_SHARE_DIFFERENCE = 0.02
 """Shares that differ by less are equal: the first quantity of the list is taken."""
-BINS = 60
+LAW_BINS = 60
 """Averages by which quantities are compared."""
-POINTS = 240
-"""Of a drawn law."""
+LAW_POINTS = 240
+"""Points of a drawn law."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class _Quantity:
 
 def laws_seen(
     before: Equations, after: Equations, whiten: Whitener, found: Corrected, named: Sequence[Name]
-) -> tuple[Trace, ...]:
+) -> tuple[ResidualTrace, ...]:
     """A picture of every name, in the equation in which its law does most.
 
     Before is the corrected model without this one effect, after is the corrected model (a partial residual plot:
@@ -63,7 +63,7 @@ def laws_seen(
     return tuple(pictures)
 
 
-def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) -> tuple[Trace, float] | None:
+def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) -> tuple[ResidualTrace, float] | None:
     many = len(after.kinds)
     law = without.residual - after.residual
     power = (whiten(law).reshape(-1, many) ** 2).sum(axis=0)
@@ -72,18 +72,18 @@ def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) 
     k = int(power.argmax())
     clear = ~whiten.mask.reshape(-1, many)[:, k]
     rows, left = law.reshape(-1, many)[clear, k], after.residual.reshape(-1, many)[clear, k]
-    if len(rows) < 2 * BINS:
+    if len(rows) < 2 * LAW_BINS:
         return None
     known = [_Quantity(each.label, each.values[clear]) for each in _quantities(after, k)]
     shares = [_share(each.values, rows) for each in known]
-    best = next(place for place, share in enumerate(shares) if share >= max(shares) - NEAR)
+    best = next(place for place, share in enumerate(shares) if share >= max(shares) - EQUAL_SHARE_DIFFERENCE)
     x = known[best]
-    curve = shares[best] >= CURVE
+    curve = shares[best] >= CURVE_VARIANCE_SHARE
     note = "" if curve else f"The law depends on more than {x.label.partition(' ')[0]}: its line is an average."
     j, side = after.kinds[k]
     joint, robot = after.true.joint_names[j], after.true.robot
     unit = robot.angle_unit(joint) if side == TRANSMISSION else robot.torque_unit(joint)
-    trace = Trace.thinned(
+    trace = ResidualTrace.thinned(
         f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}",
         x.label,
         f"residual [{unit}]",
@@ -92,7 +92,7 @@ def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) 
         left,
     )
     gone = float((whiten(without.residual) ** 2).sum() - (whiten(after.residual) ** 2).sum())
-    return dataclasses.replace(trace, law=_line(x.values, rows, POINTS if curve else BINS), note=note), gone
+    return dataclasses.replace(trace, law=_line(x.values, rows, LAW_POINTS if curve else LAW_BINS), note=note), gone
 
 
 def _quantities(at: Equations, k: int) -> list[_Quantity]:
@@ -127,8 +127,8 @@ def _share(x: Array, y: Array) -> float:
     if total <= 0.0:
         return 0.0
     ordered = y[np.argsort(x, kind="stable")]
-    within = sum(float(((part - part.mean()) ** 2).sum()) for part in np.array_split(ordered, BINS))
-    return 1.0 - within / total * (len(y) - 1) / max(1, len(y) - BINS)
+    within = sum(float(((part - part.mean()) ** 2).sum()) for part in np.array_split(ordered, LAW_BINS))
+    return 1.0 - within / total * (len(y) - 1) / max(1, len(y) - LAW_BINS)
 
 
 def _line(x: Array, y: Array, count: int) -> Array:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.held_out import HeldOut, rms
 from flexdyn.diagnose.equations.equations import LINK, TRANSMISSION
-from flexdyn.diagnose.inference.apart import CHANCE, UNSURE
-from flexdyn.diagnose.report.measures import Left, Place
+from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
+from flexdyn.diagnose.report.measures import Left, ResidualPlace
 
 Array = NDArray[np.float64]
-LEAST = 0.01
+LEFT_TORQUE_SHARE = 0.01
 """Share of a joint's torque from which something is left [1]: no model of a robot is right to less."""
 QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(after a reversal)")
 
@@ -40,10 +40,10 @@ def left(rows: HeldOut, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left
         unit = at.softness[j] if kind == LINK else 1.0
         beyond = float((white[clear, k] ** 2 - 1.0).mean())
         power = float((residual[clear, k] ** 2 - variance[clear, k]).mean())
-        if beyond <= max(CHANCE * np.sqrt(2.0 / clear.sum()), UNSURE) or power <= 0.0:
+        if beyond <= max(CHANCE_ROOM * np.sqrt(2.0 / clear.sum()), NOISE_LEVEL_ERROR) or power <= 0.0:
             continue
         share = float(unit * np.sqrt(power)) / max(rms(rows.torque(j)[2]), 1e-12)
-        if share >= LEAST and (joint not in found or share > found[joint].share_of_torque):
+        if share >= LEFT_TORQUE_SHARE and (joint not in found or share > found[joint].share_of_torque):
             time = _alike(white[:, k], clear) * at.filters.every * at.data[0].dt
             found[joint] = Left(joint, share, time, depends_on.get(joint, ()))
     return tuple(sorted(found.values(), key=lambda each: (-each.share_of_torque, each.joint)))
@@ -63,7 +63,7 @@ def _alike(white: Array, clear: NDArray[np.bool_]) -> int:
     return max(1, len(white) // 4)
 
 
-def dependence(places: Sequence[Place]) -> dict[str, tuple[str, ...]]:
+def dependence(places: Sequence[ResidualPlace]) -> dict[str, tuple[str, ...]]:
     """Quantities that the rest of every joint changes with: those in whose range the residual stands out.
 
     Args:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from flexdyn.diagnose.decision.masses import Masses, Set
 from flexdyn.diagnose.report.suspects import ESTABLISHED
 
-LEAST = 0.02
+RIVAL_PROBABILITY = 0.02
 """Probability from which a candidate is told as a rival of another [1]."""
 
 
@@ -72,4 +72,4 @@ def _standing_in(masses: Masses, best: Set, named: set[int], stands_in: Callable
         if mine.isdisjoint(named):
             for c in mine - best:
                 found[c] = found.get(c, 0.0) + probability
-    return {c: mass for c, mass in found.items() if mass >= LEAST and stands_in(c)}
+    return {c: mass for c, mass in found.items() if mass >= RIVAL_PROBABILITY and stands_in(c)}

@@ -17,9 +17,9 @@ from flexdyn.diagnose.report.digits import estimate_text
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.words import effect_name, number_phrase
 
-UNHELD = 0.5
+UNINFORMED_SHARE = 0.5
 """Share of its prior's standard deviation from which that of a number says that the data do not tell it [1]."""
-FARTHEST = 3
+FARTHEST_NUMBERS_TOLD = 3
 """Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""
 
 
@@ -36,7 +36,7 @@ def _of_unknown(found: Corrected) -> Iterator[str]:
         if number.is_open:
             name = number_phrase(model, number.of, number.parameter)
             entry = Calibration(number.of, number.parameter, factor, std[number], number.tolerance)
-            if std[number] > UNHELD * number.tolerance:
+            if std[number] > UNINFORMED_SHARE * number.tolerance:
                 yield f"The {name} was not known, and these data do not tell it."
             else:
                 yield f"The {name} was not known: it is estimated as {estimate_text(estimate(model, entry))} (95 %)."
@@ -80,4 +80,4 @@ def stopped(made: Fit) -> tuple[str, ...]:
         *(s / scale for s, scale in zip(made.std().values(), made.scales, strict=True)),
     ]
     far = np.abs(made.step[: len(words)]) / np.maximum(spread, 1e-300)
-    return tuple(words[k] for k in np.argsort(-far, kind="stable")[:FARTHEST])
+    return tuple(words[k] for k in np.argsort(-far, kind="stable")[:FARTHEST_NUMBERS_TOLD])

@@ -26,7 +26,7 @@ from flexdyn.records.given import as_recordings
 from flexdyn.records.signals.gaps import apart_at_gaps
 from flexdyn.simulation.asked_torque import with_asked_torque
 
-COMPARED = 0.65
+COMPARED_PROGRESS = 0.65
 """Share of the work after which the structures have been compared, as a rule [1]."""
 STAGES = ("reading the equations", "comparing structures", "simulating windows", "opening the test data",
           "designing experiments")  # fmt: skip
@@ -143,7 +143,7 @@ def _diagnosed(
 
 
 def _after_comparison(stage: str, share: float) -> None:
-    _say(stage, COMPARED + (1.0 - COMPARED) * share)
+    _say(stage, COMPARED_PROGRESS + (1.0 - COMPARED_PROGRESS) * share)
 
 
 def _say(stage: str, share: float) -> None:

@@ -9,28 +9,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured, measured
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.noise import encoder_noise
-from flexdyn.diagnose.report.measures import Role, Source
+from flexdyn.diagnose.report.measures import RecordingSpan, Role
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
 TEST_SHARE = 0.2
 """Share of what moves in every recording that is test data where no other is given [1] (contract, section 8)."""
-SHORTEST = 1.0
+SHORTEST_TEST_DATA = 1.0
 """Least length of such test data [s]: two windows of 0.5 s."""
-UNCUT = 2.5
+SHORTEST_CUT_RECORDING = 2.5
 """Recordings that are shorter are not cut: what is left of one of them would be too short to fit [s]."""
-SPAN = 0.2
+MOVING_TIME = 0.2
 """Time over which a joint must change its position to count as moving [s]."""
-STILL = 10.0
+REST_SIGMAS = 10.0
 """A joint rests where its position ranges over fewer standard deviations of its encoder's noise: over some hundred
 samples noise alone ranges over five or six."""
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class DataPart:
     """A span of a recording and what it is used for.
 
     Attributes:
@@ -43,7 +43,7 @@ class Part:
     data: Measured
     role: Role
 
-    def source(self, joints: Sequence[str], noise: Noise) -> Source:
+    def source(self, joints: Sequence[str], noise: SampleNoise) -> RecordingSpan:
         """As the report tells it.
 
         Args:
@@ -59,14 +59,14 @@ class Part:
             if has[j]
         }
         channels = tuple(self.recording.channels)
-        return Source(
+        return RecordingSpan(
             self.recording.name, self.role, float(t[0]), float(t[-1]), 1.0 / data.dt, levels, len(t), channels
         )
 
 
 def parts(
     model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[Recording] = ()
-) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
+) -> tuple[tuple[DataPart, ...], tuple[DataPart, ...]]:
     """What is fitted, and the test data.
 
     Args:
@@ -79,29 +79,31 @@ def parts(
     """
     whole = [(each, measured(model, each)) for each in fit]
     if check:
-        tests = tuple(Part(each, measured(model, each), "test") for each in check)
-        return tuple(Part(*each, "fit") for each in whole), tests
-    if len(whole) > 1 and any(data.t[-1] < UNCUT for _, data in whole):
+        tests = tuple(DataPart(each, measured(model, each), "test") for each in check)
+        return tuple(DataPart(*each, "fit") for each in whole), tests
+    if len(whole) > 1 and any(data.t[-1] < SHORTEST_CUT_RECORDING for _, data in whole):
         return _apart(whole)
     halves = [_halves(*each) for each in whole]
     return tuple(first for first, _ in halves), tuple(last for _, last in halves)
 
 
-def _apart(whole: Sequence[tuple[Recording, Measured]]) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
+def _apart(whole: Sequence[tuple[Recording, Measured]]) -> tuple[tuple[DataPart, ...], tuple[DataPart, ...]]:
     """Recordings too short to be cut: the last ones are test data as they are, until these hold the test share."""
     seconds = [float(moving(data).sum()) * data.dt for _, data in whole]
     first = len(whole) - 1
     while first > 1 and sum(seconds[first:]) < TEST_SHARE * sum(seconds):
         first -= 1
-    return tuple(Part(*each, "fit") for each in whole[:first]), tuple(Part(*each, "test") for each in whole[first:])
+    return tuple(DataPart(*each, "fit") for each in whole[:first]), tuple(
+        DataPart(*each, "test") for each in whole[first:]
+    )
 
 
-def _halves(recording: Recording, data: Measured) -> tuple[Part, Part]:
+def _halves(recording: Recording, data: Measured) -> tuple[DataPart, DataPart]:
     """A recording before and after the instant from which the test share of what moves lies."""
     at = _cut(data)
     row = int(np.searchsorted(recording.t, recording.t[0] + data.t[at] - 0.5 * data.dt))
-    first = Part(_rows(recording, slice(0, row)), data.part(0, at), "fit")
-    return first, Part(_rows(recording, slice(row, None)), data.part(at, len(data.t)), "test")
+    first = DataPart(_rows(recording, slice(0, row)), data.part(0, at), "fit")
+    return first, DataPart(_rows(recording, slice(row, None)), data.part(at, len(data.t)), "test")
 
 
 def _rows(recording: Recording, rows: slice) -> Recording:
@@ -115,18 +117,18 @@ def _cut(data: Measured) -> int:
     if not len(moves):
         moves = np.arange(len(data.t))
     at = int(moves[int((1.0 - TEST_SHARE) * len(moves))])
-    return min(at, len(data.t) - 1 - round(SHORTEST / data.dt))
+    return min(at, len(data.t) - 1 - round(SHORTEST_TEST_DATA / data.dt))
 
 
 def moving(data: Measured) -> NDArray[np.bool_]:
     """Samples (samples,) about which some measured position changes by more than noise."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-    width = max(2, round(SPAN / data.dt))
+    width = max(2, round(MOVING_TIME / data.dt))
     moves = np.zeros(len(data.t), bool)
     for signal, there in (("q", data.has_q), ("theta", data.has_theta)):
         sigma = encoder_noise((data,), signal)
         for j in np.flatnonzero(there):
             x = data.channel(signal)[:, j]
-            moves |= maximum_filter1d(x, width) - minimum_filter1d(x, width) > STILL * sigma[j]
+            moves |= maximum_filter1d(x, width) - minimum_filter1d(x, width) > REST_SIGMAS * sigma[j]
     return moves

@@ -10,7 +10,7 @@ from flexdyn.diagnose.decision.notes import number_words
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.report.record import Statistics
 
-LEAST, MOST = 0.1, 40
+CORRELATION_TOLD, MOST_CORRELATIONS = 0.1, 40
 """Correlations that are told: none below, no more than so many."""
 METHOD = "Gauss-Newton, weighted by noise and model error, with the stated tolerances as priors"
 
@@ -33,7 +33,7 @@ def statistics(made: Fit) -> Statistics:
     pairs = [
         (names[i], names[j], float(alike[i, j]))
         for i, j in zip(first.tolist(), second.tolist(), strict=True)
-        if abs(alike[i, j]) >= LEAST
+        if abs(alike[i, j]) >= CORRELATION_TOLD
     ]
     pairs.sort(key=lambda pair: -abs(pair[2]))
     return Statistics(
@@ -44,5 +44,5 @@ def statistics(made: Fit) -> Statistics:
         chi_square / max(1, points - variables),
         log + 2.0 * variables,
         log + math.log(points) * variables,
-        tuple(pairs[:MOST]),
+        tuple(pairs[:MOST_CORRELATIONS]),
     )

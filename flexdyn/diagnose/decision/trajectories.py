@@ -9,18 +9,18 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.gaps import Shots
 from flexdyn.diagnose.decision.held_out import summed
-from flexdyn.diagnose.decision.split import Part
+from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.report.trajectory import Curve, Trajectory
+from flexdyn.diagnose.report.trajectory import MeasuredCurve, Trajectory
 from flexdyn.diagnose.shooting.gap import Shot
 
 Array = NDArray[np.float64]
-RATE = 200.0
+HIGHEST_DRAWN_RATE = 200.0
 """Positions are drawn at most so often [Hz]; torques at the rate of the equations' rows."""
 
 
 def trajectories(
-    models: Sequence[Equations], seen: NDArray[np.bool_], shots: Shots | None, parts: Sequence[Part]
+    models: Sequence[Equations], seen: NDArray[np.bool_], shots: Shots | None, parts: Sequence[DataPart]
 ) -> tuple[Trajectory, ...]:
     """Every joint over every span.
 
@@ -43,8 +43,8 @@ def trajectories(
 
 
 def _torques(
-    models: Sequence[Equations], seen: NDArray[np.bool_], parts: Sequence[Part], j: int, label: str
-) -> list[Curve]:
+    models: Sequence[Equations], seen: NDArray[np.bool_], parts: Sequence[DataPart], j: int, label: str
+) -> list[MeasuredCurve]:
     """Recorded torque of a joint behind the equations' filters, and what each model needs less that (a curve a span).
 
     A row in which an equation says nothing leaves the lines open: there a joint may rest, and friction holds anything.
@@ -59,11 +59,11 @@ def _torques(
         begin = float(part.recording.t[0] - part.data.t[0])
         t = begin + along.t[filters.instants(len(along.t))]
         off = np.where(clear[rows], -np.stack([residual[rows] for residual, _ in left]), np.nan)
-        curves.append(Curve(label, t, filters.rows(along.tau[:, j]), off))
+        curves.append(MeasuredCurve(label, t, filters.rows(along.tau[:, j]), off))
     return curves
 
 
-def _position(shots: Shots, k: int, joint: str, unit: str) -> Curve | None:
+def _position(shots: Shots, k: int, joint: str, unit: str) -> MeasuredCurve | None:
     """Measured position over the windows of a span and how far each model is off; lines are open between windows."""
     windows = shots.after.windows
     own = [name for name in (f"q.{joint}", f"theta.{joint}") if name in windows.channels]
@@ -71,13 +71,13 @@ def _position(shots: Shots, k: int, joint: str, unit: str) -> Curve | None:
     if not own or not len(which):
         return None
     column = windows.channels.index(own[0])
-    every = max(1, int(1.0 / (RATE * windows.period)))
+    every = max(1, int(1.0 / (HIGHEST_DRAWN_RATE * windows.period)))
     t, measured = windows.t[which, ::every], windows.measured[which, ::every, column]
     errors = np.stack(
         [_error(shot, which)[:, ::every, column] for shot in (shots.before, shots.calibrated, shots.after)]
     )
     t, measured = (_opened(x[None], x[:, -1:][None])[0] for x in (t, measured))
-    return Curve(
+    return MeasuredCurve(
         f"{own[0].partition('.')[0]} [{unit}]", t, measured, _opened(errors, np.full((3, len(which), 1), np.nan))
     )
 

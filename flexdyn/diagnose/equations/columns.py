@@ -10,7 +10,7 @@ from flexdyn.diagnose.data.sensors import true_channel
 from flexdyn.diagnose.equations.compliance import of_compliance
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.made_up import NOT_PLAIN
-from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import adds_up, own_torque
 from flexdyn.effects import (
     ChannelLag,
@@ -44,7 +44,7 @@ def is_loaded(equations: Equations, j: int) -> bool:
 def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> Array:
     """Change of the residual (rows,) where an effect that stands alone is another one of its kind."""
 
-    def change(along: Motion) -> tuple[str, Array]:
+    def change(along: SmoothedMotion) -> tuple[str, Array]:
         (side, before), (_, after) = (own_torque(each, equations.true, along) for each in (effect, moved))
         return side, after - before
 
@@ -100,7 +100,7 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
     return (equations.of_joint(j, true, effects) - equations.own(j)) / step
 
 
-def _given(equations: Equations, along: Motion, j: int) -> Array:
+def _given(equations: Equations, along: SmoothedMotion, j: int) -> Array:
     """Torque (samples,) that the model needs of a motor, in recorded torque."""
     return equations.needed(along, j) - equations.lost(along, j)
 

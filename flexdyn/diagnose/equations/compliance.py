@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations.equations import LINK, TOTAL, TRANSMISSION, Equations
-from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import joint_terms
 
 Array = NDArray[np.float64]
@@ -21,7 +21,7 @@ def of_compliance(equations: Equations, j: int) -> Array:
     return np.concatenate([_along(equations, each, j).ravel() for each in equations.motions])
 
 
-def _along(equations: Equations, along: Motion, j: int) -> Array:
+def _along(equations: Equations, along: SmoothedMotion, j: int) -> Array:
     """Of one recording (times, equations)."""
     model, filters = equations.true, equations.filters
     terms, J = joint_terms(model, model.all_effects, along, j), model.rotor_inertia[j]

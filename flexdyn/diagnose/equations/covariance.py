@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION, Equations
-from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 
 Array = NDArray[np.float64]
 Add = Callable[[tuple[str, int], int, int, float | Array], None]
@@ -19,7 +19,7 @@ MASKED = 1e8
 
 
 @dataclass(frozen=True, eq=False)
-class Noise:
+class SampleNoise:
     """Standard deviations of white noise per sample, joint by joint (n,), zero where a channel is missing."""
 
     q: Array
@@ -49,7 +49,7 @@ class Whitener:
         return np.asarray(white).reshape(rows.shape)
 
 
-def whitener(equations: Equations, noise: Noise, mask: NDArray[np.bool_], extra: Array | None = None) -> Whitener:
+def whitener(equations: Equations, noise: SampleNoise, mask: NDArray[np.bool_], extra: Array | None = None) -> Whitener:
     """The whitening of the equations' rows.
 
     Noise passes the same filters as the motion; a residual is ``sum_c sum_o C_co(t) d^o/dt^o n_c``, its covariance
@@ -85,7 +85,7 @@ def _kernels(equations: Equations) -> dict[str, list[Array]]:
     return {"position": whole, "tau": held, "tau_s": whole[:1]}
 
 
-def _coefficients(equations: Equations, along: Motion) -> dict[tuple[str, int], dict[int, Array]]:
+def _coefficients(equations: Equations, along: SmoothedMotion) -> dict[tuple[str, int], dict[int, Array]]:
     """C (times, equations) by channel and order of derivative."""
     model = equations.true
     at = equations.filters.instants(len(along.t))
@@ -146,7 +146,7 @@ def _links(equations: Equations, data: Measured, M: Array, row: int, j: int, kin
         add(("q", j), 2, row, J[j])
 
 
-def _band(equations: Equations, along: Motion, noise: Noise, kernels: dict[str, list[Array]]) -> Array:
+def _band(equations: Equations, along: SmoothedMotion, noise: SampleNoise, kernels: dict[str, list[Array]]) -> Array:
     """Lower band of the covariance of one recording's rows."""
     coefficients = _coefficients(equations, along)
     every, many = equations.filters.every, len(equations.kinds)
@@ -183,7 +183,9 @@ def _correlation(a: Array, b: Array, shift: int) -> float:
     return float(a[ha + start : ha + stop] @ b[hb + start + shift : hb + stop + shift])
 
 
-def variances(equations: Equations, noise: Noise, row: int, j: int, *, second: bool = True) -> tuple[float, float]:
+def variances(
+    equations: Equations, noise: SampleNoise, row: int, j: int, *, second: bool = True
+) -> tuple[float, float]:
     """Variance of one equation's rows: by all channels but tau_j, and by tau_j of unit variance.
 
     Taken at the middle of the first recording, with neighbours as they stand there.
@@ -212,7 +214,7 @@ def variances(equations: Equations, noise: Noise, row: int, j: int, *, second: b
     return totals[0], totals[1]
 
 
-def encoders_rule(equations: Equations, noise: Noise) -> bool:
+def encoders_rule(equations: Equations, noise: SampleNoise) -> bool:
     """Whether in some motor's equation the encoders make more noise than its torque does."""
     for place, (j, kind) in enumerate(equations.kinds):
         if kind in (MOTOR, TOTAL):

@@ -14,7 +14,7 @@ from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
-from flexdyn.diagnose.equations.motion import Motion, Smoothed, motion, smoothed
+from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.shared import same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.lazy import lazy
@@ -79,13 +79,13 @@ class Equations:
         return LinkSide(self.true)
 
     @lazy
-    def motions(self) -> tuple[Motion, ...]:
+    def motions(self) -> tuple[SmoothedMotion, ...]:
         """The smoothed motions, sensor effects of the model taken off."""
         bases = self._bases or (None,) * len(self.smoothed)
         return tuple(motion(self.links, *each) for each in zip(self.smoothed, bases, strict=True))
 
     @lazy
-    def _bases(self) -> tuple[Motion, ...]:
+    def _bases(self) -> tuple[SmoothedMotion, ...]:
         """Motions of the model from which this one was made, by `of`."""
         return ()
 
@@ -135,10 +135,10 @@ class Equations:
 
     @lazy
     def made_up(self) -> NDArray[np.bool_]:
-        """Elastic joints one of whose two positions was not measured (n,)."""
+        """Elastic joints with one of their two positions unmeasured (n,)."""
         return np.asarray(self.true.elastic & ~self.data[0].both)
 
-    def needed(self, along: Motion, j: int) -> Array:
+    def needed(self, along: SmoothedMotion, j: int) -> Array:
         """Motor torque (samples,) that the model needs for a motion.
 
         It stands for the torque asked for in columns: that one's noise is in the residual as well, and would bias what
@@ -155,7 +155,7 @@ class Equations:
             left = left / law.gain + self.lost(along, j)
         return np.asarray(left)
 
-    def lost(self, along: Motion, j: int) -> Array:
+    def lost(self, along: SmoothedMotion, j: int) -> Array:
         """Of the torque asked for (samples,), what the back-EMF of a motor under voltage takes; else nothing."""
         return np.asarray(self.back_emf(j) * along.omega[:, j])
 
@@ -163,7 +163,7 @@ class Equations:
         """Slope [N m s/rad] by which a motor under voltage gives less of the torque asked for the faster it turns."""
         return sum(law.back_emf / law.gain for law in self.motors[j])
 
-    def of_torque(self, j: int, torque: Callable[[Motion], tuple[str, Array]]) -> Array:
+    def of_torque(self, j: int, torque: Callable[[SmoothedMotion], tuple[str, Array]]) -> Array:
         """What one torque on the motor's or link's side of a joint puts into the rows (rows,)."""
         parts = []
         for along in self.motions:
@@ -189,7 +189,7 @@ class Equations:
             parts.append(np.stack(abreast(partial(self._heavier, along), extra.transpose(1, 0, 2)), axis=1))
         return np.concatenate(parts)
 
-    def _heavier(self, along: Motion, more: Array) -> Array:
+    def _heavier(self, along: SmoothedMotion, more: Array) -> Array:
         """Change of the rows (times * equations,) where the links need more (samples, n)."""
         with SILENT():
             needed = np.where(self.true.elastic, 0.0, -more)
@@ -227,17 +227,17 @@ class Equations:
             parts.append(self.combined(along, motor, link, tau_s, wound=wound).ravel())
         return np.concatenate(parts)
 
-    def _smoothed(self, along: Motion, x: Array, order: int) -> Array:
+    def _smoothed(self, along: SmoothedMotion, x: Array, order: int) -> Array:
         y = self.filters.first.apply(x, order)
         spare = (len(y) - len(along.t)) // 2
         if self.made_up.any():
             return self.filters.first.apply(y, 0)
         return y[spare : len(y) - spare]
 
-    def _rows(self, model: FlexibleJointModel, motions: Sequence[Motion], effects: Sequence[Effect]) -> Array:
+    def _rows(self, model: FlexibleJointModel, motions: Sequence[SmoothedMotion], effects: Sequence[Effect]) -> Array:
         return np.concatenate([self._of_motion(model, each, effects).ravel() for each in motions])
 
-    def _of_motion(self, model: FlexibleJointModel, along: Motion, effects: Sequence[Effect]) -> Array:
+    def _of_motion(self, model: FlexibleJointModel, along: SmoothedMotion, effects: Sequence[Effect]) -> Array:
         """Residuals of one recording (times, equations)."""
         terms = [joint_terms(model, effects, along, j) for j in range(model.n)]
         motor = np.stack([each.motor for each in terms], axis=1)
@@ -250,7 +250,7 @@ class Equations:
 
     def combined(
         self,
-        along: Motion,
+        along: SmoothedMotion,
         motor: Array | None,
         link: Array | None,
         tau_s: Array | None,
@@ -282,7 +282,7 @@ class Equations:
                 rows[:, place] = unit * self.filters.rows(wound[:, j])
         return rows
 
-    def _filtered(self, along: Motion, torque: Array | None, only: int | None) -> Array:
+    def _filtered(self, along: SmoothedMotion, torque: Array | None, only: int | None) -> Array:
         """Rows (times, n) of a torque (samples, n), or of one joint alone (samples,)."""
         rows = np.zeros((self.filters.count(len(along.t)), self.true.n))
         if torque is not None and torque.any():
@@ -321,7 +321,7 @@ class Equations:
             gains[j] *= math.prod(law.gain for law in laws)
         return np.where(np.abs(gains) < 0.05, np.copysign(0.05, gains), gains)
 
-    def _lifted(self, along: Motion, motor: Array | None, link: Array | None, only: int | None) -> Array:
+    def _lifted(self, along: SmoothedMotion, motor: Array | None, link: Array | None, only: int | None) -> Array:
         """What made-up positions do to the equations (times, n).
 
         A link position from the motor's equation is wrong by ``-motor/K``: its acceleration loads every link, gravity

@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations.equations import LINK, SENSOR, TRANSMISSION, Equations
-from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.regime import Quantity, regime
-from flexdyn.diagnose.report.measures import Place
-from flexdyn.diagnose.report.trace import Trace
+from flexdyn.diagnose.report.measures import ResidualPlace
+from flexdyn.diagnose.report.trace import ResidualTrace
 
 Array = NDArray[np.float64]
-BLOCK = 0.025
+POWER_BLOCK = 0.025
 """Length of the blocks whose power is compared [s]."""
-CHANCE, UNSURE = 5.0, 0.05
+CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
 """Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
 LEAST_SHARE = 0.01
 """Places of a smaller share of the excess are left out [1]."""
@@ -29,7 +29,7 @@ SIDES = {
 }
 
 
-def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tuple[Place, ...]:
+def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tuple[ResidualPlace, ...]:
     """Share of the gap and regime of every equation, the largest share first.
 
     Residuals count white, in units of their noise: what the encoders make of a stiff spring is large in both equations
@@ -48,7 +48,7 @@ def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tup
     seen = ~mask.reshape(-1, many)
     rows = seen.sum(axis=0)
     excess = ((power - 1.0) * seen).sum(axis=0)
-    excess = np.where(excess > np.maximum(CHANCE * np.sqrt(2.0 * rows), UNSURE * rows), excess, 0.0)
+    excess = np.where(excess > np.maximum(CHANCE_ROOM * np.sqrt(2.0 * rows), NOISE_LEVEL_ERROR * rows), excess, 0.0)
     if not excess.any():
         return ()
     shares = excess / excess.sum()
@@ -58,7 +58,7 @@ def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tup
             break
         j, kind = equations.kinds[place]
         where = _regime(equations, int(place), power[:, place], seen[:, place])
-        found.append(Place(equations.true.joint_names[j], kind, float(shares[place]), where))
+        found.append(ResidualPlace(equations.true.joint_names[j], kind, float(shares[place]), where))
     return tuple(found)
 
 
@@ -70,7 +70,7 @@ def _regime(equations: Equations, place: int, power: Array, seen: NDArray[np.boo
     first = 0
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
-        width = max(1, round(BLOCK / (along.dt * equations.filters.every)))
+        width = max(1, round(POWER_BLOCK / (along.dt * equations.filters.every)))
         rows, used = power[first : first + len(at)], seen[first : first + len(at)].astype(float)
         first += len(at)
         weight = _sums(used, width)
@@ -93,7 +93,7 @@ def _sums(x: Array, width: int) -> Array:
     return np.asarray(x[: len(x) // width * width].reshape(-1, width).sum(axis=1))
 
 
-def _quantities(equations: Equations, along: Motion, j: int, kind: str) -> Iterator[Quantity]:
+def _quantities(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[Quantity]:
     """What an equation's residual may depend on, over the samples of a motion (samples,)."""
     model = equations.true
     angle = model.robot.angle_unit(model.joint_names[j])
@@ -123,7 +123,7 @@ def _travelled(x: Array, u: Array) -> Array:
     return np.asarray(np.abs(x - x[last]))
 
 
-def traces(before: Equations, after: Equations, mask: NDArray[np.bool_]) -> tuple[Trace, ...]:
+def traces(before: Equations, after: Equations, mask: NDArray[np.bool_]) -> tuple[ResidualTrace, ...]:
     """Residual torques of every equation over time, velocity and position, before and after.
 
     Args:
@@ -153,8 +153,10 @@ def traces(before: Equations, after: Equations, mask: NDArray[np.bool_]) -> tupl
         clear = ~hidden[:, place]
         rows = len(places[0])
         one, two = (np.where(clear, each[:, place], np.nan) for each in (shown, left))
-        pictures.append(Trace.thinned(title, "t [s]", unit, before.motions[0].t[places[0]], one[:rows], two[:rows]))
+        pictures.append(
+            ResidualTrace.thinned(title, "t [s]", unit, before.motions[0].t[places[0]], one[:rows], two[:rows])
+        )
         for name, label in (("v" if link else "omega", f"{angle}/s"), ("q" if link else "theta", angle)):
             x = stacked[name][:, j]
-            pictures.append(Trace.thinned(title, f"{name} [{label}]", unit, x[clear], one[clear], two[clear]))
+            pictures.append(ResidualTrace.thinned(title, f"{name} [{label}]", unit, x[clear], one[clear], two[clear]))
     return tuple(pictures)

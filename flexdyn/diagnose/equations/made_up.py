@@ -1,4 +1,4 @@
-"""Positions that no encoder saw, made up from their joints' own equations."""
+"""Unmeasured positions, computed from the equations of their joints."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from flexdyn.simulation.plant import LinkSide
 Array = NDArray[np.float64]
 NOT_PLAIN = (Backlash, HardeningSpring, SpringHysteresis)
 """What makes a transmission another thing than a linear spring."""
-ROUNDS, STEP, STEEPEST = 8, 1e-4, 10.0
+STEEP_SPRING_ROUNDS, STEEP_SPRING_STEP, STEEPEST_SPRING = 8, 1e-4, 10.0
 """Of Newton's method: steps, relative difference for its slopes, and how steep these are at most over the spring's."""
 
 
@@ -67,9 +67,9 @@ def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
     K, acting = model.stiffness[j], _acting(model, j)
     springs = [effect for effect in acting if isinstance(effect, HardeningSpring | SpringHysteresis)]
     seen = carried / K
-    for _ in range(ROUNDS if springs else 0):
-        now, ahead = (K * x + _more(springs, x) for x in (seen, (1.0 + STEP) * seen))
-        slope = np.clip((ahead - now) / np.where(seen == 0.0, np.inf, STEP * seen), K, STEEPEST * K)
+    for _ in range(STEEP_SPRING_ROUNDS if springs else 0):
+        now, ahead = (K * x + _more(springs, x) for x in (seen, (1.0 + STEEP_SPRING_STEP) * seen))
+        slope = np.clip((ahead - now) / np.where(seen == 0.0, np.inf, STEEP_SPRING_STEP * seen), K, STEEPEST_SPRING * K)
         seen = seen + (carried - now) / slope
     gap = sum(effect.half_gap for effect in acting if isinstance(effect, Backlash))
     return np.asarray(seen + gap * np.sign(carried))

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, Equations
-from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 
 Array = NDArray[np.float64]
-SIGMAS = 5.0
+CERTAIN_SIGN_SIGMAS = 5.0
 """A velocity of fewer standard deviations than this has no certain sign."""
 
 
-def sign_mask(equations: Equations, noise: Noise, *, alone: bool = False) -> NDArray[np.bool_]:
+def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) -> NDArray[np.bool_]:
     """Rows (rows,) whose filters reach an instant at which a velocity of their joint has no certain sign.
 
     Args:
@@ -36,7 +36,7 @@ def sign_mask(equations: Equations, noise: Noise, *, alone: bool = False) -> NDA
     return np.concatenate(found)
 
 
-def _uncertain(equations: Equations, along: Motion, noise: Noise, j: int, kind: str) -> NDArray[np.bool_]:
+def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int, kind: str) -> NDArray[np.bool_]:
     """Samples from which an uncertain sign is within reach of the filters."""
     filters = equations.filters
     data = along.data
@@ -49,7 +49,7 @@ def _uncertain(equations: Equations, along: Motion, noise: Noise, j: int, kind: 
         if kind in (MOTOR, LINK) and kind != side:
             continue
         sigma = level if there else max(noise.q[j], noise.theta[j]) * 3.0
-        uncertain |= np.abs(u) <= SIGMAS * spread * sigma  # 0 has none, however good the encoder
+        uncertain |= np.abs(u) <= CERTAIN_SIGN_SIGMAS * spread * sigma  # 0 has none, however good the encoder
         uncertain[1:] |= u[1:] * u[:-1] < 0.0
     passes = 1 + (along.lost > filters.first.half)
     reach = round(0.6 * (passes * filters.first.half + filters.second.half))  # three standard deviations of each

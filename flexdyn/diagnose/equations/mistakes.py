@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.data.kernel import Kernel
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
-from flexdyn.diagnose.equations.motion import Motion, Smoothed, motion, smoothed
+from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
@@ -21,20 +21,21 @@ from flexdyn.simulation.plant import LinkSide
 Array = NDArray[np.float64]
 SMOOTHING = 0.012
 """Standard deviation of the filter [s]: wide enough that a coarse encoder's acceleration says something."""
-STRIDE = 0.006
-"""Between the instants that are looked at [s]."""
+INSTANT_SPACING = 0.006
+"""Time between the instants that are looked at [s]."""
 DEGREE = 180.0 / np.pi
-AMBIGUOUS = 5.0
+"""Degrees in a radian."""
+SMALLEST_CHECKED_RATIO = 5.0
 """A gear ratio below this cannot be told from a wrong mass: it is not looked for."""
-APART, CLOSE = 3.0, 2.0
+UNIT_GAIN_FACTOR, CHANNEL_GAIN_FACTOR = 3.0, 2.0
 """A torque fits a unit, and another assignment of channels, where its gain is 1 within these factors."""
-WOUND = 3.0
+WOUND_SPRING_RATIO = 3.0
 """An elastic joint with one encoder says nothing where it moves by less than so many times what its spring may wind."""
-GOOD = 0.8
+EXPLAINED_SHARE = 0.8
 """Share of a torque's variance that a mistake, once undone, must explain [1]."""
 FAR, COURSE = 10.0, 0.3
 """A torque at a gain beyond this factor has a wrong unit where it has this share of the needed one's course."""
-AGAINST = 0.4
+WRONG_SIGN_SHARE = 0.4
 """A torque against the needed one has a wrong sign where it has this share of its course [1]."""
 
 
@@ -114,11 +115,13 @@ def match(model: FlexibleJointModel, links: LinkSide, data: Measured, *, springs
     torques = [_needed_and_friction(model, along, j, springs) for j in range(model.n)]
     gain, share, plain, says = np.array([_matched(*each) for each in torques]).T
     wound = np.array([np.ptp(needed) for _, needed, _ in torques]) / model.stiffness
-    held = ~data.both & (np.ptp(along.q, axis=0) < WOUND * wound)
+    held = ~data.both & (np.ptp(along.q, axis=0) < WOUND_SPRING_RATIO * wound)
     return Match(gain, share, plain, (says > 0.5) & ~held)
 
 
-def _needed_and_friction(model: FlexibleJointModel, along: Motion, j: int, springs: bool) -> tuple[Array, Array, Array]:
+def _needed_and_friction(
+    model: FlexibleJointModel, along: SmoothedMotion, j: int, springs: bool
+) -> tuple[Array, Array, Array]:
     terms = joint_terms(model, model.all_effects, along, j)
     load = along.inverse_dynamics[:, j]
     if model.elastic[j]:
@@ -173,7 +176,7 @@ def liveliest(data: Measured, seconds: float) -> Measured:
 
 
 def _thinned(signals: Smoothed) -> Smoothed:
-    every = max(1, round(STRIDE / signals.dt))
+    every = max(1, round(INSTANT_SPACING / signals.dt))
     columns: dict[str, Any] = {k: x[::every] for k, x in vars(signals).items() if isinstance(x, np.ndarray)}
     return replace(signals, **columns, dt=signals.dt * every)
 
@@ -185,12 +188,12 @@ def far(gain: Array | float) -> NDArray[np.bool_]:
 
 def needed_share(gain: Array | float) -> Array:
     """Share of the needed torque's course that makes one believe in a torque's wrong unit or sign."""
-    return np.where(far(gain), COURSE, np.where(np.asarray(gain) < 0.0, AGAINST, GOOD))
+    return np.where(far(gain), COURSE, np.where(np.asarray(gain) < 0.0, WRONG_SIGN_SHARE, EXPLAINED_SHARE))
 
 
 def fits(mistake: Mistake, undone: Match) -> NDArray[np.bool_]:
     """Whether every torque is as large as the model needs once a mistake is undone (n,)."""
-    within = APART if mistake.of_torques or mistake.of_units else CLOSE
+    within = UNIT_GAIN_FACTOR if mistake.of_torques or mistake.of_units else CHANNEL_GAIN_FACTOR
     return np.asarray((undone.gain > 1.0 / within) & (undone.gain < within))
 
 
@@ -198,7 +201,7 @@ def wanted_share(mistake: Mistake, gain: Array) -> Array:
     """Share of every torque's variance (n,) that a mistake, once undone, must explain; `gain` as the recording is."""
     if mistake.of_torques:
         return needed_share(gain)
-    return np.where(far(gain) & mistake.of_units, COURSE, GOOD)
+    return np.where(far(gain) & mistake.of_units, COURSE, EXPLAINED_SHARE)
 
 
 def mistakes(model: FlexibleJointModel, seen: Match) -> Iterator[Mistake]:
@@ -224,11 +227,11 @@ def torque_unit(model: FlexibleJointModel, j: int, gain: float) -> tuple[float, 
         (1e3, f"it looks like m{unit}", f"divide tau.{name} by 1000 ({unit} are wanted)"),
         (1e-3, f"it looks like k{unit}", f"multiply tau.{name} by 1000 ({unit} are wanted)"),
     ]
-    if abs(ratio) > AMBIGUOUS:
+    if abs(ratio) > SMALLEST_CHECKED_RATIO:
         motor = f"multiply tau.{name} by the gear ratio {ratio:g} (torques are reflected to the link side)"
         twice = f"divide tau.{name} by the gear ratio {ratio:g}"
         known += [(1.0 / ratio, "it looks like the motor shaft's", motor), (ratio, "it looks reflected twice", twice)]
-    if gain == 0.0 or not np.isfinite(gain) or 1.0 / APART < gain < APART:
+    if gain == 0.0 or not np.isfinite(gain) or 1.0 / UNIT_GAIN_FACTOR < gain < UNIT_GAIN_FACTOR:
         return None
     near = [entry for entry in known if 1.0 / _width(entry[0]) < gain / entry[0] < _width(entry[0])]
     return min(near, key=lambda entry: abs(np.log(gain / entry[0]))) if near else None
@@ -236,7 +239,7 @@ def torque_unit(model: FlexibleJointModel, j: int, gain: float) -> tuple[float, 
 
 def _width(factor: float) -> float:
     """Within which a gain is taken for a factor: a sign leaves the size as it is."""
-    return CLOSE if factor == -1.0 else APART
+    return CHANNEL_GAIN_FACTOR if factor == -1.0 else UNIT_GAIN_FACTOR
 
 
 def _blank(model: FlexibleJointModel, problem: str, remedy: str, joints: tuple[int, ...]) -> Mistake:
@@ -280,7 +283,7 @@ def _of_positions(model: FlexibleJointModel, joints: tuple[int, ...]) -> Iterato
 
     turns = [model.robot.kinds[j] != "prismatic" for j in joints]
     ratios = [list(model.joints.values())[j].gear_ratio for j in joints]
-    wide = [ratio if abs(ratio) > AMBIGUOUS else 1.0 for ratio in ratios]
+    wide = [ratio if abs(ratio) > SMALLEST_CHECKED_RATIO else 1.0 for ratio in ratios]
     unit = "degrees" if all(turns) else "mm" if not any(turns) else "degrees and mm"
     right = "rad" if all(turns) else "m" if not any(turns) else "rad and m"
     near = ", or divide them by the gear ratio if they are the motor shaft's"

@@ -18,9 +18,9 @@ from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp] | slice
-STEP = 1e-5
-"""Of differences of h [rad and rad/s, or m and m/s]."""
-ALIKE, AS_HEAVY = 0.01, 0.1
+DYNAMICS_STEP = 1e-5
+"""Step of the differences of h [rad and rad/s, or m and m/s]."""
+SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE = 0.01, 0.1
 """Shares of their ranges by which motions, and the torques that they need, may differ for slopes of h to be shared."""
 
 
@@ -64,7 +64,7 @@ class Smoothed:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion(Smoothed):
+class SmoothedMotion(Smoothed):
     """Smoothed signals, and what the links' dynamics are along them.
 
     Attributes:
@@ -75,7 +75,7 @@ class Motion(Smoothed):
 
     links: LinkSide
     inverse_dynamics: Array
-    near: Motion | None = None
+    near: SmoothedMotion | None = None
 
     @lazy
     def M(self) -> Array:
@@ -110,11 +110,11 @@ class Motion(Smoothed):
         if place not in self._known:
             q, v = self.q[at], self.v[at]
             ahead, faster = q.copy(), v.copy()
-            ahead[:, j] += STEP
-            faster[:, j] += STEP
+            ahead[:, j] += DYNAMICS_STEP
+            faster[:, j] += DYNAMICS_STEP
             given = self.links.bias(q, v)
             by_place, by_speed = self.links.bias(ahead, v) - given, self.links.bias(q, faster) - given
-            self._known[place] = (by_place / STEP, by_speed / STEP)
+            self._known[place] = (by_place / DYNAMICS_STEP, by_speed / DYNAMICS_STEP)
         return self._known[place]
 
     @lazy
@@ -122,7 +122,7 @@ class Motion(Smoothed):
         return {}
 
 
-def motion(links: LinkSide, signals: Smoothed, base: Motion | None = None) -> Motion:
+def motion(links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = None) -> SmoothedMotion:
     """The links' dynamics along smoothed signals.
 
     Args:
@@ -132,16 +132,16 @@ def motion(links: LinkSide, signals: Smoothed, base: Motion | None = None) -> Mo
     """
     total = links.inverse_dynamics(signals.q, signals.v, signals.a)
     own = {entry.name: getattr(signals, entry.name) for entry in dataclasses.fields(signals)}
-    made = Motion(**own, links=links, inverse_dynamics=total)
+    made = SmoothedMotion(**own, links=links, inverse_dynamics=total)
     return dataclasses.replace(made, near=base) if base is not None and _alike(made, base) else made
 
 
-def _alike(one: Motion, base: Motion) -> bool:
+def _alike(one: SmoothedMotion, base: SmoothedMotion) -> bool:
     """Whether slopes of M a + h are the same but for what their use, which is small itself, does not care about."""
     if one.q.shape != base.q.shape:
         return False
     pairs = ((one.q, base.q), (one.v, base.v), (one.inverse_dynamics, base.inverse_dynamics))
-    shares = (ALIKE, ALIKE, AS_HEAVY)
+    shares = (SHARED_MOTION_SHARE, SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE)
     return all(np.abs(a - b).max() <= s * r for (a, b), s, r in zip(pairs, shares, base.ranges, strict=True))
 
 

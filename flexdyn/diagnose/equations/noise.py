@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.equations.covariance import Noise, variances
+from flexdyn.diagnose.equations.covariance import SampleNoise, variances
 from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, Equations
 
 Array = NDArray[np.float64]
 DIFFERENCE = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
-OTHERS = 0.5
+"""Coefficients of the sixth difference."""
+ENCODER_NOISE_SHARE = 0.5
 """Share of the residual's noise that encoders may make for the torque's to be told from it."""
 GAUSS = 1.4826
 """Standard deviation over median absolute deviation of a Gaussian."""
@@ -49,7 +50,7 @@ def recorded_torque_noise(data: tuple[Measured, ...]) -> Array:
     return np.array([max(_rough(each.tau[:, j]) for each in data) for j in range(data[0].tau.shape[1])])
 
 
-def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], encoders: Noise) -> Array:
+def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], encoders: SampleNoise) -> Array:
     """Standard deviation of each joint's torque channel (n,) [N m or N].
 
     Second differences of what the equations leave hold noise and hardly anything of a missing effect; what the encoders
@@ -74,7 +75,7 @@ def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], enc
             clear[:] = True
         seen = (GAUSS * float(np.median(np.abs(second[clear] - np.median(second[clear]))))) ** 2
         others, unit = variances(equations, encoders, place, j)
-        if others > OTHERS * seen:
+        if others > ENCODER_NOISE_SHARE * seen:
             found[j] = recorded_torque_noise(equations.data)[j]
         else:
             found[j] = np.sqrt((seen - others) / unit)

@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-BINS = 12
+REGIME_BINS = 12
 """Bins of equal numbers of blocks that a quantity is cut into."""
-APART = 8.0
+BLOCKS_AS_ONE = 8.0
 """Blocks that count as one: neighbours in time are alike."""
-LEAST = 0.15
+NAMED_VARIANCE_SHARE = 0.15
 """Share of the variance of the logarithm of the power that a quantity must explain to be named [1]."""
-DENSER = 1.6
+REGIME_DENSITY = 1.6
 """Times as much excess per time as outside that a regime must hold [1]."""
-NOTHING = 1e-3
+ZERO_BOUND_SHARE = 1e-3
 """A lower bound of so small a share of the upper one is none [1]."""
 EVERYWHERE = "everywhere"
 
@@ -49,7 +49,7 @@ def regime(power: Array, quantities: Sequence[Quantity]) -> str:
         quantities: that it may depend on.
     """
     excess = np.maximum(power - 1.0, 0.0)
-    if len(power) < 2.0 * APART or not excess.sum() > 0.0:
+    if len(power) < 2.0 * BLOCKS_AS_ONE or not excess.sum() > 0.0:
         return EVERYWHERE
     level = np.log(power + 1.0)
     total = float(level.var())
@@ -58,7 +58,7 @@ def regime(power: Array, quantities: Sequence[Quantity]) -> str:
         scored = [
             (_explained(level, each) * float(level.var()) / total, k) for k, each in enumerate(left) if total > 0.0
         ]
-        if not scored or max(scored)[0] < LEAST:
+        if not scored or max(scored)[0] < NAMED_VARIANCE_SHARE:
             break
         best = left.pop(max(scored)[1])
         found = _range(excess, best, inside)
@@ -81,7 +81,7 @@ def _edges(quantity: Quantity) -> Array:
     """Between the bins; fewer where many values are equal."""
     if quantity.signed:
         return np.zeros(1)
-    return np.unique(np.quantile(quantity.values, np.arange(1, BINS) / BINS))
+    return np.unique(np.quantile(quantity.values, np.arange(1, REGIME_BINS) / REGIME_BINS))
 
 
 def _means(level: Array, bins: NDArray[np.intp]) -> Array:
@@ -97,7 +97,7 @@ def _explained(level: Array, quantity: Quantity) -> float:
     if used < 2 or variance == 0.0:
         return 0.0
     share = float(_means(level, bins).var()) / variance
-    blocks = len(level) / APART
+    blocks = len(level) / BLOCKS_AS_ONE
     return 1.0 - (1.0 - share) * (blocks - 1.0) / (blocks - used) if blocks > used else 0.0
 
 
@@ -115,14 +115,14 @@ def _range(excess: Array, quantity: Quantity, inside: NDArray[np.bool_]) -> tupl
         ((a, b) for a in range(many) for b in range(a + 1, many + 1)), key=lambda run: runs[run[1]] - runs[run[0]]
     )
     share, spent = held[first:last].sum() / held.sum(), time[first:last].sum()
-    if spent >= 1.0 or share / spent < DENSER * (1.0 - share) / (1.0 - spent):
+    if spent >= 1.0 or share / spent < REGIME_DENSITY * (1.0 - share) / (1.0 - spent):
         return None
     return quantity.text.format(_words(edges, first, last)), (bins >= first) & (bins < last)
 
 
 def _words(edges: Array, first: int, last: int) -> str:
     """Bins `first` up to and without `last`, as a reader says it."""
-    if first == 0 or (last <= len(edges) and 0.0 <= edges[first - 1] < NOTHING * edges[last - 1]):
+    if first == 0 or (last <= len(edges) and 0.0 <= edges[first - 1] < ZERO_BOUND_SHARE * edges[last - 1]):
         return f"< {_rounded(edges[last - 1])}"
     if last > len(edges):
         return f"> {_rounded(edges[first - 1])}"

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.mistakes import (
-    AMBIGUOUS,
     DEGREE,
-    GOOD,
-    WOUND,
+    EXPLAINED_SHARE,
+    SMALLEST_CHECKED_RATIO,
+    WOUND_SPRING_RATIO,
     Match,
     Mistake,
     far,
@@ -30,34 +30,34 @@ from flexdyn.model.uncertain_parameters import file_numbers
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
-SHORTEST = 1.5
+LEAST_MOVING_TIME = 1.5
 """Least time in which something moves, in all recordings of the fit together [s]: three windows of 0.5 s."""
-LEAST = 0.5
+SHORTEST_RECORDING = 0.5
 """Least length of one recording [s]: a window."""
 REMEDY = (
-    f"{SHORTEST:g} s of motion to fit are the least, three windows of 0.5 s; several short recordings add up;"
+    f"{LEAST_MOVING_TIME:g} s of motion to fit are the least, three windows of 0.5 s; several short recordings add up;"
     " without test data of their own (check), the last fifth of it is kept apart, and at least 1 s"
 )
-SLOWEST = 20.0
+LEAST_RATE = 20.0
 """Least rate [Hz]: below it no acceleration of an arm is seen, and a clock in ms is likely."""
-STILL = 10.0
+MOVING_SIGMAS = 10.0
 """A joint moves where its positions range over more than so many standard deviations of the encoder's noise."""
-ALIKE = 0.9
+ENCODERS_ALIKE_SHARE = 0.9
 """Share of the variance that two encoders of one joint have in common at least, if both are its own [1]."""
-DEAD = 1e-3
+DEAD_ENCODER_SHARE = 1e-3
 """An encoder is dead where its range is below this share of that of the joint's other one [1]."""
-POOR = 0.7
+POOR_VARIANCE_SHARE = 0.7
 """Mistakes are looked for where a model explains less of a torque's variance [1]."""
-LOOKED_AT = 12.0
+LIVELIEST_LENGTH = 12.0
 """Length of the liveliest part of a recording, in which mistakes are looked for [s]."""
-BETTER = 0.2
+BETTER_BY_SHARE = 0.2
 """A mistake about several joints explains this much more of every one's torque, if not all of it [1]."""
-LOOSE = 0.5
+NOTED_VARIANCE_SHARE = 0.5
 """Less than this of its variance is worth a note."""
-SIZE = 0.1
+SIZE_WEIGHT = 0.1
 """Of two mistakes the better has torques of the right size: what a factor of e costs in share [1]."""
 UNCHECKED = "Units and signs of the torques were not checked, as numbers of the model are not known."
-ALSO = 5.0
+BELIEVED_RATIO = 5.0
 """A mistake believed leaves this much less than the recording as it is given."""
 
 
@@ -91,12 +91,12 @@ def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> t
 
 
 def _check_clock(data: Measured) -> None:
-    if data.dt > 1.0 / SLOWEST:
+    if data.dt > 1.0 / LEAST_RATE:
         remedy = "times are in s: divide them by 1000 if they are in ms; else record at 100 Hz or more"
         problem = f"samples {data.dt:g} s apart are too slow to see an arm accelerate"
         raise InputError(problem, file=data.name, key="t", remedy=remedy)
     length = data.dt * (len(data.t) - 1)
-    if length < LEAST - data.dt or len(data.t) <= 2 * reach(data.dt):
+    if length < SHORTEST_RECORDING - data.dt or len(data.t) <= 2 * reach(data.dt):
         raise InputError("the recording is too short", file=data.name, key="t", value=f"{length:.3g} s", remedy=REMEDY)
 
 
@@ -118,13 +118,13 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
     for j, (joint, signal) in enumerate(zip(model.joint_names, signals, strict=True)):
         sigma = float(noise[signal == "theta"][j])
         wide = max(_range(getattr(each, signal)[:, j], each.dt) for each in data)
-        if wide <= STILL * sigma:
+        if wide <= MOVING_SIGMAS * sigma:
             remedy = f"move it, or lock it in the model (robot.lock: {{{joint}: ...}})"
             problem = "the joint does not move beyond its encoder's noise"
             value = f"a range of {wide:.2g} at a noise of {sigma:.2g}"
             raise InputError(problem, file=data[0].name, key=f"{signal}.{joint}", value=value, remedy=remedy)
     moving = sum(_moving_time(each, signals, noise) for each in data)
-    if moving < SHORTEST:
+    if moving < LEAST_MOVING_TIME:
         problem = "hardly anything moves in the recording"
         if len(data) > 1:
             problem = "hardly anything moves in the recordings"
@@ -146,7 +146,7 @@ def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array])
     for j, signal in enumerate(signals):
         x = getattr(data, signal)[: blocks * width, j].reshape(blocks, width)
         spread = x.max(axis=1) - x.min(axis=1)
-        moves |= spread > STILL * float(noise[signal == "theta"][j])
+        moves |= spread > MOVING_SIGMAS * float(noise[signal == "theta"][j])
     return float(moves.sum()) * width * data.dt
 
 
@@ -158,25 +158,25 @@ def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
     both = np.flatnonzero(data.both)
     for j in both:
         joint = model.joint_names[j]
-        wound = WOUND * float(np.abs(data.tau[:, j]).max()) / float(model.stiffness[j])
+        wound = WOUND_SPRING_RATIO * float(np.abs(data.tau[:, j]).max()) / float(model.stiffness[j])
         if max(np.ptp(data.q[:, j]), np.ptp(data.theta[:, j])) <= wound:
             continue
         for dead, alive in (("q", "theta"), ("theta", "q")):
             x, y = getattr(data, dead)[:, j], getattr(data, alive)[:, j]
-            if np.ptp(x) < DEAD * np.ptp(y):
+            if np.ptp(x) < DEAD_ENCODER_SHARE * np.ptp(y):
                 problem, remedy = f"it rests while {alive}.{joint} moves", f"leave out {dead}.{joint}"
                 value = f"a range of {np.ptp(x):.2g} against {np.ptp(y):.2g}"
                 raise InputError(problem, file=data.name, key=f"{dead}.{joint}", value=value, remedy=remedy)
         slope, share = _line(data.q[:, j], data.theta[:, j])
-        if share > ALIKE and 0.5 < slope < 2.0:
+        if share > ENCODERS_ALIKE_SHARE and 0.5 < slope < 2.0:
             continue
         for factor, problem, remedy in sorted(_looks(model, int(j)), key=lambda look: abs(slope / look[0] - 1.0)):
-            if share > GOOD and 0.8 < slope / factor < 1.25:
+            if share > EXPLAINED_SHARE and 0.8 < slope / factor < 1.25:
                 value = f"theta = {slope:.4g} q"
                 raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
         for i in both:
             other, alike = _line(data.q[:, i], data.theta[:, j])
-            if i != j and share < ALIKE and alike > 0.99 and 0.8 < abs(other) < 1.25:
+            if i != j and share < ENCODERS_ALIKE_SHARE and alike > 0.99 and 0.8 < abs(other) < 1.25:
                 there = model.joint_names[i]
                 problem = f"theta follows the q of {there}, and not that of its own joint"
                 remedy = f"exchange theta.{joint} and theta.{there}, or their q"
@@ -193,7 +193,7 @@ def _looks(model: FlexibleJointModel, j: int) -> list[tuple[float, str, str]]:
         (unit, f"theta is in {small} and q is not", f"convert theta.{joint}"),
         (1.0 / unit, f"q is in {small} and theta is not", f"convert q.{joint}"),
     ]
-    if abs(ratio) <= AMBIGUOUS:
+    if abs(ratio) <= SMALLEST_CHECKED_RATIO:
         return looks
     remedy = f"divide theta.{joint} by the gear ratio {ratio:g} (side: motor)"
     turned = f"divide theta.{joint} by {-ratio:g}"
@@ -216,17 +216,17 @@ def _line(x: Array, y: Array) -> tuple[float, float]:
 def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Iterator[str]:
     """Whether one mistake explains the torques far better than the recording as it is given."""
     seen = match(model, links, data)
-    poor = seen.says & (seen.plain < POOR)
+    poor = seen.says & (seen.plain < POOR_VARIANCE_SHARE)
     if poor.any():
-        _check_mistakes(model, links, liveliest(data, LOOKED_AT))
+        _check_mistakes(model, links, liveliest(data, LIVELIEST_LENGTH))
     for j in np.flatnonzero(poor):
         joint, gain, share = model.joint_names[j], float(seen.gain[j]), float(seen.share[j])
-        if share > GOOD and far(gain):
+        if share > EXPLAINED_SHARE and far(gain):
             remedy = f"check the unit of tau.{joint} and the masses of the model"
             problem = "the torque has the right course and the wrong size"
             value = f"{gain:.3g} times what the model needs"
             raise InputError(problem, file=data.name, key=f"tau.{joint}", value=value, remedy=remedy)
-        if share > LOOSE and 0.5 < gain < 2.0:
+        if share > NOTED_VARIANCE_SHARE and 0.5 < gain < 2.0:
             continue
         yield (
             f"In {data.name or 'the recording'} the torque of {joint} follows what the model needs only loosely: at "
@@ -236,7 +236,7 @@ def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured)
 
 def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) -> None:
     seen = match(model, links, data)
-    poor = seen.says & (seen.plain < POOR)
+    poor = seen.says & (seen.plain < POOR_VARIANCE_SHARE)
     best: tuple[float, Mistake, Match] | None = None
     for mistake in mistakes(model, seen) if poor.any() else ():
         undone = match(model, links, mistake.undone(data))
@@ -252,7 +252,7 @@ def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) 
 def _beyond_springs(model: FlexibleJointModel, links: LinkSide, data: Measured, mistake: Mistake) -> bool:
     """Whether another unit of the positions explains more than a spring that the model lacks would."""
     sprung, undone = (match(model, links, each, springs=True) for each in (data, mistake.undone(data)))
-    return all(undone.says[j] and undone.share[j] > sprung.plain[j] + BETTER for j in mistake.joints)
+    return all(undone.says[j] and undone.share[j] > sprung.plain[j] + BETTER_BY_SHARE for j in mistake.joints)
 
 
 def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]) -> float | None:
@@ -261,13 +261,13 @@ def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]
     now = np.where(fits(mistake, undone), undone.share, 0.0)
     before = np.clip(seen.plain, 0.0, 1.0)
     wanted = wanted_share(mistake, seen.gain)
-    healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / ALSO) | (wanted < GOOD))
+    healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / BELIEVED_RATIO) | (wanted < EXPLAINED_SHARE))
     named = [j for j in mistake.joints if known[j]]
-    better = (now >= wanted) | (now > before + BETTER)
+    better = (now >= wanted) | (now > before + BETTER_BY_SHARE)
     if not named or not healed[known].any() or not better[named].all() or (now < before - 0.1)[known].any():
         return None
     off = np.abs(np.log(np.maximum(np.abs(undone.gain[named]), 1e-9))).mean()
-    return float(now[known].mean() - SIZE * off)
+    return float(now[known].mean() - SIZE_WEIGHT * off)
 
 
 def _refused(data: Measured, joints: Sequence[str], seen: Match, mistake: Mistake, undone: Match) -> InputError:

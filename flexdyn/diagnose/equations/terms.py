@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import (
     CommandDelay,
@@ -29,7 +29,7 @@ def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
     return [e for e in effects if isinstance(e, JointEffect) and e.joint == joint]
 
 
-def applied_torque(effects: Sequence[JointEffect], motion: Motion, j: int) -> Array:
+def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
     """tau_applied (samples,): the actuator effects act on the torque asked for one after the other."""
     tau = motion.tau[:, j]
     acting = [e for e in effects if e.stage == "actuator"]
@@ -41,7 +41,7 @@ def applied_torque(effects: Sequence[JointEffect], motion: Motion, j: int) -> Ar
     return tau
 
 
-def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], motion: Motion, j: int) -> Array:
+def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
     """tau_s (samples, 2): what the link feels, and what the rotor does.
 
     Kinematic error first, then dead zones, then every spring law; hysteresis takes the result. The rotor feels the
@@ -75,7 +75,7 @@ def _is_damping(effect: JointEffect) -> bool:
 
 
 def friction_torque(
-    effects: Sequence[JointEffect], model: FlexibleJointModel, motion: Motion, j: int, side: str, carried: Array
+    effects: Sequence[JointEffect], model: FlexibleJointModel, motion: SmoothedMotion, j: int, side: str, carried: Array
 ) -> Array:
     """f_motor or f_link (samples,) of a joint; `carried` is tau_s, on which some of it depends."""
     x, u = (motion.q, motion.v) if side == "link" else (motion.theta, motion.omega)
@@ -96,7 +96,7 @@ def adds_up(effect: JointEffect) -> bool:
     return plain and effect.side in ("motor", "link")
 
 
-def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: Motion) -> tuple[str, Array]:
+def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedMotion) -> tuple[str, Array]:
     """Side and torque (samples,) that an effect which adds up puts on the right side of that side's equation."""
     j = model.index(effect.joint)
     if effect.stage == "link":
@@ -109,7 +109,7 @@ def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: Motion) -
     return str(effect.side), -torque_of(effect, x[:, j], u[:, j], t=motion.t, tau=motion.tau[:, j])
 
 
-def link_torque(effects: Sequence[JointEffect], motion: Motion, j: int) -> Array:
+def link_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
     """Torques on the link's right side (samples,): parallel springs, counterbalances, end stops."""
     total = np.zeros(len(motion.t))
     for effect in effects:
@@ -134,7 +134,7 @@ class Terms:
     tau_s: Array
 
 
-def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: Motion, j: int) -> Terms:
+def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: SmoothedMotion, j: int) -> Terms:
     """The torques on a joint's rotor and link along a motion."""
     acting = of_joint(effects, model.joint_names[j])
     motor = applied_torque(acting, motion, j)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations import columns
-from flexdyn.diagnose.equations.covariance import Noise, whitener
+from flexdyn.diagnose.equations.covariance import SampleNoise, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis import number_columns
@@ -23,7 +23,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
-STEPS = 2
+NEW_MOTION_STEPS = 2
 """Gauss-Newton steps by which a hypothesis bends to a new motion."""
 
 
@@ -100,7 +100,7 @@ def laden(hypothesis: Hypothesis, load: Payload | None) -> Hypothesis:
 
 
 def space_along(
-    space: Workspace, numbers: Iterable[FileNumber], run: Measured, noise: Noise, load: Payload | None = None
+    space: Workspace, numbers: Iterable[FileNumber], run: Measured, noise: SampleNoise, load: Payload | None = None
 ) -> Workspace:
     """Equations along a motion that was simulated, with weights as real noise will have them.
 
@@ -118,7 +118,7 @@ def space_along(
     return dataclasses.replace(space, equations=along, whiten=whiten, numbers=slopes, nuisance=nuisance)
 
 
-def refitted(known: Known, space: Workspace, load: Payload | None = None, steps: int = STEPS) -> Refit:
+def refitted(known: Known, space: Workspace, load: Payload | None = None, steps: int = NEW_MOTION_STEPS) -> Refit:
     """A hypothesis bent to a motion as far as what is known about its numbers lets it; the best of a few steps.
 
     Its encoders' offsets begin as the recordings made so far want them: a count more or less, as no law else may have.

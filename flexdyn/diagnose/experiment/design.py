@@ -13,32 +13,32 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.experiment.apart import Known
-from flexdyn.diagnose.experiment.moves import TELLING, Move, moves, short
+from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves, short
 from flexdyn.diagnose.experiment.plan import planned
 from flexdyn.diagnose.experiment.reach import Reach, load_mass
-from flexdyn.diagnose.experiment.rehearsal import Bench, Rehearsal
+from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.suspects import Finding
 from flexdyn.diagnose.report.words import effect_name, suspect_phrase
-from flexdyn.diagnose.shooting.windows import Noise
+from flexdyn.diagnose.shooting.windows import WindowNoise
 from flexdyn.errors import FlexdynError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-CLEAR = 50.0
+CLEAR_DELTA_BIC = 50.0
 """Expected delta BIC from which two laws are told apart."""
-AMPLE = 4.0 * CLEAR
+AMPLE_DELTA_BIC = 4.0 * CLEAR_DELTA_BIC
 """From here on not even those that were to be tried with it are."""
-LONGEST = 120.0
+LONGEST_MOTION = 120.0
 """A motion is repeated for so long at most [s]."""
-SAME = 4.0
+SAME_LAW_DELTA_BIC = 4.0
 """An expected delta BIC below this in the longest time: the laws are the same."""
-TRIES = 12
+MOTIONS_TRIED = 12
 """So many motions are tried at most: each is simulated, and its rivals fitted to it."""
-JOINTS = 3
+JOINTS_TRIED = 3
 """So many joints are tried where no suspect says which one it acts on."""
-NAMED = 2
+HELD_JOINTS_NAMED = 2
 """So many other joints are named with the positions at which they are held."""
 POSES = ("in the middle of their ranges", "where gravity asks most of them", "where gravity asks least of them")
 LITTLE_MORE = 1.5
@@ -47,7 +47,9 @@ FAILURES = (FlexdynError, ArithmeticError, ValueError)
 """What a motion that cannot be simulated or weighed raises."""
 
 
-def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit], space: Workspace, levels: Noise) -> Finding:
+def with_experiment(
+    found: Finding, named: Fit, rivals: Sequence[Fit], space: Workspace, levels: WindowNoise
+) -> Finding:
     """A finding with rivals and the experiment that would tell them apart; as it is where none could be designed.
 
     Every motion is made in simulation by the named hypothesis; its rivals then explain what would have been recorded,
@@ -65,7 +67,7 @@ def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit], space: Wo
     true = space.equations.true
     try:
         known = tuple(Known.of(each) for each in (named, *rivals))
-        bench = Bench(space, levels, known, Reach.of(space.equations))
+        bench = RehearsalBench(space, levels, known, Reach.of(space.equations))
         rehearsed = _tried(bench, _joints(true, found))
     except FAILURES:
         return found
@@ -79,23 +81,23 @@ def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit], space: Wo
     return dataclasses.replace(found, experiment=_sentence(plan, names), plan=plan)
 
 
-def _tried(bench: Bench, joints: Sequence[int]) -> list[Rehearsal]:
+def _tried(bench: RehearsalBench, joints: Sequence[int]) -> list[Rehearsal]:
     """Motions that can be made, some at a time, until one of them tells: by the equations, else by windows."""
-    moves_left = itertools.islice(_moves(bench, joints), TRIES)
+    moves_left = itertools.islice(_moves(bench, joints), MOTIONS_TRIED)
     found: list[Rehearsal] = []
-    while some := list(itertools.islice(moves_left, TELLING)):
+    while some := list(itertools.islice(moves_left, VARIED_MOTIONS)):
         new = _rehearsed(bench, some)
         if new and not any(_passes(made) for made in new):
             turning = max(range(len(new)), key=lambda k: new[k].reversals)
             with contextlib.suppress(*FAILURES):
-                new[turning] = _shown(bench, bench.closer(new[turning], CLEAR / _most(new[turning])))
+                new[turning] = _shown(bench, bench.closer(new[turning], CLEAR_DELTA_BIC / _most(new[turning])))
         found += new
         if any(_passes(made) for made in new):
             break
     return found
 
 
-def _rehearsed(bench: Bench, some: Sequence[Move]) -> list[Rehearsal]:
+def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Rehearsal]:
     """Motions that can be made, side by side, up to the first that is ample."""
     ample: list[int] = []
 
@@ -104,7 +106,7 @@ def _rehearsed(bench: Bench, some: Sequence[Move]) -> list[Rehearsal]:
             return None
         with contextlib.suppress(*FAILURES):
             made = _shown(bench, bench.rehearse(some[k]))
-            if made.apart() >= AMPLE:
+            if made.apart() >= AMPLE_DELTA_BIC:
                 ample.append(k)
             return made
         return None
@@ -114,17 +116,17 @@ def _rehearsed(bench: Bench, some: Sequence[Move]) -> list[Rehearsal]:
     return [each for each in made[:wanted] if each is not None]
 
 
-def _shown(bench: Bench, made: Rehearsal) -> Rehearsal:
+def _shown(bench: RehearsalBench, made: Rehearsal) -> Rehearsal:
     """A motion that tells, made by every hypothesis; another one as it is."""
     most = _most(made)
-    return bench.from_all_sides(made, CLEAR / most) if made.apart(most) >= CLEAR else made
+    return bench.from_all_sides(made, CLEAR_DELTA_BIC / most) if made.apart(most) >= CLEAR_DELTA_BIC else made
 
 
-def _moves(bench: Bench, joints: Sequence[int]) -> Iterator[Move]:
+def _moves(bench: RehearsalBench, joints: Sequence[int]) -> Iterator[PlannedMotion]:
     """At the middle pose; then the most telling ones with a known payload, and where gravity asks most and least."""
     reach, true = bench.reach, bench.space.equations.true
 
-    def at(k: int) -> list[list[Move]]:
+    def at(k: int) -> list[list[PlannedMotion]]:
         words = [_held(true, reach.poses[k], j, POSES[k]) for j in joints]
         return [moves(reach, j, true, reach.poses[k], where) for j, where in zip(joints, words, strict=True)]
 
@@ -132,19 +134,19 @@ def _moves(bench: Bench, joints: Sequence[int]) -> Iterator[Move]:
     yield from _by_turns(middle)
     mass = load_mass(bench.space.equations, reach)
     if mass > 0.0:
-        yield from (move.loaded(mass) for move in _by_turns([each[:TELLING] for each in middle]))
+        yield from (move.loaded(mass) for move in _by_turns([each[:VARIED_MOTIONS] for each in middle]))
     for k in (1, 2) if true.n > 1 else ():
-        yield from _by_turns([each[:TELLING] for each in at(k)])
+        yield from _by_turns([each[:VARIED_MOTIONS] for each in at(k)])
 
 
-def _by_turns(joints: list[list[Move]]) -> Iterator[Move]:
+def _by_turns(joints: list[list[PlannedMotion]]) -> Iterator[PlannedMotion]:
     return (move for turn in itertools.zip_longest(*joints) for move in turn if move is not None)
 
 
 def _held(model: FlexibleJointModel, pose: Array, j: int, words: str) -> str:
     """Where the other joints are held."""
     others = [k for k in range(model.n) if k != j]
-    if len(others) > NAMED:
+    if len(others) > HELD_JOINTS_NAMED:
         return f", the other joints held {words}"
     names = (f"{model.joint_names[k]} held at {short(pose[k])} {model.robot.angle_unit(k)}" for k in others)
     return "".join(f", {name}" for name in names)
@@ -156,17 +158,17 @@ def _joints(model: FlexibleJointModel, finding: Finding) -> list[int]:
     for each in (finding.suspect, *finding.rivals):
         joint = each.joint or each.place.get("channel", "").partition(".")[2]
         found += [model.index(joint)] if joint in model.joint_names else list(range(model.n))
-    return list(dict.fromkeys(found))[:JOINTS]
+    return list(dict.fromkeys(found))[:JOINTS_TRIED]
 
 
 def _most(made: Rehearsal) -> int:
     """How often a motion may be made."""
-    return max(1, int(LONGEST / made.seconds))
+    return max(1, int(LONGEST_MOTION / made.seconds))
 
 
 def _passes(made: Rehearsal) -> int | None:
     """How often it must be made; None: it does not help."""
-    return next((passes for passes in range(1, _most(made) + 1) if made.apart(passes) >= CLEAR), None)
+    return next((passes for passes in range(1, _most(made) + 1) if made.apart(passes) >= CLEAR_DELTA_BIC), None)
 
 
 def _chosen(rehearsed: Sequence[Rehearsal]) -> tuple[Rehearsal, int] | None:
@@ -200,8 +202,8 @@ def _nothing(names: Sequence[str], rehearsed: Sequence[Rehearsal]) -> str:
     best = max(rehearsed, key=lambda made: made.apart(_most(made)))
     left = best.apart(_most(best))
     told = f"no motion within what this arm has been seen to do tells {names[0]} from {' or '.join(names[1:])}"
-    tried = f"{len(rehearsed)} motions simulated, for up to {LONGEST:.0f} s each"
+    tried = f"{len(rehearsed)} motions simulated, for up to {LONGEST_MOTION:.0f} s each"
     apart = f"{math.sqrt(left):.1f} times the noise apart"
-    if left < SAME:
+    if left < SAME_LAW_DELTA_BIC:
         return f"{told}: they are the same law here ({tried}; at best they are {apart})"
     return f"{told} clearly ({tried}; the best, {best.move.words}, leaves them {apart})"

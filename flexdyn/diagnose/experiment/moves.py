@@ -13,20 +13,20 @@ from flexdyn.diagnose.experiment.reach import Reach
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-REST = 0.4
+MOTION_REST_TIME = 0.4
 """At the beginning and the end of every motion [s]."""
-SECONDS = 8.0
+PASS_DURATION = 8.0
 """About as long as one pass of a motion is [s]."""
-LEAST = 0.02
+NARROWEST_SMOOTHING = 0.02
 """Width of the smoothing that rounds the corners of a path, at least [s]."""
-TELLING = 4
+VARIED_MOTIONS = 4
 """So many of a joint's motions are worth being tried in other circumstances."""
-FADED = 0.7
+FADED_SINE_SHARE = 0.7
 """Share of speed and acceleration that a sine takes, which fades in and out."""
 
 
 @dataclass(frozen=True, eq=False)
-class Move:
+class PlannedMotion:
     """A motion to be made.
 
     Attributes:
@@ -43,12 +43,12 @@ class Move:
     push: Array
     mass: float = 0.0
 
-    def loaded(self, mass: float) -> Move:
+    def loaded(self, mass: float) -> PlannedMotion:
         """The same with a payload."""
         return replace(self, words=f"{self.words}, with {short(mass)} kg at the tip", mass=mass)
 
 
-def moves(reach: Reach, j: int, model: FlexibleJointModel, pose: Array, where: str = "") -> list[Move]:
+def moves(reach: Reach, j: int, model: FlexibleJointModel, pose: Array, where: str = "") -> list[PlannedMotion]:
     """All motions of one joint, the others held, the most telling ones first.
 
     Args:
@@ -117,7 +117,7 @@ class _Joint:
                 t.append(t[-1] + rest)
                 x.append(goal)
         path = np.interp(self.times(t[-1]), t, x)
-        width = max(LEAST, 2.0 * max(speeds) / self.acceleration)
+        width = max(NARROWEST_SMOOTHING, 2.0 * max(speeds) / self.acceleration)
         for each in (width, 0.5 * width):
             count = max(1, round(each / self.reach.dt))
             held = np.concatenate([np.full(count - 1, path[0]), path, np.full(count, path[-1])])
@@ -134,7 +134,7 @@ Made = tuple[str, Array, Array | None]
 def _sweeps(joint: _Joint, shares: Sequence[float]) -> Made:
     """There and back at constant speeds, one after another, the time shared evenly."""
     speeds = [share * joint.speed for share in shares]
-    each = SECONDS / (2.0 * len(speeds))
+    each = PASS_DURATION / (2.0 * len(speeds))
     half = min(joint.half, 0.5 * max(speeds) * each)
     points, paced = [joint.middle - half], []
     for speed in speeds:
@@ -162,7 +162,7 @@ def _dithers(joint: _Joint, share: float) -> Made:
     speeds = [min(speed, joint.speed) for speed in speeds]
     points, paced = [joint.middle], []
     for speed in speeds:
-        for _ in range(max(1, round(SECONDS / 3.0 * speed / (4.0 * half)))):
+        for _ in range(max(1, round(PASS_DURATION / 3.0 * speed / (4.0 * half)))):
             points += [joint.middle + half, joint.middle - half]
             paced += [speed, speed]
     low, high = short(min(speeds)), short(max(speeds))
@@ -173,9 +173,11 @@ def _dithers(joint: _Joint, share: float) -> Made:
 def _sines(joint: _Joint, share: float, hertz: float) -> Made:
     """One sine, as fast as it may be."""
     amplitude = share * joint.half
-    fastest = min(FADED * joint.speed / amplitude, math.sqrt(FADED * joint.acceleration / amplitude))
+    fastest = min(
+        FADED_SINE_SHARE * joint.speed / amplitude, math.sqrt(FADED_SINE_SHARE * joint.acceleration / amplitude)
+    )
     rate = min(2.0 * math.pi * hertz, fastest)
-    t = joint.times(SECONDS)
+    t = joint.times(PASS_DURATION)
     x = joint.middle + amplitude * _fade(t, 2.0 * math.pi / rate) * np.sin(rate * t)
     rated = f"{short(rate / (2.0 * math.pi))} Hz"
     return f"swing {joint.name} by {short(amplitude)} {joint.unit} at {rated}", x, None
@@ -183,10 +185,16 @@ def _sines(joint: _Joint, share: float, hertz: float) -> Made:
 
 def _chirp(joint: _Joint) -> Made:
     """A sine whose frequency grows, never beyond speed and acceleration."""
-    t = joint.times(SECONDS)
+    t = joint.times(PASS_DURATION)
     first, last = 0.2, min(8.0, 0.1 / joint.reach.dt)
-    rate = 2.0 * math.pi * first * (last / first) ** (t / SECONDS)
-    bounds = np.stack([0.5 * joint.half + 0.0 * t, FADED * joint.speed / rate, FADED * joint.acceleration / rate**2])
+    rate = 2.0 * math.pi * first * (last / first) ** (t / PASS_DURATION)
+    bounds = np.stack(
+        [
+            0.5 * joint.half + 0.0 * t,
+            FADED_SINE_SHARE * joint.speed / rate,
+            FADED_SINE_SHARE * joint.acceleration / rate**2,
+        ]
+    )
     size = (bounds**-4).sum(axis=0) ** -0.25  # below all three, without a corner
     x = joint.middle + size * _fade(t, 1.0) * np.sin(np.cumsum(rate) * joint.reach.dt)
     words = f"swing {joint.name} with a sine that rises from {short(first)} to {short(last)} Hz"
@@ -195,9 +203,9 @@ def _chirp(joint: _Joint) -> Made:
 
 def _pushes(joint: _Joint, share: float) -> Made:
     """Torque steps of both signs with dwells, at rest."""
-    t = joint.times(SECONDS)
+    t = joint.times(PASS_DURATION)
     size = share * float(joint.reach.torque[joint.j])
-    level = size * np.array([0.0, 1.0, 0.0, -1.0])[(t / 0.5).astype(int) % 4] * (1.0 - 0.5 * (t > 0.5 * SECONDS))
+    level = size * np.array([0.0, 1.0, 0.0, -1.0])[(t / 0.5).astype(int) % 4] * (1.0 - 0.5 * (t > 0.5 * PASS_DURATION))
     newton = "N m" if joint.unit == "rad" else "N"
     words = f"hold {joint.name} at {short(joint.middle)} {joint.unit} and add torque steps of {short(size)} and"
     words += f" {short(0.5 * size)} {newton}, each way, for 0.5 s each"
@@ -224,12 +232,12 @@ _KINDS: tuple[Callable[[_Joint], Made], ...] = (
 )
 
 
-def _placed(joint: _Joint, words: str, x: Array, push: Array | None, pose: Array) -> Move:
+def _placed(joint: _Joint, words: str, x: Array, push: Array | None, pose: Array) -> PlannedMotion:
     """A motion of the whole arm, at rest at first and at last."""
-    rest = round(REST / joint.reach.dt)
+    rest = round(MOTION_REST_TIME / joint.reach.dt)
     path = np.repeat(pose[None, :], len(x) + 2 * rest, axis=0)
     path[:, joint.j] = np.concatenate([np.full(rest, x[0]), x, np.full(rest, x[-1])])
     added = np.zeros_like(path)
     if push is not None:
         added[rest:-rest, joint.j] = push
-    return Move(joint.j, words, path, added)
+    return PlannedMotion(joint.j, words, path, added)

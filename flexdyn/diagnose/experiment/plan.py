@@ -9,19 +9,19 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.experiment.rehearsal import Bench, Rehearsal
+from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
 from flexdyn.diagnose.experiment.windowed import bent
 from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.shooting.gap import shoot
 
 Array = NDArray[np.float64]
-POINTS = 240
-"""Of a picture; what lies between them is averaged."""
+PICTURE_POINTS = 240
+"""Points of a picture; what lies between them is averaged."""
 DRAWS = 60
-"""Of noise, for its standard deviation in the averages."""
+"""Draws of noise, for its standard deviation in the averages."""
 
 
-def planned(made: Rehearsal, passes: int, names: Sequence[str], bench: Bench) -> Experiment:
+def planned(made: Rehearsal, passes: int, names: Sequence[str], bench: RehearsalBench) -> Experiment:
     """The experiment, with what its picture shows: the channel or equation in which the nearest rival fails most.
 
     Args:
@@ -62,7 +62,7 @@ def _by_equations(made: Rehearsal, passes: int) -> tuple[Array, Array, Array, st
     return t, left, noise, f"torque {side}{model.joint_names[of]} [{unit}]"
 
 
-def _by_windows(made: Rehearsal, bench: Bench) -> tuple[Array, Array, Array, str]:
+def _by_windows(made: Rehearsal, bench: RehearsalBench) -> tuple[Array, Array, Array, str]:
     """Times, how far the rival's simulated windows are off in one channel, the noise of that, and what it is."""
     side, load = made.sides[0], bench.load(made.move)
     rival = bent(bench.known[1 + made.nearest], side.by_windows[made.nearest][1], load).seen()
@@ -71,7 +71,7 @@ def _by_windows(made: Rehearsal, bench: Bench) -> tuple[Array, Array, Array, str
     channel = int(np.argmax((left / std).std(axis=(0, 1))))
     name = shot.windows.channels[channel]
     t, off, noise = (each.ravel() for each in (shot.windows.t, left[:, :, channel], std[:, :, channel]))
-    every = max(1, len(t) // POINTS)
+    every = max(1, len(t) // PICTURE_POINTS)
     unit = model.robot.angle_unit(name.partition(".")[2])
     return t[::every], off[::every], noise[::every], f"{name}, simulated - measured [{unit}]"
 
@@ -88,7 +88,7 @@ def _averaged(equations: Equations, whiten: Whitener, white: Array) -> tuple[Arr
     rows = raw.reshape(-1, many, 1 + DRAWS)[:, place]
     along = equations.motions[0]
     t = along.t[equations.filters.instants(len(along.t))]
-    block = max(1, len(t) // POINTS)
+    block = max(1, len(t) // PICTURE_POINTS)
     count = len(t) // block
     blocks = rows[: count * block].reshape(count, block, -1)
     means = np.full((count, 1 + DRAWS), np.nan)

@@ -12,17 +12,17 @@ from flexdyn.effects import Payload
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
-NEARLY = 99.0
+GREATEST_PERCENTILE = 99.0
 """Percentile of speeds and accelerations that counts as the greatest one seen: noise makes the last ones."""
-USED = 0.9
+USED_RANGE_SHARE = 0.9
 """Share of range, speed and acceleration that a proposed motion takes: its tracking is not perfect."""
-BANDWIDTH = 15.0
-"""Of the joint controller that an experiment is simulated under, at most [rad/s]."""
-SOFT = 0.3
+CONTROLLER_BANDWIDTH = 15.0
+"""Bandwidth of the joint controller that an experiment is simulated under, at most [rad/s]."""
+SPRING_FREQUENCY_SHARE = 0.3
 """Its share of a joint's own frequency on its spring, at most."""
-PART = 0.3
-"""Of the torque that is left, and of an inertia, that a proposed payload may take."""
-DAMPED = 1.6
+PAYLOAD_SHARE = 0.3
+"""Share of the torque that is left, and of an inertia, that a proposed payload may take."""
+VELOCITY_GAIN_RATIO = 1.6
 """Its velocity gain over inertia times bandwidth [1]."""
 
 
@@ -60,13 +60,13 @@ class Reach:
         motions, true, robot = equations.motions, equations.true, equations.true.robot
         q = np.concatenate([each.q for each in motions])
         low, high = np.maximum(q.min(axis=0), robot.lower), np.minimum(q.max(axis=0), robot.upper)
-        middle, half = 0.5 * (low + high), 0.5 * USED * np.maximum(high - low, 0.0)
+        middle, half = 0.5 * (low + high), 0.5 * USED_RANGE_SHARE * np.maximum(high - low, 0.0)
         v, a = (np.abs(np.concatenate([getattr(each, name) for each in motions])) for name in ("v", "a"))
-        speed, acceleration = (np.percentile(each, NEARLY, axis=0) for each in (v, a))
+        speed, acceleration = (np.percentile(each, GREATEST_PERCENTILE, axis=0) for each in (v, a))
         torque = np.max([np.abs(each.data.tau).max(axis=0) for each in motions], axis=0)
         inertia = np.diag(equations.links.mass_matrix(middle)) + np.where(true.elastic, true.rotor_inertia, 0.0)
         own = np.sqrt(np.where(true.elastic, true.stiffness, np.inf) / inertia)
-        bandwidth = np.minimum(BANDWIDTH, SOFT * own)
+        bandwidth = np.minimum(CONTROLLER_BANDWIDTH, SPRING_FREQUENCY_SHARE * own)
         return cls(
             motions[0].dt,
             np.stack([low, high]),
@@ -74,11 +74,11 @@ class Reach:
             np.minimum(torque, robot.effort_limit),
             middle - half,
             middle + half,
-            USED * np.minimum(speed, robot.velocity_limit),
-            USED * acceleration,
+            USED_RANGE_SHARE * np.minimum(speed, robot.velocity_limit),
+            USED_RANGE_SHARE * acceleration,
             np.clip(_poses(equations.links, q, middle), middle - half, middle + half),
             inertia * bandwidth**2,
-            DAMPED * inertia * bandwidth,
+            VELOCITY_GAIN_RATIO * inertia * bandwidth,
         )
 
     def holds(self, q: Array, v: Array, tau: Array) -> bool:
@@ -109,7 +109,7 @@ def load_mass(equations: Equations, reach: Reach) -> float:
     room = np.maximum(reach.torque - np.abs(weight), 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = (np.where(of > 0.0, left / of, np.inf) for left, of in ((room, more), (M, heavier)))
-        most = PART * min(float(each.min()) for each in ratios)
+        most = PAYLOAD_SHARE * min(float(each.min()) for each in ratios)
     if not 1e-3 < most < np.inf:
         return 0.0
     power = 10.0 ** np.floor(np.log10(most))

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.equations.covariance import Noise as Rows
+from flexdyn.diagnose.equations.covariance import SampleNoise as Rows
 from flexdyn.diagnose.experiment.apart import Known, Refit, laden, loaded, refitted, space_along
-from flexdyn.diagnose.experiment.moves import Move
+from flexdyn.diagnose.experiment.moves import PlannedMotion
 from flexdyn.diagnose.experiment.reach import Reach
 from flexdyn.diagnose.experiment.windowed import as_made, windowed
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.shooting.gap import shoot
-from flexdyn.diagnose.shooting.windows import Noise, Windows
+from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
 from flexdyn.effects import MemoryEffect, Payload
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -29,7 +29,7 @@ from flexdyn.simulation.solver_choice import STIFF
 from flexdyn.simulation.solvers import Rosenbrock, Solver
 
 Array = NDArray[np.float64]
-PATIENCE = 20.0
+RUNAWAY_TIME = 20.0
 """Processor time after which a motion runs away and is given up [s]: others take a hundredth of it."""
 WINDOWS = 10
 """Of a motion, so many are looked at: what they promise, all of them keep."""
@@ -76,7 +76,7 @@ class Rehearsal:
         sides: as the named hypothesis makes it, then, where that was looked at, as each of its rivals does.
     """
 
-    move: Move
+    move: PlannedMotion
     command: PD
     sides: tuple[Side, ...]
 
@@ -103,7 +103,7 @@ class Rehearsal:
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class RehearsalBench:
     """Hypotheses and what they are tried with.
 
     Attributes:
@@ -114,11 +114,11 @@ class Bench:
     """
 
     space: Workspace
-    levels: Noise
+    levels: WindowNoise
     known: tuple[Known, ...]
     reach: Reach
 
-    def rehearse(self, move: Move) -> Rehearsal:
+    def rehearse(self, move: PlannedMotion) -> Rehearsal:
         """The motion made by the named hypothesis, and what the equations say of it.
 
         Raises:
@@ -154,7 +154,7 @@ class Bench:
         """Of a simulated motion, a few that tell."""
         return Windows.of(self.space.equations.true, [recording], self.levels, most=WINDOWS)
 
-    def load(self, move: Move) -> Payload | None:
+    def load(self, move: PlannedMotion) -> Payload | None:
         """What the arm carries in a motion."""
         return Payload(mass=move.mass, frame=self.space.equations.true.robot.tip) if move.mass else None
 
@@ -162,7 +162,7 @@ class Bench:
         """Those that a hypothesis is compared to: the named one to its rivals, a rival to the named one."""
         return list(self.known[1:] if truth == 0 else self.known[:1])
 
-    def _side(self, truth: int, move: Move, command: PD) -> Side:
+    def _side(self, truth: int, move: PlannedMotion, command: PD) -> Side:
         load = self.load(move)
         run, recording = self._made(truth, move, command)
         levels, true = self.levels, self.space.equations.true
@@ -173,7 +173,7 @@ class Bench:
         pairs = tuple((own, refitted(other, space, load)) for other in self.others(truth))
         return Side(truth, run, recording, space, pairs)
 
-    def _windowed(self, side: Side, move: Move, worth: float) -> Side:
+    def _windowed(self, side: Side, move: PlannedMotion, worth: float) -> Side:
         load = self.load(move)
         model = laden(self.known[side.truth].fitted.hypothesis, load).seen()
         shot = shoot(model, self.windows(side.recording))
@@ -181,7 +181,7 @@ class Bench:
         pairs = tuple((own, windowed(other, shot, load, own.chi2() + worth)) for other in self.others(side.truth))
         return replace(side, by_windows=pairs)
 
-    def _command(self, move: Move) -> PD:
+    def _command(self, move: PlannedMotion) -> PD:
         """Joint control with what the rigid arm needs fed forward."""
         reach, true = self.reach, self.space.equations.true
         links, dt = LinkSide(loaded(true, self.load(move))), reach.dt
@@ -193,11 +193,11 @@ class Bench:
         path, torques = Samples(t, move.path, "cubic"), Samples(t, needed)
         return PD(path, reach.kp, reach.kd, 1.0 / dt, feedforward=torques)
 
-    def _made(self, truth: int, move: Move, command: PD) -> tuple[Run, Recording]:
+    def _made(self, truth: int, move: PlannedMotion, command: PD) -> tuple[Run, Recording]:
         """The run, and what would have been recorded of it."""
         model = laden(self.known[truth].fitted.hypothesis, self.load(move)).seen()
         seconds, rate, start = command.reference.duration, 1.0 / self.reach.dt, move.path[0]
-        end = time.process_time() + PATIENCE
+        end = time.process_time() + RUNAWAY_TIME
 
         def watch(reached: float) -> None:
             if time.process_time() > end:

@@ -11,17 +11,17 @@ from flexdyn.diagnose.hypothesis.linear import linearised, reached
 from flexdyn.effects import SensorOffset
 from flexdyn.errors import SimulationError
 
-SETTLED = 0.05
+NEGLIGIBLE_DROP = 0.05
 """Drop of chi^2, in units of what is left of a row, below which another step is not worth its time."""
-FINE = 1e-4
+NEGLIGIBLE_DROP_SHARE = 1e-4
 """The same as a share of what is left over noise: laws are told apart by much more than that while one is missing."""
-AHEAD = 2
+WATCHDOG_STEPS = 2
 """Steps that may go on from where chi^2 rose: numbers that multiply one another lie along a bent valley, whose floor a
 straight step leaves and the next one finds again (the watchdog of Chamberlain et al., 1982)."""
 LITTLE = 2
 """Whole steps one after the other that may change less than a step is worth though they promised more: what bends at
 reversals has slopes that no step keeps."""
-SHORTER = 0.3
+SHORTENED_STEP = 0.3
 """Share of a step that is tried where all of it was too much."""
 
 
@@ -39,22 +39,24 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
     best = base = _begun(start, space)
     share, ahead, little = 1.0, 0, 0
     for _ in range(steps - 1):
-        worth = max(SETTLED * max(1.0, best.reduced), FINE * (best.regression.data_chi2 - space.rows))
+        worth = max(
+            NEGLIGIBLE_DROP * max(1.0, best.reduced), NEGLIGIBLE_DROP_SHARE * (best.regression.data_chi2 - space.rows)
+        )
         if best.reached - best.chi2 < worth or little == LITTLE:
             break
-        watched = share == 1.0 and ahead < AHEAD
+        watched = share == 1.0 and ahead < WATCHDOG_STEPS
         made = _after(base, share, math.inf if watched else best.reached)
         if made is None:
-            base, share = best, SHORTER * share
+            base, share = best, SHORTENED_STEP * share
             continue
         little = little + 1 if share == 1.0 and abs(best.reached - made.reached) < worth else 0
         if made.reached <= best.reached:
             ahead = 0 if share == 1.0 else ahead  # where it did not help it is not tried again
-            best, base, share = made, made, min(1.0, share / SHORTER)
+            best, base, share = made, made, min(1.0, share / SHORTENED_STEP)
         elif watched and made.chi2 < best.reached:
             base, ahead = made, ahead + 1
         else:
-            base, share = best, SHORTER * share
+            base, share = best, SHORTENED_STEP * share
     return _counted(best, space)
 
 

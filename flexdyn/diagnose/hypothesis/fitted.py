@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.covariance import Noise, Whitener
+from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.regression import Regression
@@ -17,7 +17,7 @@ from flexdyn.effects import Effect
 from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
-BLOCK = 0.5
+CORRELATION_BLOCK = 0.5
 """Length of the blocks over which rows are taken to be correlated [s]."""
 
 
@@ -95,7 +95,9 @@ class Fit:
 
     def _spread_of(self, regression: Regression) -> Array:
         filters, kinds = self.equations.filters, self.equations.kinds
-        block = self.block or max(1, round(BLOCK / (filters.every * self.equations.data[0].dt))) * len(kinds)
+        block = self.block or max(1, round(CORRELATION_BLOCK / (filters.every * self.equations.data[0].dt))) * len(
+            kinds
+        )
         both = (regression.covariance, regression.sandwich(block))
         return np.asarray(np.sqrt(max(1.0, self.reduced) * np.maximum(*(np.diag(each) for each in both))))
 
@@ -117,7 +119,7 @@ class Workspace:
 
     equations: Equations
     whiten: Whitener
-    noise: Noise
+    noise: SampleNoise
     numbers: Array
     nuisance: Array
     nuisance_sigma: Array

@@ -19,7 +19,7 @@ DISCRETE = ("harmonic", "exponent")
 """Parameters that are counted and not measured."""
 POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
 """Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
-ROUNDING = 1e-9
+STEP_ROUNDING = 1e-9
 """Share of a step that is none."""
 BRISTLE = 0.1
 """Longest time constant of bristles, damping/stiffness [s]: where they hardly bend, nothing holds their damping."""
@@ -99,7 +99,7 @@ def bounded(effect: Effect, name: str, step: float) -> float:
 
 def _landed(value: float, bound: float, step: float) -> float:
     """At the bound where only rounding of the step keeps it away: a size of 1e-30 is none."""
-    return bound if abs(value - bound) < ROUNDING * abs(step) else value
+    return bound if abs(value - bound) < STEP_ROUNDING * abs(step) else value
 
 
 def kind_and_place(effect: Effect | None) -> tuple[object, ...]:

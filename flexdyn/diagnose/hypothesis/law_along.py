@@ -13,9 +13,9 @@ from flexdyn.effects import JointEffect
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
-SAMPLES = 300
+LINEARITY_SAMPLES = 300
 """Samples of a motion over which it is asked what a law is linear in."""
-CLOSE = 1e-7
+EQUAL_TORQUE_DIFFERENCE = 1e-7
 """Relative difference below which two torques are the same."""
 
 
@@ -36,7 +36,7 @@ class Law:
         motions = equations.motions
         columns = [np.concatenate([getattr(each, name)[:, j] for each in motions]) for name in (x, u, "tau")]
         self.whole = [*columns, np.concatenate([each.t for each in motions])]
-        some = np.linspace(0, len(self.whole[0]) - 1, min(SAMPLES, len(self.whole[0]))).astype(int)
+        some = np.linspace(0, len(self.whole[0]) - 1, min(LINEARITY_SAMPLES, len(self.whole[0]))).astype(int)
         self.some = [column[some] for column in self.whole]
 
     def effect(self, numbers: Mapping[str, float]) -> JointEffect:
@@ -92,7 +92,7 @@ class Law:
             rest = self.added(nothing, self.some)
         except InputError:
             return False
-        size = CLOSE * float(np.abs(whole).max())
+        size = EQUAL_TORQUE_DIFFERENCE * float(np.abs(whole).max())
         off = max(float(np.abs(each).max()) for each in (np.sum(alone, axis=0) - whole, twice - 2.0 * whole, rest))
         acting = all(np.abs(each).max() > size for each in alone)
         return size > 0.0 and acting and off < size

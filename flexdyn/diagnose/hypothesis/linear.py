@@ -13,17 +13,17 @@ from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis.hypothesis import ROUNDING, Hypothesis, bounded
+from flexdyn.diagnose.hypothesis.hypothesis import STEP_ROUNDING, Hypothesis, bounded
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.effects import Effect, KinematicError, Payload, SensorEffect
 from flexdyn.errors import SimulationError
 
 Array = NDArray[np.float64]
-FAR = 0.05
+SAME_DERIVATIVE_DISTANCE = 0.05
 """Relative distance of a number from its given value beyond which its derivative is another one."""
-NEAR = 5.0
+SAME_SLOPE_STEPS = 5.0
 """Steps of an unknown's own scale, a hundredth of its value, over which slopes of the file's numbers are the same."""
-LOOSE = 1e3
+OUT_OF_TOLERANCE_WIDTH = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
 
 
@@ -86,7 +86,9 @@ def _near(one: Hypothesis, other: Hypothesis) -> bool:
     pairs = zip(one.unknowns(), other.unknowns(), strict=True)
     moved = (abs(getattr(a, name) - getattr(b, name)) / tangent_scale(b, name) for (a, name), (b, _) in pairs)
     factors = zip(one.factors.values(), other.factors.values(), strict=True)
-    return all(x <= NEAR for x in moved) and all(abs(a - b) <= FAR * abs(b) for a, b in factors)
+    return all(x <= SAME_SLOPE_STEPS for x in moved) and all(
+        abs(a - b) <= SAME_DERIVATIVE_DISTANCE * abs(b) for a, b in factors
+    )
 
 
 def _rows(
@@ -115,7 +117,7 @@ def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, .
     held = []
     for k, ((effect, name), dx) in enumerate(zip(hypothesis.unknowns(), wanted.tolist(), strict=True)):
         value = getattr(effect, name)
-        if abs(bounded(effect, name, dx) - value) < ROUNDING * abs(dx):
+        if abs(bounded(effect, name, dx) - value) < STEP_ROUNDING * abs(dx):
             held.append(first + k)
     return tuple(held)
 
@@ -140,7 +142,7 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     them is far off or the links carry more, all are taken anew.
     """
     numbers, effects = hypothesis.factors, hypothesis.effects
-    far = {n for n, factor in numbers.items() if abs(factor - 1.0) > FAR}
+    far = {n for n, factor in numbers.items() if abs(factor - 1.0) > SAME_DERIVATIVE_DISTANCE}
     links = any(number.joint is None for number in far) or any(isinstance(e, Payload) for e in effects)
     joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect | KinematicError)}
     anew = [n for n in numbers if n in far or n.joint in joints or (links and n.joint is None)]
@@ -166,7 +168,7 @@ def tangent_scale(effect: Effect, name: str) -> float:
 def priors(hypothesis: Hypothesis, space: Workspace) -> tuple[Array, Array]:
     """Centres, from where the numbers stand, and standard deviations, in the scales of steps (columns,)."""
     centre = [1.0 - factor for factor in hypothesis.factors.values()]
-    sigma = [LOOSE if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors]
+    sigma = [OUT_OF_TOLERANCE_WIDTH if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors]
     for effect, name in hypothesis.unknowns():
         off, std = (0.0, math.inf) if space.beliefs is None else space.beliefs(effect, name)
         scale = tangent_scale(effect, name)

@@ -17,7 +17,7 @@ from flexdyn.model.uncertain_parameters import OF_LINK, OF_MOTOR, FileNumber
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
-STEP = 1e-3
+RELATIVE_NUMBER_STEP = 1e-3
 """Relative step of the differences."""
 FOLDED = (ParameterError, JointElasticity)
 """Effects that a resolved model holds no more."""
@@ -34,7 +34,7 @@ def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
     links = [k for k, number in enumerate(numbers) if number.joint is None]
     if links:
         heavier = [LinkSide(_heavier(equations.true, numbers[k])) for k in links]
-        found[:, links] = equations.of_links(heavier) / STEP
+        found[:, links] = equations.of_links(heavier) / RELATIVE_NUMBER_STEP
     joints = [k for k in range(len(numbers)) if k not in links]
 
     def of_joint(k: int) -> Array:
@@ -48,7 +48,9 @@ def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
 
 def _heavier(true: FlexibleJointModel, number: FileNumber) -> FlexibleJointModel:
     """A resolved model with a number of a link a little larger."""
-    return true.replace(robot=true.robot.with_link_scaled(number.of, **{OF_LINK[number.parameter]: 1.0 + STEP}))
+    return true.replace(
+        robot=true.robot.with_link_scaled(number.of, **{OF_LINK[number.parameter]: 1.0 + RELATIVE_NUMBER_STEP})
+    )
 
 
 def _of_joint(equations: Equations, number: FileNumber) -> Array:
@@ -57,21 +59,21 @@ def _of_joint(equations: Equations, number: FileNumber) -> Array:
     j = true.index(str(number.joint))
     effect = _true_effect(equations, number)
     if effect is not None and stands_alone(equations, effect):
-        more = (1.0 + STEP) * getattr(effect, number.parameter)
-        return of_change(equations, effect, effect.replace(**{number.parameter: more})) / STEP
+        more = (1.0 + RELATIVE_NUMBER_STEP) * getattr(effect, number.parameter)
+        return of_change(equations, effect, effect.replace(**{number.parameter: more})) / RELATIVE_NUMBER_STEP
     if number.joint == number.of and not (equations.made_up[j] or is_loaded(equations, j)) and true.elastic[j]:
         if number.parameter == "rotor_inertia":
             return equations.of_torque(j, lambda along: ("motor", -true.rotor_inertia[j] * along.alpha[:, j]))
         if number.parameter == "damping":
             return equations.of_damper(j)
-    model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + STEP)])
+    model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + RELATIVE_NUMBER_STEP)])
     moved = model.resolved()
     # The scale of the link's equation moves with it, or that of the motor's.
     if number.parameter in ("stiffness", *OF_MOTOR):
-        return (equations.of(model).residual - equations.residual) / STEP
+        return (equations.of(model).residual - equations.residual) / RELATIVE_NUMBER_STEP
     if number.parameter == "rotor_inertia" and not true.elastic[j]:
-        return equations.of_links([LinkSide(moved)])[:, 0] / STEP
-    return (equations.of_joint(j, moved, moved.all_effects) - equations.own(j)) / STEP
+        return equations.of_links([LinkSide(moved)])[:, 0] / RELATIVE_NUMBER_STEP
+    return (equations.of_joint(j, moved, moved.all_effects) - equations.own(j)) / RELATIVE_NUMBER_STEP
 
 
 def _true_effect(equations: Equations, number: FileNumber) -> JointEffect | None:

@@ -12,12 +12,12 @@ import numpy as np
 
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.law_along import Law
-from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, Unit
+from flexdyn.diagnose.hypothesis.proposal import MotionExtent, Point, Proposal, Unit
 from flexdyn.effects import Effect, JointEffect, catalogue
 from flexdyn.errors import InputError
 from flexdyn.simulation.plant import PYTHON_STAGES
 
-MOST = 40
+MOST_GRID_POINTS = 40
 """Points of a grid at most; thinned evenly."""
 AROUND = (1.0, 0.3, 3.0)
 """Values that are tried of a number that is declared, in units of that."""
@@ -72,13 +72,15 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
         InputError: its law fails with all numbers that were tried.
     """
     law = Law(kind, place, equations, j)
-    extent = Extent.of(equations, j)
+    extent = MotionExtent.of(equations, j)
     grids = {entry.name: _values(entry, extent) for entry in kind.parameters()}
-    points = [dict(zip(grids, numbers, strict=True)) for numbers in _thinned(grids.values(), MOST)]
+    points = [dict(zip(grids, numbers, strict=True)) for numbers in _thinned(grids.values(), MOST_GRID_POINTS)]
     base = law.first_that_works(points)
     linear = law.linear_in(base)
     others = [name for name in grids if name not in linear]
-    grid = [p for p in _thinned([grids[name] for name in others], MOST) if law.works(base | _named(others, p))]
+    grid = [
+        p for p in _thinned([grids[name] for name in others], MOST_GRID_POINTS) if law.works(base | _named(others, p))
+    ]
 
     def make(point: Point, x: Sequence[float]) -> Effect | None:
         try:
@@ -111,7 +113,7 @@ def _thinned(grids: Any, most: int) -> list[tuple[float, ...]]:
     return [whole[k] for k in np.unique(np.linspace(0, len(whole) - 1, min(most, len(whole))).astype(int))]
 
 
-def _values(entry: dataclasses.Field[Any], extent: Extent) -> tuple[float, ...]:
+def _values(entry: dataclasses.Field[Any], extent: MotionExtent) -> tuple[float, ...]:
     """What is tried of a number: about its declared value, else what the joint does in that unit."""
     unit, lower, strict = (entry.metadata[key] for key in ("unit", "lower", "strict"))
     if entry.default is not dataclasses.MISSING and math.isfinite(entry.default) and entry.default != 0.0:

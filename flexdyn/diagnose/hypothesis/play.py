@@ -9,11 +9,11 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.terms import joint_terms
 
 Array = NDArray[np.float64]
-POINTS = 10
-"""Of the grid of half gaps."""
-NARROW, WIDE, WIDEST = 0.003, 0.8, 3.0
+HALF_GAP_POINTS = 10
+"""Points of the grid of half gaps."""
+NARROWEST_PLAY, WIDEST_PLAY, WIDEST_MADE_UP_PLAY = 0.003, 0.8, 3.0
 """Its ends in units of the joint's deflection; the last where that is made up and knows of no gap."""
-LEAST = 0.05
+SMALLEST_HALF_GAP = 0.05
 """Half gap that is tried in any case, in the same unit."""
 
 
@@ -28,9 +28,9 @@ def half_gaps(equations: Equations, j: int, deflection: float) -> list[float]:
         deflection: nearly the greatest [rad or m].
     """
     if equations.made_up[j]:
-        return [float(gap) for gap in deflection * np.geomspace(NARROW, WIDEST, POINTS)]
-    widest = max(_unwound(equations, j), LEAST * deflection)
-    grid = deflection * np.geomspace(NARROW, WIDE, POINTS)
+        return [float(gap) for gap in deflection * np.geomspace(NARROWEST_PLAY, WIDEST_MADE_UP_PLAY, HALF_GAP_POINTS)]
+    widest = max(_unwound(equations, j), SMALLEST_HALF_GAP * deflection)
+    grid = deflection * np.geomspace(NARROWEST_PLAY, WIDEST_PLAY, HALF_GAP_POINTS)
     return [*(float(gap) for gap in grid if gap < widest), widest]
 
 

@@ -52,7 +52,7 @@ class Proposal:
 
 
 @dataclass(frozen=True)
-class Extent:
+class MotionExtent:
     """What a joint does in the data, to size the grids by.
 
     Attributes:
@@ -79,7 +79,7 @@ class Extent:
     turns: bool = True
 
     @classmethod
-    def of(cls, equations: Equations, j: int) -> Extent:
+    def of(cls, equations: Equations, j: int) -> MotionExtent:
         """Of one joint over all recordings."""
         omega, theta, delta, tau, q = (
             np.concatenate([getattr(m, name)[:, j] for m in equations.motions])
@@ -128,7 +128,9 @@ def linear(
     )
 
 
-def declared(kind: type[Effect], place: Mapping[str, str], extent: Extent, beside: Collection[str] = ()) -> Proposal:
+def declared(
+    kind: type[Effect], place: Mapping[str, str], extent: MotionExtent, beside: Collection[str] = ()
+) -> Proposal:
     """An effect by what its class says is linear in it, and what to try of its other numbers.
 
     Its linear numbers may not be negative where their bound says so; nor where the plainer law, beside which alone a

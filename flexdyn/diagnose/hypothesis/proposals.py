@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.play import half_gaps
-from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, at, declared, given, linear, wave
+from flexdyn.diagnose.hypothesis.proposal import MotionExtent, Point, Proposal, at, declared, given, linear, wave
 from flexdyn.effects import Effect, JointEffect, JointElasticity, catalogue
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -24,7 +24,7 @@ def proposals(equations: Equations) -> list[Proposal]:
     found: list[Proposal] = []
     names = equations.true.joint_names
     for j, joint in enumerate(names):
-        extent = Extent.of(equations, j)
+        extent = MotionExtent.of(equations, j)
         elastic = bool(equations.true.elastic[j])
         for side in ("motor", "link") if elastic else ("motor",):
             found += _declared({"joint": joint, "side": side}, extent, equations.true)
@@ -42,7 +42,7 @@ def proposals(equations: Equations) -> list[Proposal]:
     return [*found, linear(tip, "mass", unit=1e-3)]
 
 
-def _declared(place: Mapping[str, str], extent: Extent, true: FlexibleJointModel) -> Iterator[Proposal]:
+def _declared(place: Mapping[str, str], extent: MotionExtent, true: FlexibleJointModel) -> Iterator[Proposal]:
     """Of one joint's side: every effect whose class says what is linear in it or what to try."""
     elastic = bool(true.elastic[true.index(place["joint"])])
     there = [each for each in true.all_effects if isinstance(each, JointEffect) and each.joint == place["joint"]]
@@ -54,12 +54,12 @@ def _declared(place: Mapping[str, str], extent: Extent, true: FlexibleJointModel
             yield declared(kind, place, extent, beside)
 
 
-def _friction(place: Mapping[str, str], extent: Extent) -> Iterator[Proposal]:
+def _friction(place: Mapping[str, str], extent: MotionExtent) -> Iterator[Proposal]:
     yield _swinging({"effect": "position_dependent_friction", **place}, extent)
     yield _presliding({"effect": "presliding_friction", **place}, extent)
 
 
-def _swinging(place: Mapping[str, str], extent: Extent) -> Proposal:
+def _swinging(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
     """``amplitude (1 + sin(harmonic x + phase)) Sgn(u)``: a level, a sine and a cosine part."""
 
     def build(point: Point, amplitude: float, phase: float) -> Effect:
@@ -78,7 +78,7 @@ def _swinging(place: Mapping[str, str], extent: Extent) -> Proposal:
     )
 
 
-def _presliding(place: Mapping[str, str], extent: Extent) -> Proposal:
+def _presliding(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
     """Linear in its level at a given reach = level/stiffness."""
 
     def build(point: Point, level: float) -> Effect | None:
@@ -93,7 +93,7 @@ def _presliding(place: Mapping[str, str], extent: Extent) -> Proposal:
     )
 
 
-def _transmission(joint: str, extent: Extent, gaps: Sequence[float]) -> Iterator[Proposal]:
+def _transmission(joint: str, extent: MotionExtent, gaps: Sequence[float]) -> Iterator[Proposal]:
     across = {"joint": joint, "side": "transmission"}
     yield given({"effect": "backlash", **across}, ("half_gap",), [(gap,) for gap in gaps])
     turns = (1.0, 2.0, 3.0, 4.0, extent.ratio, 2.0 * extent.ratio, 4.0 * extent.ratio)
@@ -110,14 +110,14 @@ def _elasticity(joint: str) -> Proposal:
     )
 
 
-def _actuator(joint: str, extent: Extent) -> Iterator[Proposal]:
+def _actuator(joint: str, extent: MotionExtent) -> Iterator[Proposal]:
     motor = {"joint": joint, "side": "motor"}
     slow = SLOW_HARMONICS if extent.turns else ()
     turns = (*slow, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0)))
     yield wave({"effect": "torque_ripple", **motor}, turns, extent.torque)
 
 
-def _link(joint: str, extent: Extent) -> Iterator[Proposal]:
+def _link(joint: str, extent: MotionExtent) -> Iterator[Proposal]:
     link = {"joint": joint, "side": "link"}
     rests = np.linspace(extent.low - extent.span, extent.high + extent.span, 13)
     yield linear({"effect": "parallel_spring", **link}, "stiffness", [{"rest": float(r)} for r in rests])
@@ -132,7 +132,7 @@ def _link(joint: str, extent: Extent) -> Iterator[Proposal]:
     )
 
 
-def _end_stop(place: Mapping[str, str], extent: Extent) -> Proposal:
+def _end_stop(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
     """A one-sided spring beyond a limit within the range that is reached; linear in its stiffness."""
 
     def build(point: Point, stiffness: float) -> Effect:
@@ -156,7 +156,7 @@ def _couplings(joint: str, names: tuple[str, ...]) -> Iterator[Proposal]:
             yield linear(place, "coefficient")
 
 
-def _sensors(equations: Equations, j: int, extent: Extent) -> Iterator[Proposal]:
+def _sensors(equations: Equations, j: int, extent: MotionExtent) -> Iterator[Proposal]:
     """Lags, discs, gains and offsets of the channels that were measured and can show them."""
     model, data = equations.true, equations.data[0]
     joint = model.joint_names[j]

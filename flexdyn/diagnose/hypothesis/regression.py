@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
-BLOCK = 16
+ROWS_PER_COLUMN = 16
 """Rows of a block of a tall matrix, for each of its columns."""
 
 
@@ -21,7 +21,7 @@ class Regression:
     The last columns may be nuisances: they are fitted anew every time and no step of them is kept.
 
     Attributes:
-        y: whitened residual (rows,).
+        y: normalised residual (rows,).
         X: whitened derivatives (rows, columns).
         centre: of the priors (columns,).
         sigma: of the priors (columns,); inf: none.
@@ -113,8 +113,8 @@ class Regression:
 def _triangle(tall: Array) -> Array:
     """R of a tall matrix: of blocks of rows that stay in the cache, then of their own (Demmel et al., 2012)."""
     columns = tall.shape[1]
-    blocks = len(tall) // (BLOCK * columns)
-    whole = blocks * BLOCK * columns
+    blocks = len(tall) // (ROWS_PER_COLUMN * columns)
+    whole = blocks * ROWS_PER_COLUMN * columns
     if blocks > 1:
         heads = np.asarray(np.linalg.qr(tall[:whole].reshape(blocks, -1, columns), mode="r"))
         tall = np.vstack([heads.reshape(-1, columns), tall[whole:]])

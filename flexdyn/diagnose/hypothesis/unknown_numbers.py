@@ -24,9 +24,9 @@ DAMPING_START, DAMPING_SPREAD = 0.05, 1.0
 """Of an unknown damping, as shares of the critical one of the joint's spring."""
 LINK_START, LINK_SPREAD = 0.05, 1.0
 """Of an unknown inertia of a link, as shares of mass times length squared: a slender rod has a twelfth of it."""
-SHORTEST = 0.05
+SHORTEST_LINK = 0.05
 """Least length of a link [m]."""
-POSES = 64
+AVERAGED_POSITIONS = 64
 """Positions over which the inertia that a joint turns is averaged."""
 
 
@@ -84,7 +84,7 @@ def _turned(model: FlexibleJointModel) -> list[float]:
     known = model.resolved().replace(joints={"*": slack}, effects=[])
     low = np.where(np.isfinite(robot.lower), robot.lower, -math.pi)
     high = np.where(np.isfinite(robot.upper), robot.upper, math.pi)
-    poses = np.random.default_rng(0).uniform(low, high, (POSES, model.n))
+    poses = np.random.default_rng(0).uniform(low, high, (AVERAGED_POSITIONS, model.n))
     diagonals = np.diagonal(LinkSide(known).mass_matrix(poses), axis1=-2, axis2=-1)
     return [float(each) for each in diagonals.mean(axis=0)]
 
@@ -98,5 +98,5 @@ def _link_guess(model: FlexibleJointModel, link: str) -> Mapping[str, Any]:
     if math.isfinite(tolerance):
         return {"inertia": {"value": START * tolerance, "tolerance": tolerance}}
     mass, length = model.robot.link_size(link)
-    scale = mass * max(length, SHORTEST) ** 2
+    scale = mass * max(length, SHORTEST_LINK) ** 2
     return {"inertia": {"value": LINK_START * scale, "tolerance": LINK_SPREAD * scale}}

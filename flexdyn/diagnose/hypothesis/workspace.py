@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.filters import SECONDS, Filters
+from flexdyn.diagnose.data.filters import SECOND_FILTER_WIDTHS, Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations import columns
-from flexdyn.diagnose.equations.covariance import Noise, encoders_rule, whitener
+from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.equations.noise import encoder_noise, recorded_torque_noise, torque_noise
@@ -58,7 +58,7 @@ class Unweighted:
 
 def workspace(
     model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
-) -> tuple[Workspace, Hypothesis, Noise]:
+) -> tuple[Workspace, Hypothesis, SampleNoise]:
     """Equations, weights and priors of a model over data; the torque's noise comes from what a first fit leaves.
 
     Args:
@@ -81,7 +81,7 @@ def workspace(
 
 def prepared(
     model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
-) -> tuple[Unweighted, Noise, Hypothesis]:
+) -> tuple[Unweighted, SampleNoise, Hypothesis]:
     """Equations without weights, and the noise of their channels as the records show it.
 
     Raises:
@@ -89,7 +89,7 @@ def prepared(
     """
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     torque = np.maximum(recorded_torque_noise(data), 1e-12)
-    noise = Noise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
+    noise = SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
     bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
     if sign_mask(bare.equations, noise).all():
         problem = "joints rest, or may rest, so often that no equation says anything"
@@ -99,7 +99,7 @@ def prepared(
 
 
 def weighed(
-    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_] | None = None, extra: Array | None = None
+    bare: Unweighted, noise: SampleNoise, mask: NDArray[np.bool_] | None = None, extra: Array | None = None
 ) -> Workspace:
     """Equations with the weights that a noise gives them.
 
@@ -118,13 +118,13 @@ def weighed(
     return Workspace(equations, whiten, noise, whiten(bare.numbers), whiten(bare.offsets), sigma, bare.channels)
 
 
-def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: Noise) -> Equations:
+def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: SampleNoise) -> Equations:
     """The equations behind the narrowest filter that leaves the encoders' noise below the torque's.
 
     Rows that hold little but noise, times a number of the file, would be smaller for a smaller number.
     """
     found = Equations(model, data, Filters.of_rate(data[0].dt))
-    for second in SECONDS[1:]:
+    for second in SECOND_FILTER_WIDTHS[1:]:
         short = min(len(each.t) for each in data) * data[0].dt < MANY * second
         if short or not encoders_rule(found, noise):
             break

@@ -24,12 +24,12 @@ from flexdyn.diagnose.inference.space import Space, Structure
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-CHANCE, UNSURE = 5.0, 0.05
+CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
 """Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
 EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 0.3
 """Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest. In
 24 hidden cases outside the catalogue the best imitation stood out by 46 at most; the rest must by 60 to be named."""
-ODDS = {"everywhere": EVERYWHERE, "often": OFTEN, "seldom": SELDOM}
+PREVALENCE_ODDS = {"everywhere": EVERYWHERE, "often": OFTEN, "seldom": SELDOM}
 """By what an effect's class declares."""
 GUESSED = ("rotor_inertia",)
 """Numbers of the file that are often wrong."""
@@ -46,7 +46,7 @@ def genuine(candidate: Candidate, share: float, expected: Collection[str] = ()) 
     late_encoder = candidate.kind == "channel_lag" and not candidate.place["channel"].startswith("tau")
     own = not candidate.law.__module__.startswith("flexdyn.")  # who writes a law expects it
     often = own or candidate.kind in GUESSED or candidate.kind in expected
-    prior = SELDOM if late_encoder else OFTEN if often else ODDS[candidate.law.prevalence]
+    prior = SELDOM if late_encoder else OFTEN if often else PREVALENCE_ODDS[candidate.law.prevalence]
     odds = prior * (1.0 + min(share, 1e12))
     return odds / (1.0 + odds)
 
@@ -87,7 +87,7 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
 
 def _undetected(noise: Discrepancy) -> Array:
     """Power beyond noise that chance and a wrong level of the noise may make (equations,)."""
-    return np.asarray(UNSURE * noise.count + CHANCE * np.sqrt(2.0 * noise.count * noise.times))
+    return np.asarray(NOISE_LEVEL_ERROR * noise.count + CHANCE_ROOM * np.sqrt(2.0 * noise.count * noise.times))
 
 
 def _typical(space: Space, excess: Array) -> float:

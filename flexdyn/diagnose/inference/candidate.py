@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
-from flexdyn.diagnose.inference.priors import EVERY_DRIVE, EVERY_MOTOR, SMALLEST, WAVES
+from flexdyn.diagnose.inference.priors import EVERY_DRIVE, EVERY_MOTOR, SMALLEST_TORQUE_SHARE, WAVES
 from flexdyn.effects import Effect, registered
 from flexdyn.model.uncertain_parameters import FileNumber
 
@@ -106,4 +106,4 @@ class Column:
     size: Array
     log_jacobian: float = 0.0
     gained: int = 0
-    smallest: float = SMALLEST
+    smallest: float = SMALLEST_TORQUE_SHARE

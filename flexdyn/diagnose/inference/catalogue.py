@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.motion import Motion
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import applied_torque, joint_terms, of_joint
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
-from flexdyn.diagnose.hypothesis.proposal import Extent, Point, Proposal, declared, given
+from flexdyn.diagnose.hypothesis.proposal import MotionExtent, Point, Proposal, declared, given
 from flexdyn.diagnose.hypothesis.proposals import proposals
 from flexdyn.effects import ChannelLag, Effect, JointEffect, catalogue
 
@@ -47,7 +47,7 @@ def _loaded(equations: Equations) -> list[Proposal]:
     )
     found = []
     for j in np.flatnonzero(~true.elastic & (true.rotor_inertia > 0.0)).tolist():
-        place, extent = {"joint": true.joint_names[j], "side": "motor"}, Extent.of(equations, j)
+        place, extent = {"joint": true.joint_names[j], "side": "motor"}, MotionExtent.of(equations, j)
         found += [declared(kind, place, extent) for kind in kinds]
     return found
 
@@ -79,7 +79,7 @@ def _of_loaded(equations: Equations, effect: JointEffect) -> Array:
     true = equations.true
     j = true.index(effect.joint)
 
-    def friction(along: Motion) -> tuple[str, Array]:
+    def friction(along: SmoothedMotion) -> tuple[str, Array]:
         # What a rigid joint carries: all that the link needs, the rotor left out, whose inertia is in M.
         carried = joint_terms(true, true.all_effects, along, j).tau_s - true.rotor_inertia[j] * along.a[:, j]
         return "motor", -effect.torque(along.theta[:, j], along.omega[:, j], tau=carried)
@@ -90,14 +90,14 @@ def _of_loaded(equations: Equations, effect: JointEffect) -> Array:
 def _of_late_torque(equations: Equations, effect: ChannelLag) -> Array:
     j = equations.true.index(effect.joint)
 
-    def earlier(along: Motion) -> tuple[str, Array]:
+    def earlier(along: SmoothedMotion) -> tuple[str, Array]:
         needed = equations.needed(along, j)
         return "motor", np.interp(along.t + effect.delay, along.t, needed) - needed
 
     return equations.of_torque(j, earlier)
 
 
-def _on_the_way(equations: Equations, effect: JointEffect, along: Motion, j: int) -> Array:
+def _on_the_way(equations: Equations, effect: JointEffect, along: SmoothedMotion, j: int) -> Array:
     """What an effect does to a torque on its way to the rotor (samples,)."""
     tau = along.tau.copy()
     tau[:, j] = equations.needed(along, j)

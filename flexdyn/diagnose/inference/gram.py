@@ -20,7 +20,7 @@ from scipy.special import log_ndtr
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-BEYOND = 4.0
+NEGATIVE_SIGMAS = 4.0
 """Standard deviations below zero from which a coefficient that may not be negative makes no sense."""
 
 
@@ -220,7 +220,7 @@ class Gram:
         ratio = mean / np.sqrt(np.maximum(inverse[:, place, place], 1e-300))
         bounded = self.prior.positive[table]
         value += np.where(bounded, log_ndtr(ratio) - log_ndtr(mu * np.sqrt(lam)), 0.0).sum(axis=1)
-        good &= ~(bounded & (ratio < -BEYOND)).any(axis=1)
+        good &= ~(bounded & (ratio < -NEGATIVE_SIGMAS)).any(axis=1)
         return np.where(good, value, -np.inf)
 
 

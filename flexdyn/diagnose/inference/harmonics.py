@@ -14,13 +14,13 @@ from flexdyn.diagnose.inference.autoregression import Autoregression
 from flexdyn.diagnose.inference.priors import WAVES
 
 Array = NDArray[np.float64]
-MOST = 200.0
+HIGHEST_HARMONIC = 200.0
 """Harmonics that are looked for, at most [cycles per turn]."""
-PEAKS = 4
+SPECTRUM_PEAKS = 4
 """Peaks of a spectrum that become grid points."""
-BLOCK = 64
+HARMONICS_AT_ONCE = 64
 """Harmonics whose waves are held at once."""
-FINE = 0.125
+HARMONIC_SPACING = 0.125
 """Between harmonics that are tried around a peak, as a share of the spectrum's resolution."""
 
 
@@ -42,7 +42,7 @@ def peaks(equations: Equations, left: Array, runs: NDArray[np.intp], row: int, s
     if span <= 0.0 or not (runs >= 0).any():
         return []
     resolution = np.pi / span
-    grid = np.arange(max(1.0, resolution), MOST, 0.5 * resolution)
+    grid = np.arange(max(1.0, resolution), HIGHEST_HARMONIC, 0.5 * resolution)
     scale = float(np.sqrt((left[runs >= 0] ** 2).mean())) or 1.0
     process = Autoregression.of(left / scale * 1e3, runs)  # the scale only keeps the innovations above 1
     y = process.innovations((left / scale * 1e3)[:, None], runs)[:, 0]
@@ -57,10 +57,10 @@ def peaks(equations: Equations, left: Array, runs: NDArray[np.intp], row: int, s
         det = np.maximum(cc * ss - cs * cs, 1e-12 * np.maximum(cc * ss, 1e-300))
         return np.asarray((yc**2 * ss - 2.0 * yc * ys * cs + ys**2 * cc) / det)
 
-    size = np.concatenate([power(block) for block in np.array_split(grid, max(1, len(grid) // BLOCK))])
+    size = np.concatenate([power(block) for block in np.array_split(grid, max(1, len(grid) // HARMONICS_AT_ONCE))])
     inner = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
-    chosen = inner[np.argsort(-size[inner])][:PEAKS]
-    around = np.arange(-4, 5) * FINE * resolution
+    chosen = inner[np.argsort(-size[inner])][:SPECTRUM_PEAKS]
+    around = np.arange(-4, 5) * HARMONIC_SPACING * resolution
     found = []
     for k in chosen:
         near = grid[k] + around

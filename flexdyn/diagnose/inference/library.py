@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.equations.columns import of_parameter
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, TRANSMISSION, Equations
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
@@ -22,13 +22,13 @@ from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.inference.priors import (
     ANGLES,
     BY_NATURE,
-    CERTAIN,
-    FIXED,
-    FREED,
-    LOOSE,
-    SHARE,
-    SMALLEST,
-    TOO_WIDE,
+    EFFECT_TORQUE_SHARE,
+    FITTED_SIZE_WIDTH,
+    FIXED_SIZE_WIDTH,
+    FREED_TOLERANCES,
+    FREED_WIDTH,
+    SMALLEST_TORQUE_SHARE,
+    UNKNOWN_WIDTH,
 )
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
@@ -61,7 +61,7 @@ class Library:
     offsets: Array
     offset_std: Array
     proposals: tuple[Proposal, ...]
-    noise: Noise
+    noise: SampleNoise
     mask: NDArray[np.bool_]
     first: Library | None = None
 
@@ -89,7 +89,7 @@ class Library:
     def freed(self, k: int) -> Column:
         """One number of the file, not held by its tolerance."""
         tolerance = list(self.start.factors)[k].tolerance
-        std = FREED if tolerance < FREED else TOO_WIDE * tolerance
+        std = FREED_WIDTH if tolerance < FREED_WIDTH else FREED_TOLERANCES * tolerance
         return Column(self.numbers[:, [k]], np.array([std]), np.zeros(1), np.zeros(1, bool), np.ones(1))
 
     def columns(self, proposal: Proposal, point: Point) -> Column | None:
@@ -104,12 +104,12 @@ class Library:
             return None
         if proposal.fixed:
             cost = sum(self.log_jacobian(effect) for effect, _ in proposal.units(point))
-            return Column(white, np.full(width, FIXED), np.ones(width), np.ones(width, bool), largest, cost)
-        scale = SHARE / np.maximum(largest, self._given_size(proposal, point, largest))
+            return Column(white, np.full(width, FIXED_SIZE_WIDTH), np.ones(width), np.ones(width, bool), largest, cost)
+        scale = EFFECT_TORQUE_SHARE / np.maximum(largest, self._given_size(proposal, point, largest))
         scale = np.array([_natural(proposal.place["effect"], float(each)) for each in scale])
         signs = np.array([*proposal.positive, *[False] * width][:width])
         gained = self._rows_of(proposal.place["joint"]) if proposal.place["effect"] == TorqueConstantError.name else 0
-        least = max(SMALLEST, self._resolution(proposal.place) * float(largest.max()))
+        least = max(SMALLEST_TORQUE_SHARE, self._resolution(proposal.place) * float(largest.max()))
         return Column(white, scale, np.zeros(width), signs, largest, gained=gained, smallest=least)
 
     def standing(
@@ -124,7 +124,7 @@ class Library:
         without = self.equations.of(dataclasses.replace(self.start, effects=others).model())
         change = self.equations.residual - without.residual
         parts = [self.whiten(change)]
-        std, mean = [CERTAIN], [1.0]
+        std, mean = [FITTED_SIZE_WIDTH], [1.0]
         for each, name in self.start.unknowns():
             if each is not effect:
                 continue
@@ -135,7 +135,7 @@ class Library:
                 continue
             off, spread = belief(effect, name)
             parts.append(self.whiten(raw))
-            std.append(min(spread / scale, LOOSE))
+            std.append(min(spread / scale, UNKNOWN_WIDTH))
             mean.append(off / scale if np.isfinite(spread) else 0.0)
         white = np.stack(parts, axis=1)
         share, least = self.size_of(effect, change)
@@ -154,7 +154,7 @@ class Library:
             scale = tangent_scale(effect, name)
             raw = of_parameter(self.equations, effect, name, 0.1 * scale)
             largest = float(self._size(raw[:, None])[0])
-            spread = _natural(effect.name, SHARE / largest) if 0.0 < largest < np.inf else np.inf
+            spread = _natural(effect.name, EFFECT_TORQUE_SHARE / largest) if 0.0 < largest < np.inf else np.inf
             return (float(nothing) - value, spread) if np.isfinite(spread) else (0.0, np.inf)
         proposal = next(p for p in self.proposals if p.is_of(effect))
         if name not in proposal.axes or len(proposal.grid) < 2 or value <= 0.0:
@@ -165,7 +165,7 @@ class Library:
         low, high = float(np.log(min(grid))), float(np.log(max(grid)))
         return -value * (float(np.log(value)) - 0.5 * (low + high)), value * max(0.5 * (high - low), 0.1)
 
-    def size_of(self, effect: Effect, change: Array, least: float = SMALLEST) -> tuple[float, float]:
+    def size_of(self, effect: Effect, change: Array, least: float = SMALLEST_TORQUE_SHARE) -> tuple[float, float]:
         """Share of its joint's torque that an effect has, and the one from which it is one [1].
 
         Args:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
@@ -24,21 +24,21 @@ from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
-from flexdyn.diagnose.inference.space import NATURAL, Space, Structure
+from flexdyn.diagnose.inference.space import WHOLE_NUMBER_LOG_ODDS, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.diagnose.inference.weights import expected, filter_error, for_fit, quieter, rows_of
 from flexdyn.diagnose.progress import know, tell
 
 Array = NDArray[np.float64]
-PASSES = 5
+MOST_PASSES = 5
 """Linearisations at most."""
-ROUNDS = 25
+MODEL_ERROR_ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
-STRONG = 0.1
+STRONG_GAIN_SHARE = 0.1
 """Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
 WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
 """Fits of one hypothesis, each weighted by what the last one left, until it leaves more than such a share of that."""
-STEPS = 4
+PASS_STEPS = 4
 """Gauss-Newton steps between two linearisations."""
 Places = frozenset[tuple[object, ...]]
 """Kind and place of every candidate of a structure."""
@@ -63,14 +63,14 @@ class Posterior:
     space: Space
     best: Structure
     fitted: Fit
-    noise: Noise
+    noise: SampleNoise
     settled: bool
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
     earlier: tuple[Places, ...] = ()
 
 
-def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
+def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Posterior:
     """Compare structures on the equations.
 
     Args:
@@ -83,8 +83,8 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
     here, mask, recorded = start, sign_mask(bare.equations, noise), noise
     first: Library | None = None
     compared: list[Places] = []
-    for k in range(PASSES):
-        tell(f"comparing structures: pass {k + 1} of at most {PASSES}", 0.05 + 0.6 * k / PASSES)
+    for k in range(MOST_PASSES):
+        tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
         at = bare.equations.of(here.model())
         noise = quieter(recorded, at, mask)
         work = weighed(bare, noise, mask, filter_error(bare.equations, here))
@@ -109,12 +109,12 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
             (c, 0) for c, each in enumerate(space.candidates) if each.stands is not None or each.number in here.freed
         )
         best = _compared(space, stands)
-        there = hypothesis_of(space, _strong(space, best, stands, STRONG ** (k + 1)), here)
+        there = hypothesis_of(space, _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1)), here)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
         settled = _nonlinear(space, best) == _nonlinear(space, stands) or places in compared
         earlier = () if settled else tuple(compared[1:])
         compared.append(places)
-        last = settled or k == PASSES - 1
+        last = settled or k == MOST_PASSES - 1
         if last:
             space.known = {}
             best = among_rivals(space, explore(space, [best]))
@@ -123,7 +123,7 @@ def posterior(bare: Unweighted, noise: Noise, start: Hypothesis) -> Posterior:
         for _ in range(WEIGHTINGS):
             work = for_fit(bare, noise, mask, seen, there)
             work = dataclasses.replace(work, beliefs=beliefs)
-            fitted = _natural(fit(there, work, steps=STEPS if not last else 8), space, work)
+            fitted = _natural(fit(there, work, steps=PASS_STEPS if not last else 8), space, work)
             there = fitted.hypothesis
             if fitted.reduced > WELL_WEIGHTED * expected(work):
                 break
@@ -143,7 +143,7 @@ def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
         owner = next(each for each in space.candidates if each.proposal is not None and each.proposal.is_of(effect))
         now = float(getattr(effect, "harmonic"))  # noqa: B009 - not every effect has one
         for value in owner.natural(now):
-            if value != now and (value - now) ** 2 < 2.0 * NATURAL * spread**2:
+            if value != now and (value - now) ** 2 < 2.0 * WHOLE_NUMBER_LOG_ODDS * spread**2:
                 changes[effect] = effect.replace(harmonic=value)
                 break
     if not changes:
@@ -157,7 +157,7 @@ def _compared(space: Space, stands: Structure) -> Structure:
     space.under(_nothing(space))
     space.under(Discrepancy.of(space.left(stands), space.seen))
     best, seen = stands, set[Structure]()
-    for _ in range(ROUNDS):
+    for _ in range(MODEL_ERROR_ROUNDS):
         best = explore(space, [best], 0)
         if best in seen:
             break

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-SHARE = 0.3
+EFFECT_TORQUE_SHARE = 0.3
 """Prior standard deviation of an effect's torque, as a share of the joint's root mean square torque."""
-FREED = 1.0
+FREED_WIDTH = 1.0
 """Prior standard deviation of the factor of a number whose tolerance is wrong [1]."""
-TOO_WIDE = 10.0
-"""The same in tolerances, where the tolerance itself is wider than `FREED`."""
+FREED_TOLERANCES = 10.0
+"""The same in tolerances, where the tolerance itself is wider than `FREED_WIDTH`."""
 ANGLES = {
     "kinematic_error": "amplitude",
     "encoder_eccentricity": "amplitude",
@@ -22,11 +22,11 @@ EVERY_MOTOR = "of every motor:"
 """What the group of a kind begins with that every motor has."""
 WAVES = ("torque_ripple", "kinematic_error", "encoder_eccentricity", "position_dependent_friction")
 """Effects that come again with position."""
-LOOSE = 1e4
+UNKNOWN_WIDTH = 1e4
 """Prior standard deviation of a parameter of which nothing is known, in units of a hundredth of its value."""
-CERTAIN = 1e-4
+FITTED_SIZE_WIDTH = 1e-4
 """Prior standard deviation of the size of an effect as it was fitted: its tangents say what changes [1]."""
-SMALLEST = 4e-3
+SMALLEST_TORQUE_SHARE = 4e-3
 """Share of its joint's torque from which an effect is one [1]. No model of a robot is right to less."""
-FIXED = 0.05
+FIXED_SIZE_WIDTH = 0.05
 """Prior standard deviation of the size of an effect that enters at one grid point, about 1: the grid is that coarse."""

@@ -6,11 +6,11 @@ import numpy as np
 
 from flexdyn.diagnose.inference.space import Space, Structure
 
-TRIES = 14
+POINTS_TRIED = 14
 """Points that are tried for each nonlinear parameter, at most."""
 SWEEPS = 4
 """Times that all parameters are moved in turn, at most: they depend on one another."""
-SETTLED = 0.05
+NEGLIGIBLE_GAIN = 0.05
 """Change of the log posterior that is none."""
 
 
@@ -25,7 +25,7 @@ def refined(space: Space, structure: Structure) -> Structure:
                 axes += len(candidate.points[0])
                 for axis in range(len(candidate.points[0])):
                     here = _along(space, here, c, axis)
-        if axes < 2 or space.value(here) - before < SETTLED:
+        if axes < 2 or space.value(here) - before < NEGLIGIBLE_GAIN:
             break
     return here
 
@@ -36,17 +36,17 @@ def _along(space: Space, here: Structure, c: int, axis: int) -> Structure:
     if line.low == line.high:
         return here
     down, up = 0.5 * (line.centre - line.low), 0.5 * (line.high - line.centre)
-    for _ in range(TRIES // 2):
+    for _ in range(POINTS_TRIED // 2):
         best, before = line.best, line.value(line.best)
         for x in (best - down, best + up):
             line.ask(x)
         if line.best != best:
-            if line.value(line.best) - before < SETTLED:
+            if line.value(line.best) - before < NEGLIGIBLE_GAIN:
                 break
             continue
         line.ask(_vertex(best, line.values()))
         down, up = 0.5 * down, 0.5 * up
-        if min((before - y for x, y in line.values().items() if x != best), default=0.0) < SETTLED:
+        if min((before - y for x, y in line.values().items() if x != best), default=0.0) < NEGLIGIBLE_GAIN:
             break
     return line.natural()
 

@@ -12,7 +12,7 @@ from flexdyn.diagnose.inference.space import Space, Structure
 def among_rivals(space: Space, best: Structure) -> Structure:
     """Compare the best structure with rivals of each of its effects, their nonlinear parameters refined.
 
-    The same law at other places begins at the numbers that the effect has.
+    The same law at other places has a warm start: the numbers of the effect.
 
     Returns:
         the most likely structure.

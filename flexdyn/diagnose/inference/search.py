@@ -11,15 +11,15 @@ from scipy.special import betaln
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.refinement import refined
-from flexdyn.diagnose.inference.space import NATURAL, Space, Structure, odds_of
+from flexdyn.diagnose.inference.space import WHOLE_NUMBER_LOG_ODDS, Space, Structure, odds_of
 from flexdyn.diagnose.progress import check
 
 Array = NDArray[np.float64]
-WINDOW = math.log(1000.0)
+OCCAM_WINDOW = math.log(1000.0)
 """Occam's window: structures less likely than the best by more than this factor are not explored (Madigan, 1994)."""
 SWAPS, ADDITIONS = 6, 4
 """Neighbours of each kind that are told as the nearest ones."""
-EXPLORED = 30
+STRUCTURES_EXPLORED = 30
 """Structures whose neighbours are all compared, at most."""
 
 
@@ -55,7 +55,7 @@ class Scan:
             for k, each, x in waves
             if each.stands is None and "harmonic" in each.names and x[0] not in each.natural(x[0])
         ]
-        self.grid[odd] -= NATURAL
+        self.grid[odd] -= WHOLE_NUMBER_LOG_ODDS
         self.kind = np.array([self.kinds.index(candidates[c].group) for c in self.of])
 
     def _clashes(self, c: int) -> NDArray[np.intp]:
@@ -112,7 +112,7 @@ def _where(candidate: Candidate) -> tuple[str | None, ...]:
     return tuple(candidate.place.get(key) for key in ("joint", "side", "channel", "frame"))
 
 
-def explore(space: Space, starts: list[Structure], explored: int = EXPLORED) -> Structure:
+def explore(space: Space, starts: list[Structure], explored: int = STRUCTURES_EXPLORED) -> Structure:
     """Compare the neighbours of the most likely structures, until none in Occam's window is left.
 
     Returns:
@@ -123,7 +123,7 @@ def explore(space: Space, starts: list[Structure], explored: int = EXPLORED) -> 
     for start in starts:
         _climb(scan, start, done)
     for _ in range(explored):
-        bound = max(space.known.values()) - WINDOW
+        bound = max(space.known.values()) - OCCAM_WINDOW
         open_ = [s for s, value in space.known.items() if s not in done and value > bound]
         if not open_:
             break
@@ -172,6 +172,6 @@ def _add(scan: Scan, base: Structure, value: float) -> None:
     space = scan.space
     best = max(space.known.values())
     for more, point in scan.additions(base):
-        if value + more < best - WINDOW:
+        if value + more < best - OCCAM_WINDOW:
             break
         best = max(best, space.value(base | {point}))

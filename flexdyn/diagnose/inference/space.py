@@ -14,26 +14,26 @@ from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior, Products
 from flexdyn.diagnose.inference.library import Library
-from flexdyn.diagnose.inference.priors import EVERY_DRIVE, EVERY_MOTOR, SHARE
+from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, EVERY_DRIVE, EVERY_MOTOR
 from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Structure = frozenset[tuple[int, int]]
 """Candidates that a structure holds, each with its grid point."""
-ODDS = (0.3, 6.0)
+PLACE_BETA = (0.3, 6.0)
 """Beta prior of the share of places at which an effect is: odds of 1 to 20 alone, better where it is elsewhere already.
 
 An effect of many joints so costs less than its members apart (Scott and Berger, 2010).
 """
-UBIQUITOUS, PLAIN = (6.0, 0.3), (1.0, 1.0)
+UBIQUITOUS_BETA, PLAIN_BETA = (6.0, 0.3), (1.0, 1.0)
 """The same of friction that every motor has, where the file has none: odds of some 20 to 1; and of the same friction on
 links: any share of the places is as likely as any other."""
-NEGLIGIBLE = 3e-3
+NEGLIGIBLE_SHARE = 3e-3
 """Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
-NATURAL = 5.0
+WHOLE_NUMBER_LOG_ODDS = 5.0
 """Log odds of a harmonic that is a whole number, or a whole number of motor turns, to one that is not."""
-SPARE = 400
+SPARE_COLUMNS = 400
 """Columns for refined grid points."""
 
 
@@ -58,14 +58,14 @@ class Space:
         for candidate in self.candidates:
             candidate.columns = [each + shift for each in candidate.columns]
         self.used = sum(len(each.std) for each in columns)
-        capacity = self.used + SPARE
+        capacity = self.used + SPARE_COLUMNS
         many = len(seen.count)
         y = -rows.reshape(-1, many)
         self.equations = [Products(y[:, k], capacity) for k in range(many)]
         self.size, self.cost, self.gained = np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
         self.smallest, self.of = np.zeros(capacity), np.zeros(capacity, np.intp)
         self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
-        self._put(0, columns, SPARE)
+        self._put(0, columns, SPARE_COLUMNS)
         self.places = self._counted(self.candidates)
 
     def _negligible(self, made: list[Column]) -> list[Column]:
@@ -78,7 +78,7 @@ class Space:
         return [
             dataclasses.replace(
                 each,
-                std=NEGLIGIBLE * np.minimum(each.std, SHARE / np.maximum(each.size, 1e-300)),
+                std=NEGLIGIBLE_SHARE * np.minimum(each.std, EFFECT_TORQUE_SHARE / np.maximum(each.size, 1e-300)),
                 mean=np.zeros_like(each.mean),
                 positive=each.positive & False,
             )
@@ -239,7 +239,11 @@ class Space:
             chosen[candidate.group] = chosen.get(candidate.group, 0) + 1
             total += self.costs(c, p) - math.log(candidate.choices)
             if "harmonic" in candidate.names and candidate.stands is None:
-                total -= 0.0 if candidate.points[p][0] in candidate.natural(candidate.points[p][0]) else NATURAL
+                total -= (
+                    0.0
+                    if candidate.points[p][0] in candidate.natural(candidate.points[p][0])
+                    else WHOLE_NUMBER_LOG_ODDS
+                )
         for kind, m in chosen.items():
             n, (a, b) = self.places[kind], odds_of(kind)
             total += float(betaln(m + a, n - m + b) - betaln(a, n + b))
@@ -271,5 +275,5 @@ def _tangents(column: Column) -> Column:
 def odds_of(group: str) -> tuple[float, float]:
     """Beta prior of the share of places at which effects of a group are."""
     if group.startswith(EVERY_MOTOR):
-        return UBIQUITOUS
-    return PLAIN if group in EVERY_DRIVE else ODDS
+        return UBIQUITOUS_BETA
+    return PLAIN_BETA if group in EVERY_DRIVE else PLACE_BETA

@@ -8,8 +8,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.filters import FIRST, Filters
-from flexdyn.diagnose.equations.covariance import Noise
+from flexdyn.diagnose.data.filters import FIRST_FILTER_WIDTH, Filters
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.fitted import Workspace
@@ -21,7 +21,7 @@ from flexdyn.diagnose.inference.whitening import Tempered
 Array = NDArray[np.float64]
 
 
-def quieter(recorded: Noise, at: Equations, mask: NDArray[np.bool_]) -> Noise:
+def quieter(recorded: SampleNoise, at: Equations, mask: NDArray[np.bool_]) -> SampleNoise:
     """The torque's noise: what the record changes from sample to sample, or what the equations do, whichever is less.
 
     Each holds all of the noise and something else: what is asked of the motor, or what the model lacks.
@@ -37,7 +37,7 @@ def expected(work: Workspace) -> float:
 
 
 def for_fit(
-    bare: Unweighted, noise: Noise, mask: NDArray[np.bool_], seen: Seen, there: Hypothesis
+    bare: Unweighted, noise: SampleNoise, mask: NDArray[np.bool_], seen: Seen, there: Hypothesis
 ) -> Workspace:  # fmt: skip
     """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
 
@@ -77,7 +77,7 @@ def filter_error(equations: Equations, here: Hypothesis) -> Array | None:
     if not here.effects:
         return None
     dt = equations.data[0].dt
-    first = Filters.of_rate(dt, first=math.sqrt(2.0) * max(FIRST, 1.25 * dt)).first
+    first = Filters.of_rate(dt, first=math.sqrt(2.0) * max(FIRST_FILTER_WIDTH, 1.25 * dt)).first
     filters = dataclasses.replace(equations.filters, first=first)
     wide = Equations(equations.model, equations.data, filters, equations.stiffness)
     total = np.zeros(len(equations.residual))

@@ -15,7 +15,7 @@ COLOURS = ("before", "between", "after")
 PICTURES = 6
 """Pictures of residuals that stand open; the others are folded away."""
 
-TELLING = 0.01
+OPEN_PICTURE_SHARE = 0.01
 """Share of the squared residuals that a picture explains at least to stand open [1]."""
 
 
@@ -32,7 +32,7 @@ def gap(diagnosis: Diagnosis) -> str:
     scale = max(numbers, default=1.0) or 1.0
     shown = "".join(_gap_bars(title, entry, scale) for title, entry in groups)
     said = (
-        "Root mean square of simulated minus measured positions over windows of 0.5 s, in units of what noise alone"
+        "Root mean square of simulated minus measured positions over windows of 0.5 s, divided by what noise alone"
         " makes there: sensor noise, torque noise carried through the simulation, and the uncertain first state. A"
         " perfect model reaches the dashed line."
     )
@@ -104,8 +104,8 @@ def left(diagnosis: Diagnosis) -> str:
     ]
     heads = ("joint", "share of the joint's torque", "correlation time", "changes with")
     said = (
-        "Beyond noise, after the correction. The correlation time is how long it stays alike: what lasts much longer"
-        " than a sample is no sensor noise."
+        "Beyond noise, after the correction. The correlation time says how long it keeps its value: if that is much"
+        " longer than a sample, it is no sensor noise."
     )
     return section("What is left", table(heads, rows, name="left") + soft(said), "left")
 
@@ -136,7 +136,7 @@ def where(diagnosis: Diagnosis) -> str:
 
 def shown_at_once(diagnosis: Diagnosis) -> int:
     """Pictures that stand open: at most six, and at least two; none else that explains next to nothing."""
-    telling = [k for k, each in enumerate(diagnosis.residuals) if not each.explains < TELLING]
+    telling = [k for k, each in enumerate(diagnosis.residuals) if not each.explains < OPEN_PICTURE_SHARE]
     return min(PICTURES, max(2, telling[-1] + 1 if telling else 0), len(diagnosis.residuals))
 
 

@@ -17,7 +17,7 @@ from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import OF_MOTOR
 
-SHOWN = 12
+CALIBRATED_ROWS_OPEN = 12
 """Rows that stand open; the others are folded away."""
 LIMIT = 3.0
 """Tolerances by which a number may move and be calibrated (contract, section 8)."""
@@ -40,18 +40,18 @@ def calibration(diagnosis: Diagnosis) -> str:
     """All of them, those that moved farthest first."""
     if not diagnosis.calibration:
         return ""
-    ordered = sorted(diagnosis.calibration, key=_drift, reverse=True)
+    ordered = sorted(diagnosis.calibration, key=_displacement, reverse=True)
     rows = [_row(diagnosis, entry) for entry in ordered]
-    shown = table(HEADS, rows[:SHOWN], name="calibration")
-    if rows[SHOWN:]:
-        rest = table(HEADS, rows[SHOWN:], name="calibration")
-        shown += folded(f"{len(rows) - SHOWN} more, which moved less", rest)
-    beyond = sum(_drift(entry) > LIMIT for entry in ordered)
+    shown = table(HEADS, rows[:CALIBRATED_ROWS_OPEN], name="calibration")
+    if rows[CALIBRATED_ROWS_OPEN:]:
+        rest = table(HEADS, rows[CALIBRATED_ROWS_OPEN:], name="calibration")
+        shown += folded(f"{len(rows) - CALIBRATED_ROWS_OPEN} more, which moved less", rest)
+    beyond = sum(_displacement(entry) > LIMIT for entry in ordered)
     said = f"They moved by no more than {LIMIT:g} of their stated tolerances, so they are no findings."
     if beyond:
         said = (
-            f"{counted(beyond, 'number')} moved by more than {LIMIT:g} of the stated tolerances and is no finding all"
-            " the same: what is left unexplained may have bent it."
+            f"{counted(beyond, 'number')} moved by more than {LIMIT:g} of the stated tolerances but is no finding:"
+            " what is left unexplained may have changed it."
         )
     return section(
         "Numbers of the model that were calibrated",
@@ -60,7 +60,7 @@ def calibration(diagnosis: Diagnosis) -> str:
     )
 
 
-def _drift(entry: Calibration) -> float:
+def _displacement(entry: Calibration) -> float:
     size = abs(entry.factor - 1.0) / entry.tolerance if entry.tolerance > 0.0 else abs(entry.factor - 1.0)
     return size if math.isfinite(size) else 0.0
 

@@ -13,7 +13,7 @@ from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Structure
 from flexdyn.diagnose.report.words import capital, grouped_phrases, plain_phrase, title_phrase
 
-SHOWN = 8
+STRUCTURES_OPEN = 8
 """Structures that stand open; the others are folded away."""
 
 
@@ -33,9 +33,11 @@ def _ranked(diagnosis: Diagnosis) -> str:
     best = max(each.log_evidence for each in given)
     rows = [_row(diagnosis, rank, each, best) for rank, each in enumerate(given, start=1)]
     heads = ("rank", "effects", "probability", "log evidence,<br>to the best")
-    shown = table(heads, rows[:SHOWN], numbers=(3,), name="ranked")
-    if rows[SHOWN:]:
-        shown += folded(f"{len(rows) - SHOWN} more", table(heads, rows[SHOWN:], numbers=(3,), name="ranked"))
+    shown = table(heads, rows[:STRUCTURES_OPEN], numbers=(3,), name="ranked")
+    if rows[STRUCTURES_OPEN:]:
+        shown += folded(
+            f"{len(rows) - STRUCTURES_OPEN} more", table(heads, rows[STRUCTURES_OPEN:], numbers=(3,), name="ranked")
+        )
     said = (
         "A structure is a set of effects that are added to the model. Its probability is posterior, among all"
         " structures that were compared; an effect's probability is the sum over the structures that hold it."

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.diagnose.report.calibrated import estimate
-from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Source
+from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, RecordingSpan
 from flexdyn.diagnose.report.record import Statistics
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import model_sentence, stopped_sentence
@@ -114,7 +114,7 @@ def _error(entry: JointError) -> dict[str, Any]:
     }
 
 
-def _source(entry: Source) -> dict[str, Any]:
+def _source(entry: RecordingSpan) -> dict[str, Any]:
     return {
         "file": entry.file,
         "role": entry.role,

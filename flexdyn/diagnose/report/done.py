@@ -6,13 +6,13 @@ from html import escape
 
 from flexdyn.diagnose.report.digits import MINUS, counted, grouped, rounded
 from flexdyn.diagnose.report.html import folded, section, soft, table
-from flexdyn.diagnose.report.measures import Source
+from flexdyn.diagnose.report.measures import RecordingSpan
 from flexdyn.diagnose.report.record import Record, Statistics
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.words import channel_unit
 
 ROLES = {"fit": "fit: estimates and the choice of structures", "test": "test: no decision read it"}
-FEW = 4
+NOISE_CHANNELS_OPEN = 4
 """Channels whose noise is told at once; more are folded away."""
 CORRELATED = 10
 """Correlations that stand open; the others are folded away."""
@@ -48,7 +48,7 @@ def _date(text: str) -> str:
     return text.replace("T", " ")
 
 
-def _source(diagnosis: Diagnosis, entry: Source) -> list[str]:
+def _source(diagnosis: Diagnosis, entry: RecordingSpan) -> list[str]:
     channels = "<br>".join(escape(name) for name in entry.channels)
     many = counted(len(entry.channels), "channel")
     return [
@@ -62,13 +62,13 @@ def _source(diagnosis: Diagnosis, entry: Source) -> list[str]:
     ]
 
 
-def _noise(diagnosis: Diagnosis, entry: Source) -> str:
+def _noise(diagnosis: Diagnosis, entry: RecordingSpan) -> str:
     levels = [
         f"{name} {rounded(level, 2)} {channel_unit(diagnosis.model, name)}".strip()
         for name, level in entry.noise.items()
     ]
     told = "<br>".join(escape(level) for level in levels)
-    if len(levels) > FEW:
+    if len(levels) > NOISE_CHANNELS_OPEN:
         return f"<details><summary>{counted(len(levels), 'channel')}</summary>{told}</details>"
     return told or '<span class="soft">not estimated</span>'
 
@@ -91,8 +91,8 @@ def fit(diagnosis: Diagnosis) -> str:
             rest = table(heads, rows[CORRELATED:], numbers=(2,), name="correlations")
             body += folded(f"{len(rows) - CORRELATED} more", rest)
         body += soft(
-            "Those below 0.1 are left out. Of two numbers whose correlation is near 1 or -1 the data tell a"
-            " combination, and not each by itself."
+            "Those below 0.1 are left out. If the correlation of two numbers is near 1 or -1, the data determine"
+            " a combination of them, and not each by itself."
         )
     return section("Statistics of the final fit", body, "fit")
 

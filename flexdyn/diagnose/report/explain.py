@@ -13,7 +13,7 @@ from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, S
 from flexdyn.diagnose.report.targets import resolved
 from flexdyn.diagnose.report.words import joined, suspect_phrase, title_phrase
 
-LISTED = 5
+RANKS_LISTED = 5
 """Ranks of structures that are told one by one."""
 
 
@@ -32,7 +32,7 @@ def explanation(diagnosis: Diagnosis, target: str) -> str:
     if target in diagnosis.decisions:
         parts.append(diagnosis.decisions[target])
     if diagnosis.verdict == "interrupted":
-        parts.append("The diagnosis was interrupted: all of this is what was known by then.")
+        parts.append("The diagnosis was interrupted: this is what was known then.")
     return "\n\n".join(parts)
 
 
@@ -56,13 +56,11 @@ def _status(diagnosis: Diagnosis, suspect: Suspect, finding: Finding | None, ent
         return f"{held}: its probability is {probability_text(finding.probability)} ({likely(finding.probability)})."
     if finding is not None:
         together = probability_text(finding.probability)
-        return (
-            f"Named as one of {len(finding.names)}: together they have probability {together}, by itself it has {said}."
-        )
+        return f"Named as one of {len(finding.names)}: together they have probability {together}; alone it has {said}."
     if moved is not None:
         return (
             f"Calibrated, and no finding: factor {moved.factor:.4g} with standard deviation {moved.std:.2g}, at a"
-            f" tolerance of {percent(moved.tolerance)}; within 3 tolerances a number is not called wrong."
+            f" tolerance of {percent(moved.tolerance)}; a number is called wrong only beyond 3 tolerances."
         )
     below = f", and {ESTABLISHED} is required" if probability < ESTABLISHED else ""
     return f"Not named: its probability is {said}{below}."
@@ -82,12 +80,12 @@ def _ranks(diagnosis: Diagnosis, suspect: Suspect, entry: Considered | None) -> 
     if found.among and not found.holding:
         yield f"It stands in none of the {found.among} ranked structures."
     elif found.among:
-        few = [str(place) for place in found.holding[:LISTED]]
-        more = ", ..." if found.holding[LISTED:] else ""
+        few = [str(place) for place in found.holding[:RANKS_LISTED]]
+        more = ", ..." if found.holding[RANKS_LISTED:] else ""
         word = "rank" if len(found.holding) == 1 else "ranks"
         yield (
             f"It stands in {len(found.holding)} of {found.among} ranked structures ({word} {', '.join(few)}{more}),"
-            f" which have together probability {probability_text(found.probability)}."
+            f" which together have probability {probability_text(found.probability)}."
         )
     factor = entry.log_bayes_factor if entry is not None else math.nan
     if not math.isnan(factor):
@@ -103,7 +101,7 @@ def _confused(diagnosis: Diagnosis, suspect: Suspect, finding: Finding | None) -
     """What the data cannot tell it from."""
     others = [] if finding is None else [each for each in finding.names if each.key != suspect.key]
     if not others:
-        return "No effect is listed as indistinguishable from it."
+        return "No other effect is listed that explains the data equally well."
     names = [f"{suspect_phrase(diagnosis.model, each)}{_own(each)}" for each in others]
     apart = f" What would tell them apart: {finding.experiment}" if finding and finding.experiment else ""
     return f"These data do not tell it from {joined(names)}.{apart}"

@@ -36,7 +36,7 @@ from flexdyn.diagnose.report.words import (
 )
 from flexdyn.effects import catalogue
 
-OPEN = 4
+FINDINGS_OPEN = 4
 """Findings that are told in full at once; of more there is a table, and the others are folded away."""
 
 
@@ -46,9 +46,9 @@ def findings(diagnosis: Diagnosis) -> str:
         return ""
     shown = [finding_article(diagnosis, k, entry) for k, entry in enumerate(diagnosis.findings, start=1)]
     body = _overview(diagnosis) if len(shown) > 1 else ""
-    body += "".join(shown[:OPEN])
-    if shown[OPEN:]:
-        body += folded(f"{counted(len(shown) - OPEN, 'more finding')} in full", "".join(shown[OPEN:]))
+    body += "".join(shown[:FINDINGS_OPEN])
+    if shown[FINDINGS_OPEN:]:
+        body += folded(f"{counted(len(shown) - FINDINGS_OPEN, 'more finding')} in full", "".join(shown[FINDINGS_OPEN:]))
     return section("What was found", body, "findings")
 
 

@@ -6,7 +6,7 @@ from html import escape
 
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import error_sentence, finding_sentences, gap_sentence, model_sentence
-from flexdyn.diagnose.report.verdicts import FEW, verdict_sentence
+from flexdyn.diagnose.report.verdicts import FINDINGS_IN_ONE_SENTENCE, verdict_sentence
 
 TAGS = {
     "no_discrepancy": "no discrepancy",
@@ -26,7 +26,7 @@ def head(diagnosis: Diagnosis) -> str:
         stop, tag = '<p class="stop">INTERRUPTED</p>', ""
     entries = "".join(f"<li>{escape(text)}</li>" for text in finding_sentences(diagnosis))
     unsure = any(finding.rivals for finding in diagnosis.findings)
-    named = f"<ul>{entries}</ul>" if len(diagnosis.findings) > FEW or unsure else ""
+    named = f"<ul>{entries}</ul>" if len(diagnosis.findings) > FINDINGS_IN_ONE_SENTENCE or unsure else ""
     numbers = " ".join(text for text in (gap_sentence(diagnosis), error_sentence(diagnosis)) if text)
     lead = escape(numbers).replace(" %", "&nbsp;%")
     missing = model_sentence(diagnosis)

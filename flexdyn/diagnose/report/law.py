@@ -15,8 +15,8 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots.laws import law_figure
 
 FONTS = ["DejaVu Sans", "Arial"]
-SIZE = (5.0, 3.6)
-"""Of a law's picture [inch]: the letters are as large as those beside it."""
+LAW_PICTURE_SIZE = (5.0, 3.6)
+"""Width and height of a law's picture [inch]: the letters are as large as those beside it."""
 
 
 def effect_of(suspect: Suspect) -> Effect | None:
@@ -53,7 +53,7 @@ def law_picture(suspect: Suspect, model: FlexibleJointModel) -> str | None:
         return None
     import matplotlib
 
-    figure.set_size_inches(SIZE)
+    figure.set_size_inches(LAW_PICTURE_SIZE)
     stream = io.BytesIO()
     # Letters as outlines would take four fifths of the room.
     with matplotlib.rc_context({"svg.hashsalt": "flexdyn", "svg.fonttype": "none", "font.sans-serif": FONTS}):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from flexdyn.model.uncertain_parameters import OPEN
+from flexdyn.model.uncertain_parameters import UNKNOWN_TOLERANCE
 
 Role = Literal["fit", "test"]
 
@@ -33,7 +33,7 @@ class Calibration:
     @property
     def is_open(self) -> bool:
         """Whether it was not known, see `FileNumber.is_open`."""
-        return self.tolerance >= OPEN
+        return self.tolerance >= UNKNOWN_TOLERANCE
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Gap:
 
 
 @dataclass(frozen=True)
-class Place:
+class ResidualPlace:
     """Where the residual appears.
 
     Attributes:
@@ -120,7 +120,7 @@ class Left:
 
 
 @dataclass(frozen=True)
-class Source:
+class RecordingSpan:
     """A span of a recording and what it was used for.
 
     Attributes:

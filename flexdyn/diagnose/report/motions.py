@@ -9,7 +9,7 @@ from typing import Any
 from flexdyn.diagnose.report.html import section, soft
 from flexdyn.diagnose.report.pictures import AFTER, BEFORE, CONFIG, FONT
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.trajectory import MODELS, MOST, Curve, Trajectory, packed
+from flexdyn.diagnose.report.trajectory import MODELS, MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
 from flexdyn.plots.palette import INK, RULE
 
 BETWEEN = "#9CA3AF"
@@ -20,9 +20,10 @@ LINES = (
     {"color": BETWEEN, "width": 1.4, "dash": "dot", "simplify": False},
     {"color": AFTER, "width": 1.6, "simplify": False},
 )
-LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
-"""Of the window [s]."""
+DRAWN_WINDOW_LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
+"""Lengths of the drawn window to choose from [s]."""
 FIRST_LENGTH = 2.0
+"""The length that is drawn at first [s]."""
 CLOCK = 1_000_000
 """Levels of a packed time: within 60 s it is told to 0.06 ms."""
 ROLES = {"test": "test data", "fit": "data of the fit"}
@@ -35,7 +36,7 @@ def motions(diagnosis: Diagnosis) -> str:
         return ""
     spans = {_span(each): _span_text(each) for each in given}
     longest = max(last - first for first, last in map(_reach, given))
-    lengths = [(f"{x:g}", f"{x:g} s") for x in LENGTHS if x < longest] + [("all", "all of it")]
+    lengths = [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")]
     first = f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all"
     joints = [(name, name) for name in dict.fromkeys(each.joint for each in _ordered(diagnosis))]
     controls = (
@@ -59,7 +60,7 @@ def motion_figures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """What the page's script draws, a figure for every joint and span."""
     given = diagnosis.trajectories
     spans = max(1, len({_span(each) for each in given}))
-    return [_figure(each.thinned(max(600, MOST // spans))) for each in given]
+    return [_figure(each.thinned(max(600, MOST_TRAJECTORY_POINTS // spans))) for each in given]
 
 
 def _figure(trajectory: Trajectory) -> dict[str, Any]:
@@ -85,7 +86,7 @@ def _figure(trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def _lines(curve: Curve, row: int, first: int) -> list[dict[str, Any]]:
+def _lines(curve: MeasuredCurve, row: int, first: int) -> list[dict[str, Any]]:
     """What was measured, the models beside it, and their errors below; the legend tells each once.
 
     Args:

@@ -25,9 +25,9 @@ def shares(diagnosis: Diagnosis) -> str:
     ]
     rows.append(["<b>sum</b>", f"<b>{percent(given.calibration + sum(given.findings) + given.left)}</b>"])
     said = (
-        "Of the sum of squares of what the equations leave on the test data, in units of noise. The model is made"
-        " better one step after the other, so these shares add up. In another order of the steps, effects that can"
-        f" stand in for one another would share differently. Noise alone leaves {percent(given.noise)}."
+        "Of the sum of squares of what the equations leave on the test data, in units of noise. The model"
+        " improves step by step, so these shares add up. In another order of the steps, effects that resemble each"
+        f" other would share differently. Noise alone leaves {percent(given.noise)}."
     )
     shown = table(("step", "share that goes with it"), rows, name="shares")
     return section("Shares of the gap", shown + soft(said), "shares")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.report.trace import Trace
+from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.trajectory import packed
 from flexdyn.plots.palette import INK, RULE
 
@@ -30,7 +30,7 @@ LEVELS = (10_000, 1500)
 """Between zero and the largest, across and up: many for each dot of a picture that is 500 wide and 200 high."""
 
 
-def residual_figure(trace: Trace) -> dict[str, Any]:
+def residual_figure(trace: ResidualTrace) -> dict[str, Any]:
     """Data and layout for Plotly in the page: before below, after above it."""
     lines = bool((np.diff(trace.x) > 0.0).all())
     data = [
@@ -63,7 +63,7 @@ def residual_figure(trace: Trace) -> dict[str, Any]:
     return {**_in_columns(data), "layout": layout, "config": CONFIG}
 
 
-def _frame(trace: Trace) -> dict[str, Any]:
+def _frame(trace: ResidualTrace) -> dict[str, Any]:
     """Limits between which averages can be seen where dots are mostly noise; noise may reach beyond them."""
     if not len(trace.means):
         return {}

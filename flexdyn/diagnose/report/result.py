@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, Place, Role, Source
+from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, RecordingSpan, ResidualPlace, Role
 from flexdyn.diagnose.report.record import Record, Shares, Statistics, record
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
-from flexdyn.diagnose.report.trace import Trace
+from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.trajectory import Trajectory
 from flexdyn.io.notebook import Public
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -29,12 +29,12 @@ __all__ = [
     "JointError",
     "Left",
     "Number",
-    "Place",
+    "RecordingSpan",
+    "ResidualPlace",
+    "ResidualTrace",
     "Role",
-    "Source",
     "Structure",
     "Suspect",
-    "Trace",
     "Trajectory",
     "Verdict",
 ]
@@ -96,14 +96,14 @@ class Diagnosis(Public):
     gap_fit: Gap | None
     gap_test: Gap | None
     errors: Mapping[str, JointError]
-    where: tuple[Place, ...]
+    where: tuple[ResidualPlace, ...]
     left: tuple[Left, ...]
     structures: tuple[Structure, ...]
-    data: tuple[Source, ...]
+    data: tuple[RecordingSpan, ...]
     model: FlexibleJointModel
     notes: tuple[str, ...] = ()
     seconds: float = 0.0
-    residuals: tuple[Trace, ...] = ()
+    residuals: tuple[ResidualTrace, ...] = ()
     decisions: Mapping[str, str] = field(default_factory=dict)
     considered: tuple[Considered, ...] = ()
     write_model: bool = True

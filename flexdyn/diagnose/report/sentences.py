@@ -101,7 +101,7 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
                 f"More motion of {joint}{said}, slower, with the other joints at rest: a law that no catalogue"
                 " holds shows best where nothing else moves."
             )
-        wanted.append("The same motion once more: what does not come back the same is no law of the arm's state.")
+        wanted.append("The same motion again: what does not repeat is no law of the arm's state.")
     if diagnosis.gap_test is None and diagnosis.verdict != "interrupted":
         wanted.append("A second recording of another motion, to test the answer on data that no decision read.")
     return wanted

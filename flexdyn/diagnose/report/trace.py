@@ -16,7 +16,7 @@ NARROW = 500
 
 
 @dataclass(frozen=True, eq=False)
-class Trace:
+class ResidualTrace:
     """What the model leaves unexplained, before and after its correction, over what it may depend on.
 
     Attributes:
@@ -70,7 +70,7 @@ class Trace:
     @classmethod
     def thinned(
         cls, title: str, x_label: str, y_label: str, x: ArrayLike, before: ArrayLike, after: ArrayLike
-    ) -> Trace:
+    ) -> ResidualTrace:
         """Of long columns only the points that the eye needs.
 
         Over an x that increases throughout, the outline of both curves is kept; of a cloud, points evenly spread, and

@@ -13,12 +13,12 @@ from flexdyn.diagnose.report.measures import Role
 Array = NDArray[np.float64]
 MODELS = ("as given", "calibrated", "corrected")
 """Models whose errors a curve holds."""
-MOST = 6000
+MOST_TRAJECTORY_POINTS = 6000
 """Points of one joint's curves in a whole page, so that six joints over a minute stay below a megabyte."""
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class MeasuredCurve:
     """A measured signal and how far each model is off.
 
     Attributes:
@@ -44,7 +44,7 @@ class Curve:
         """Unpickle through the constructor, so that arrays are locked again."""
         return (type(self), (self.label, self.t, self.measured, self.errors))
 
-    def thinned(self, most: int) -> Curve:
+    def thinned(self, most: int) -> MeasuredCurve:
         """At most so many points: of every slice of time the first one, and the extremes of what is drawn.
 
         Points at which a line is open are kept besides.
@@ -66,7 +66,7 @@ class Curve:
             kept.append(edges + [int(piece.argmin()) for piece in row])
             kept.append(edges + [int(piece.argmax()) for piece in row])
         at = np.unique(np.clip(np.concatenate(kept), 0, count - 1)).astype(np.intp)
-        return Curve(self.label, self.t[at], self.measured[at], self.errors[:, at])
+        return MeasuredCurve(self.label, self.t[at], self.measured[at], self.errors[:, at])
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +84,8 @@ class Trajectory:
     joint: str
     file: str
     role: Role
-    position: Curve | None
-    torque: Curve
+    position: MeasuredCurve | None
+    torque: MeasuredCurve
 
     def thinned(self, most: int) -> Trajectory:
         """At most so many points of each curve."""

@@ -8,7 +8,7 @@ from flexdyn.diagnose.report.sentences import stopped_sentence
 from flexdyn.diagnose.report.suspects import CONFIDENCE, ESTABLISHED, Finding
 from flexdyn.diagnose.report.words import finding_phrase, grouped_phrases, joined, place_phrase, suspect_phrase
 
-FEW = 2
+FINDINGS_IN_ONE_SENTENCE = 2
 """So many findings are all named in one sentence."""
 
 
@@ -27,8 +27,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 def _no_discrepancy(diagnosis: Diagnosis) -> str:
     moved = sum(abs(entry.factor - 1.0) > CONFIDENCE * entry.std for entry in diagnosis.calibration)
     has = "has" if moved == 1 else "have"
-    once = f", once {counted(moved, 'number')} of the model {has} moved within tolerance" if moved else ""
-    return f"Model and measurement agree: what is left between them is noise{once}."
+    after = f", after {counted(moved, 'number')} of the model {has} moved within tolerance" if moved else ""
+    return f"Model and measurement agree: what is left between them is noise{after}."
 
 
 def _explained(diagnosis: Diagnosis) -> str:
@@ -41,8 +41,8 @@ def _partly_explained(diagnosis: Diagnosis) -> str:
 
 def _causes(diagnosis: Diagnosis) -> str:
     phrases = [_with_probability(diagnosis, finding) for finding in diagnosis.findings]
-    if len(phrases) > FEW:
-        return f"has {len(phrases)} causes, first of all {phrases[0]}"
+    if len(phrases) > FINDINGS_IN_ONE_SENTENCE:
+        return f"has {len(phrases)} causes; the largest is {phrases[0]}"
     return f"is explained by {joined(phrases) if phrases else 'numbers that moved within their tolerance'}"
 
 
@@ -68,7 +68,7 @@ def _left(diagnosis: Diagnosis) -> str:
 
 def _unexplained(diagnosis: Diagnosis) -> str:
     place = diagnosis.where[0] if diagnosis.where else None
-    where = f" The residual appears most of all {place_phrase(place.joint, place.side)}." if place else ""
+    where = f" The residual is largest {place_phrase(place.joint, place.side)}." if place else ""
     return (
         f"Model and measurement disagree, and no effect is established as the cause{_most_probable(diagnosis)}.{where}"
     )
@@ -90,16 +90,16 @@ def _most_probable(diagnosis: Diagnosis) -> str:
 def _not_converged(diagnosis: Diagnosis) -> str:
     firm = [finding for finding in diagnosis.findings if finding.established]
     stopped = stopped_sentence(diagnosis) or "An estimate stopped before it had converged."
-    known = "Nothing is claimed beyond what had converged"
+    known = "The report claims only what has converged"
     if not firm:
-        return f"{stopped} {known}, and that establishes no effect."
+        return f"{stopped} {known}: no effect is established."
     return f"{stopped} {known}: {_several(diagnosis, firm)}."
 
 
 def _several(diagnosis: Diagnosis, findings: list[Finding]) -> str:
     """Findings in a row; of many the first and how many more."""
     phrases = [_with_probability(diagnosis, finding) for finding in findings]
-    return joined(phrases) if len(phrases) <= FEW else f"{phrases[0]} and {len(phrases) - 1} more"
+    return joined(phrases) if len(phrases) <= FINDINGS_IN_ONE_SENTENCE else f"{phrases[0]} and {len(phrases) - 1} more"
 
 
 def _interrupted(diagnosis: Diagnosis) -> str:
@@ -121,5 +121,5 @@ def _first_so_far(diagnosis: Diagnosis) -> str:
         return ""
     first = diagnosis.structures[0].effects
     names = grouped_phrases(diagnosis.model, first)
-    what = joined(names) if len(names) <= FEW else f"a set of {len(first)} effects, listed below,"
-    return f"; of what had been compared, {what if names else 'no effect at all'} was the most probable"
+    what = joined(names) if len(names) <= FINDINGS_IN_ONE_SENTENCE else f"a set of {len(first)} effects, listed below,"
+    return f"; the most probable so far was {what if names else 'no effect at all'}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.shooting.matched import HOPELESS, bounded_residual, matched
+from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, bounded_residual, matched
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.diagnose.shooting.starts import first_states
 from flexdyn.diagnose.shooting.whiten import Filter
@@ -15,10 +15,10 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-NOISE = 1.3
+NOISE_GAP = 1.3
 """A median window that is off by no more than so many times the floor is noise [1]: a window of one joint holds some
 twenty independent errors, whose root mean square strays by 16 %."""
-FRAGILE = 3.0
+FRAGILE_RATIO = 3.0
 """A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
 
 
@@ -75,8 +75,8 @@ class Shot:
     def whitened(self, model: FlexibleJointModel | None = None) -> Array:
         """Residuals made white: of unit variance and uncorrelated if the model is right (windows, rows of each).
 
-        Samples are averaged over blocks; rows are their one-step surprises to a Kalman filter on the linear response,
-        by its spread. The sum of squares is r^T C^-1 r, linear in r.
+        Samples are averaged over blocks; rows are the innovations of a Kalman filter on the linear response, divided
+        by their standard deviations. The sum of squares is r^T C^-1 r, linear in r.
 
         Args:
             model: another one, simulated from this shot's first states under its weights; None: this one. Differences
@@ -91,7 +91,7 @@ class Shot:
         Args:
             floor: the gap of a perfect model, where it is more than 1.
         """
-        return float(np.median(self.by_window)) <= NOISE * max(floor, 1.0)
+        return float(np.median(self.by_window)) <= NOISE_GAP * max(floor, 1.0)
 
     @property
     def misfit(self) -> Array:
@@ -152,12 +152,12 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None
     x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
     std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
     failed = motion.written < windows.rows
-    if filter_.wild.mean() > HOPELESS:  # a response that is none excuses nothing
+    if filter_.wild.mean() > FAILED_WINDOW_SHARE:  # a response that is none excuses nothing
         failed |= filter_.wild
     drawn = _drawn(shooter, x0, residual, used, seed=0)
     expected = np.repeat(filter_.unfitted, windows.block, axis=1)
     size = np.sqrt((drawn**2 / expected).sum(axis=(1, 2)) / np.maximum(used.sum(axis=(1, 2)), 1))
-    fragile = np.where((size > FRAGILE) & ~failed, size, 1.0)
+    fragile = np.where((size > FRAGILE_RATIO) & ~failed, size, 1.0)
     std *= fragile[:, None, None]
     std[failed] = windows.sensor_noise
     return Shot(model, windows, x0, residual, std, used, fragile, failed, filter_, moved)

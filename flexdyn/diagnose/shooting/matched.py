@@ -9,25 +9,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.shooting.shooter import Motion, Shooter
+from flexdyn.diagnose.shooting.shooter import Shooter, SimulatedWindows
 from flexdyn.diagnose.shooting.spread import spread
 from flexdyn.diagnose.shooting.starts import Starts
 from flexdyn.diagnose.shooting.whiten import Filter
 
 Array = NDArray[np.float64]
-FARTHEST = 100.0
+LARGEST_FIRST_STATE_SHIFT = 100.0
 """Standard deviations that a first state is moved at most: beyond, it is no correction but a response that explodes."""
-HOPELESS = 0.3
+FAILED_WINDOW_SHARE = 0.3
 """Share of windows that cannot be simulated, or in which noise would excuse anything, from which a law is no law."""
-ROUNDS = 6
+CORRECTION_ROUNDS = 6
 """Corrections of the first states at most, each with a new linear response."""
-SETTLED = 0.8
+WORTHWHILE_REMAINDER = 0.8
 """Another correction is worth its time if the last one left less than this of the squared residual."""
-STRAY = 4.0
+STRAY_WINDOW_RATIO = 4.0
 """A window so many times as far off as the median one may still be on the wrong side of a stick: it is tried on."""
-SHORTER = 0.3
+SHORTENED_CORRECTION = 0.3
 """A correction that made it worse is tried again, this much shorter."""
-FAILED = 3.0
+FAILED_SAMPLE_ERROR = 3.0
 """A sample that the simulation did not reach counts as off by so many times what its channel moves (plus 1 rad)."""
 
 
@@ -44,13 +44,13 @@ class Matched:
 
     moved: Array
     residual: Array
-    motion: Motion
+    motion: SimulatedWindows
     filter: Filter
 
     def stray(self, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Windows that are much further off than the others (windows,)."""
         size = self.filter.scaled(self.residual)
-        return np.asarray(size > STRAY**2 * max(float(np.median(size)), float(used[0].sum())))
+        return np.asarray(size > STRAY_WINDOW_RATIO**2 * max(float(np.median(size)), float(used[0].sum())))
 
 
 def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], near: Array | None = None) -> Matched:
@@ -76,7 +76,9 @@ def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], near: Arr
 
 def within(starts: Starts, moved: Array) -> Array:
     """Moves (windows, nx) that are corrections still."""
-    return np.clip(np.nan_to_num(moved), -FARTHEST * starts.std, FARTHEST * starts.std)
+    return np.clip(
+        np.nan_to_num(moved), -LARGEST_FIRST_STATE_SHIFT * starts.std, LARGEST_FIRST_STATE_SHIFT * starts.std
+    )
 
 
 def _from(
@@ -102,29 +104,29 @@ def _from(
     residual = bounded_residual(shooter, motion, used)
     fit = Matched(moved, residual, motion, _filter(shooter, starts, used, motion, some, rest))
     factor, active = np.ones(len(moved)), some
-    if np.mean(motion.written < shooter.windows.rows) > HOPELESS:
+    if np.mean(motion.written < shooter.windows.rows) > FAILED_WINDOW_SHARE:
         return fit
-    for _ in range(ROUNDS):
+    for _ in range(CORRECTION_ROUNDS):
         wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
         wanted = shooter.bounded(starts.x + within(starts, wanted)) - starts.x
         again = shooter.run(starts.x + wanted, which=np.flatnonzero(active), others=fit.motion)
         left = bounded_residual(shooter, again, used)
         before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
         better = active & (after < before)
-        factor = np.where(better, 1.0, SHORTER * factor)
+        factor = np.where(better, 1.0, SHORTENED_CORRECTION * factor)
         motion = _chosen(better, again, fit.motion)
         moved = np.where(better[:, None], wanted, fit.moved)
         fit = Matched(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
         stray = some & fit.stray(used)
-        if np.minimum(before, after)[some].sum() > SETTLED * before[some].sum() and not stray.any():
+        if np.minimum(before, after)[some].sum() > WORTHWHILE_REMAINDER * before[some].sum() and not stray.any():
             break
-        active = active & (np.abs(before - after) > (1.0 - SETTLED) * before) | stray
+        active = active & (np.abs(before - after) > (1.0 - WORTHWHILE_REMAINDER) * before) | stray
         fit = dataclasses.replace(fit, filter=_filter(shooter, starts, used, motion, better, fit))
     return fit
 
 
 def _filter(
-    shooter: Shooter, starts: Starts, used: NDArray[np.bool_], motion: Motion, some: NDArray[np.bool_],
+    shooter: Shooter, starts: Starts, used: NDArray[np.bool_], motion: SimulatedWindows, some: NDArray[np.bool_],
     rest: Matched | None,
 ) -> Filter:  # fmt: skip
     """By which a motion is measured: made anew for some windows, for the rest as it was."""
@@ -144,11 +146,11 @@ def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matc
     return Matched(moved, residual, motion, _filter(shooter, starts, used, motion, wins, one))
 
 
-def bounded_residual(shooter: Shooter, motion: Motion, used: NDArray[np.bool_]) -> Array:
+def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: NDArray[np.bool_]) -> Array:
     """Simulated - measured, bounded also where the simulation failed."""
     windows = shooter.windows
     measured = windows.measured
-    limit = 1.0 + FAILED * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
+    limit = 1.0 + FAILED_SAMPLE_ERROR * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
     with np.errstate(invalid="ignore", over="ignore"):
         difference = shooter.reported(motion) - shooter.measured
     reached = np.arange(windows.rows) < motion.written[:, None]
@@ -156,11 +158,11 @@ def bounded_residual(shooter: Shooter, motion: Motion, used: NDArray[np.bool_]) 
     return np.where(used & np.isfinite(shooter.measured), np.clip(difference, -limit, limit), 0.0)
 
 
-def _chosen(better: NDArray[np.bool_], one: Motion, other: Motion) -> Motion:
+def _chosen(better: NDArray[np.bool_], one: SimulatedWindows, other: SimulatedWindows) -> SimulatedWindows:
     """Window by window the better of two."""
 
     def pick(name: str) -> Any:
         a, b = getattr(one, name), getattr(other, name)
         return np.where(better.reshape(-1, *[1] * (a.ndim - 1)), a, b)
 
-    return Motion(pick("q"), pick("theta"), pick("x"), pick("written"))
+    return SimulatedWindows(pick("q"), pick("theta"), pick("x"), pick("written"))

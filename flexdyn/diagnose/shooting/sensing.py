@@ -14,8 +14,9 @@ from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
 Law = Callable[[Sequence[SensorEffect], Array, Array], Array]
-ROUNDS = 30
-SETTLED = 1e-14
+NEWTON_ROUNDS = 30
+"""Steps of Newton's method, at most."""
+NEWTON_ROUNDING = 1e-14
 """Share of the largest value below which a step of Newton's method is rounding."""
 
 
@@ -77,10 +78,10 @@ def undone(effects: Sequence[SensorEffect], reported: Array, t: Array) -> Array:
     if not instant:
         return reported
     x = reported.copy()
-    for _ in range(ROUNDS):  # Newton's method, sample by sample
+    for _ in range(NEWTON_ROUNDS):  # Newton's method, sample by sample
         gain = slope(instant, x, t)
         step = (reported - measure(instant, x, t)) / np.where(np.abs(gain) > 0.05, gain, 1.0)
         x = x + step
-        if not np.abs(step).max(initial=0.0) > SETTLED * np.abs(x).max(initial=0.0):
+        if not np.abs(step).max(initial=0.0) > NEWTON_ROUNDING * np.abs(x).max(initial=0.0):
             break
     return x

@@ -27,18 +27,18 @@ from flexdyn.simulation.solver_choice import STIFF, core_settings, fastest_rate
 from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver
 
 Array = NDArray[np.float64]
-PHASE = 0.25
+LARGEST_PHASE_STEP = 0.25
 """Largest rate times step of the classical method [rad]: 0.5 s of a vibration then end within 0.5 % of it."""
-MOST = 100_000
+MOST_EVALUATIONS = 100_000
 """Evaluations of the equations after which a window has failed: as many as 0.5 s in classical steps of 20 us take."""
-BEYOND = 2.0
+INTERNAL_STATE_LIMIT = 2.0
 """Internal states of first states are at most so many times their reach: corrections are linear, bristles are not."""
 AT_ONCE = 256
 """Runs that are given to the threads together."""
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class SimulatedWindows:
     """Simulated windows.
 
     Attributes:
@@ -53,13 +53,13 @@ class Motion:
     x: Array
     written: NDArray[np.int64]
 
-    def copy(self) -> Motion:
+    def copy(self) -> SimulatedWindows:
         """The same, in arrays of its own."""
-        return Motion(self.q.copy(), self.theta.copy(), self.x.copy(), self.written.copy())
+        return SimulatedWindows(self.q.copy(), self.theta.copy(), self.x.copy(), self.written.copy())
 
-    def part(self, which: NDArray[np.int64]) -> Motion:
+    def part(self, which: NDArray[np.int64]) -> SimulatedWindows:
         """Some of the windows."""
-        return Motion(self.q[which], self.theta[which], self.x[which], self.written[which])
+        return SimulatedWindows(self.q[which], self.theta[which], self.x[which], self.written[which])
 
 
 class Shooter:
@@ -95,8 +95,13 @@ class Shooter:
         return self.plants[0].state_size
 
     def run(
-        self, x0: Array, tight: float = 1.0, *, which: NDArray[np.int64] | None = None, others: Motion | None = None
-    ) -> Motion:
+        self,
+        x0: Array,
+        tight: float = 1.0,
+        *,
+        which: NDArray[np.int64] | None = None,
+        others: SimulatedWindows | None = None,
+    ) -> SimulatedWindows:
         """Simulate windows.
 
         Args:
@@ -107,8 +112,8 @@ class Shooter:
         """
         windows, n = self.windows, self.model.n
         count, rows = len(windows), windows.rows
-        solver = core_settings(self._solver(x0, tight), MOST)
-        motion = others.copy() if others is not None else Motion(
+        solver = core_settings(self._solver(x0, tight), MOST_EVALUATIONS)
+        motion = others.copy() if others is not None else SimulatedWindows(
             np.zeros((count, rows, n)), np.zeros((count, rows, n)), np.zeros((count, windows.blocks, self.size)),
             np.zeros(count, np.int64),
         )  # fmt: skip
@@ -118,7 +123,9 @@ class Shooter:
             self._some(which[begin : begin + AT_ONCE], x0, solver, motion)
         return motion
 
-    def _some(self, which: NDArray[np.int64], x0: Array, solver: _core.SolverSettings, motion: Motion) -> None:
+    def _some(
+        self, which: NDArray[np.int64], x0: Array, solver: _core.SolverSettings, motion: SimulatedWindows
+    ) -> None:
         rows, n = self.windows.rows, self.model.n
         out = np.full((len(which), len(SIGNALS), rows, n), np.nan)
         z = np.full((len(which), rows, self.plants[0].internal_states), np.nan)
@@ -141,7 +148,7 @@ class Shooter:
 
     def bounded(self, x0: Array) -> Array:
         """First states whose internal states are not far beyond their reach, where no path takes them (windows, nx)."""
-        reach = BEYOND * np.array([effect.reach for effect in self.memory])
+        reach = INTERNAL_STATE_LIMIT * np.array([effect.reach for effect in self.memory])
         x0 = x0.copy()
         x0[:, x0.shape[1] - len(reach) :] = np.clip(x0[:, x0.shape[1] - len(reach) :], -reach, reach)
         return x0
@@ -173,7 +180,7 @@ class Shooter:
         begins = np.array([self.windows.recordings[k].t[0] for k in self.windows.places[:, 0]])
         return np.asarray(self.windows.t[:, 0] - begins >= _shifts(self.given.resolved()).max())
 
-    def reported(self, motion: Motion) -> Array:
+    def reported(self, motion: SimulatedWindows) -> Array:
         """What the model's sensors would have said, but for their lag (windows, rows, channels)."""
         windows = self.windows
         table = np.empty((len(windows), windows.rows, len(windows.channels)))
@@ -191,8 +198,10 @@ class Shooter:
         rate = max(fastest_rate(self.plants[w], np.ascontiguousarray(x0[w])) for w in some)
         fast = np.abs(x0[:, self.model.n + len(self.elastic) :]).max()
         rate = max([rate, *(fast / effect.reach for effect in self.memory if effect.reach > 0)])
-        if rate * self.windows.period < (PHASE if self.plants[0].has_dry_friction else 8 * PHASE):
-            return RungeKutta4(step=tight * min(PHASE / max(rate, 1e-9), self.windows.period))
+        if rate * self.windows.period < (
+            LARGEST_PHASE_STEP if self.plants[0].has_dry_friction else 8 * LARGEST_PHASE_STEP
+        ):
+            return RungeKutta4(step=tight * min(LARGEST_PHASE_STEP / max(rate, 1e-9), self.windows.period))
         if rate > STIFF:
             return Rosenbrock(rtol=1e-5 * tight, atol=1e-7 * tight)
         return DormandPrince(rtol=1e-5 * tight, atol=1e-7 * tight)

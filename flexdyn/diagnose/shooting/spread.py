@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.shooting.sensing import of_windows, sensors, slope
-from flexdyn.diagnose.shooting.shooter import Motion, Shooter
+from flexdyn.diagnose.shooting.shooter import Shooter, SimulatedWindows
 from flexdyn.diagnose.shooting.windows import Windows
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 GAINS_EVERY = 5
 """Blocks over which the effect of torques on accelerations is taken as one."""
-HUGE = 1e9
+LARGEST_SLOPE = 1e9
 """Slopes and responses beyond it belong to motions that explode; they are cut off there."""
-STEEP = 20.0
+STEEP_FEEDBACK = 20.0
 """A velocity that feeds itself faster (1/s), as falling friction near rest does, does so for an instant only."""
-SLOW = 10.0
+SLOW_CONTACT_RATIO = 10.0
 """A contact below so many times what noise adds to its velocity over a block may stick by noise."""
 
 
@@ -47,7 +47,7 @@ class Spread:
         return Spread(**parts)
 
 
-def spread(shooter: Shooter, whole: Motion, which: Indices) -> Spread:
+def spread(shooter: Shooter, whole: SimulatedWindows, which: Indices) -> Spread:
     """Linear response of windows along their simulated motion.
 
     The plant's Jacobian holds over a block; a contact that sticks at its beginning takes its velocity out. What a
@@ -93,7 +93,7 @@ def _over(h: float, A: Array, B: Array, windows: Windows, positions: int) -> tup
     return flow[:, :, :nx, :nx], push
 
 
-def _slopes(shooter: Shooter, motion: Motion, which: Indices) -> tuple[Array, Array]:
+def _slopes(shooter: Shooter, motion: SimulatedWindows, which: Indices) -> tuple[Array, Array]:
     """A and B at the start of every block; in B all contacts are free, and no friction falls steeply."""
     count, knots, nx = motion.x.shape
     n = shooter.model.n
@@ -101,15 +101,15 @@ def _slopes(shooter: Shooter, motion: Motion, which: Indices) -> tuple[Array, Ar
     for w in np.flatnonzero(motion.written == shooter.windows.rows).tolist():
         place = int(which[w])
         shooter.plants[place].slopes_along(motion.x[w], shooter.torques(place), GAINS_EVERY, A[w], B[w])
-    A, B = (np.clip(np.nan_to_num(each), -HUGE, HUGE) for each in (A, B))
+    A, B = (np.clip(np.nan_to_num(each), -LARGEST_SLOPE, LARGEST_SLOPE) for each in (A, B))
     half = n + len(shooter.elastic)
     velocities = np.arange(half, 2 * half)
-    steep = A[:, :, velocities, velocities] > STEEP
+    steep = A[:, :, velocities, velocities] > STEEP_FEEDBACK
     A[:, :, half : 2 * half, half : 2 * half] *= ~steep[:, :, None, :]
     return A, B
 
 
-def _still(shooter: Shooter, motion: Motion) -> NDArray[np.bool_]:
+def _still(shooter: Shooter, motion: SimulatedWindows) -> NDArray[np.bool_]:
     """States that are velocities of contacts which stick (windows, blocks, nx)."""
     half = shooter.model.n + len(shooter.elastic)
     still = np.zeros(motion.x.shape, bool)
@@ -118,7 +118,7 @@ def _still(shooter: Shooter, motion: Motion) -> NDArray[np.bool_]:
     return still
 
 
-def _undecided(shooter: Shooter, motion: Motion, B: Array) -> Array:
+def _undecided(shooter: Shooter, motion: SimulatedWindows, B: Array) -> Array:
     """Variance of velocities where noise decides whether a contact sticks or slides (windows, blocks, positions).
 
     There the motion is not linear in the noise: the contact may have moved, or not, by what noise does to a free one.
@@ -129,7 +129,7 @@ def _undecided(shooter: Shooter, motion: Motion, B: Array) -> Array:
     found = np.zeros((*motion.x.shape[:2], half))
     for place in dry_velocities(shooter.model):
         speed, spread_ = np.abs(motion.x[:, :, half + place]), np.sqrt(kick[:, :, half + place])
-        near = _around(speed == 0.0) & _around(speed > 0.0) | (speed > 0.0) & (speed < SLOW * spread_)
+        near = _around(speed == 0.0) & _around(speed > 0.0) | (speed > 0.0) & (speed < SLOW_CONTACT_RATIO * spread_)
         found[:, :, place] = np.where(near, spread_**2, 0.0)
     return found
 
@@ -158,8 +158,8 @@ def _exponential(A: Array) -> Array:
     for order in (5, 4, 3, 2, 1):
         total = one + small @ total / order
     for _ in range(halvings):
-        total = np.clip(total @ total, -HUGE, HUGE)
-    return np.asarray(np.clip(total / ratio, -HUGE, HUGE))
+        total = np.clip(total @ total, -LARGEST_SLOPE, LARGEST_SLOPE)
+    return np.asarray(np.clip(total / ratio, -LARGEST_SLOPE, LARGEST_SLOPE))
 
 
 def _outputs(shooter: Shooter) -> Array:
@@ -173,7 +173,7 @@ def _outputs(shooter: Shooter) -> Array:
     return C
 
 
-def _gains(shooter: Shooter, motion: Motion, which: Indices) -> Array:
+def _gains(shooter: Shooter, motion: SimulatedWindows, which: Indices) -> Array:
     """Slope of every sensor (windows, blocks, channels)."""
     windows = shooter.windows
     gain = np.ones((len(which), windows.blocks, len(windows.channels)))

@@ -17,11 +17,11 @@ from flexdyn.simulation.plant import LinkSide
 Array = NDArray[np.float64]
 REACHES = (0.04, 0.02, 0.01, 0.005)
 """Half widths of the local cubic [s]; the widest that the noise allows is taken."""
-REST = 0.02
+LEAST_REST_TIME = 0.02
 """A joint rests where it stays within its noise for so long to both sides [s]."""
-UNSURE = 0.3
+INTERNAL_STATE_WIDTH = 0.3
 """Standard deviation of an internal state at a window's start, by its reach or by how far the joint moves, if less."""
-LOOSE = 5.0
+START_BOUND_WIDTH = 5.0
 """The window itself says where it started; what the smoothing found is a bound so many times as wide as its error."""
 
 
@@ -32,7 +32,7 @@ class Starts:
     Attributes:
         x: (windows, nx).
         std: (windows, nx); 0 for what is certain, such as the velocity of a joint that sticks.
-        stuck: the same states with all contacts at rest on sides that were not measured, where friction may hold what
+        stuck: the same states with all contacts at rest on unmeasured sides, where friction may hold what
             nobody sees; None without such contacts.
     """
 
@@ -91,7 +91,7 @@ def first_states(shooter: Shooter) -> Starts:
             v_std[:, j] = v_std[:, j] + rate
     e = shooter.elastic
     x = np.hstack([q, theta[:, e], v, omega[:, e]])
-    std = LOOSE * np.hstack([q_std, theta_std[:, e], v_std, omega_std[:, e]])
+    std = START_BOUND_WIDTH * np.hstack([q_std, theta_std[:, e], v_std, omega_std[:, e]])
     unseen = _stick(shooter, x, std, rests)
     z, z_std = _memories(shooter)
     stuck = np.hstack([x, z])
@@ -154,7 +154,7 @@ def _cubics(t: Array, x: Array, at: Array, rows: NDArray[np.int64], noise: float
         open_ &= size > 1.3 * noise
         if not open_.any():
             break
-    best[:, 5] = _resting(x, rows, max(3, round(REST / period)), noise)
+    best[:, 5] = _resting(x, rows, max(3, round(LEAST_REST_TIME / period)), noise)
     return best
 
 
@@ -195,7 +195,7 @@ def _wound(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
 def _stick(shooter: Shooter, x: Array, std: Array, rests: NDArray[np.bool_]) -> list[int]:
     """Contacts with dry friction that rest within the noise have velocity 0 and no doubt about it.
 
-    Not so on a side that was not measured: there the other side's rest says little, for springs wind up. Velocities of
+    Not so on an unmeasured side: there the other side's rest says little, for springs wind up. Velocities of
     such contacts are returned by their place in the state.
     """
     model, e = shooter.model, shooter.elastic.tolist()
@@ -216,7 +216,7 @@ def _memories(shooter: Shooter) -> tuple[Array, Array]:
     z = np.zeros((len(windows), len(shooter.memory)))
     std = np.zeros_like(z)
     for i, effect in enumerate(shooter.memory):
-        std[:, i] = UNSURE * effect.reach
+        std[:, i] = INTERNAL_STATE_WIDTH * effect.reach
         for k in range(len(windows.recordings)):
             mine = windows.places[:, 0] == k
             path = _path(shooter, effect, k)
@@ -225,12 +225,12 @@ def _memories(shooter: Shooter) -> tuple[Array, Array]:
             rows = windows.places[mine, 1]
             states = effect.states_along(path[: rows.max() + 1])
             z[mine, i] = states[rows]
-            std[mine, i] = UNSURE * min(effect.reach, float(np.ptp(path))) * np.where(rows == 0, 3.0, 1.0)
+            std[mine, i] = INTERNAL_STATE_WIDTH * min(effect.reach, float(np.ptp(path))) * np.where(rows == 0, 3.0, 1.0)
     return z, std
 
 
 def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
-    """What drives a memory: position on its side, or the deflection, smoothed; None where it was not measured."""
+    """What drives a memory: position on its side, or the deflection, smoothed; None where it is unmeasured."""
     model, recording = shooter.model, shooter.windows.recordings[k]
     joint = str(getattr(effect, "joint", ""))
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.shooting.spread import HUGE, Indices, Spread
+from flexdyn.diagnose.shooting.spread import LARGEST_SLOPE, Indices, Spread
 from flexdyn.diagnose.shooting.windows import Windows
 
 Array = NDArray[np.float64]
-EXCUSE = 0.2
+EXCUSED_SHARE = 0.2
 """Noise excuses no more than this of what a channel moves: an unstable model makes much of little."""
 
 
@@ -25,9 +25,9 @@ class Filter:
 
     Attributes:
         response: of the windows.
-        gain: of the state's error by surprise (windows, blocks, nx, channels).
-        first_gain: of the first state's error by surprise, likewise.
-        whitener: inverse Cholesky factors of the surprises' covariances (windows, blocks, channels, channels).
+        gain: of the state's error by innovation (windows, blocks, nx, channels).
+        first_gain: of the first state's error by innovation, likewise.
+        whitener: inverse Cholesky factors of the innovations' covariances (windows, blocks, channels, channels).
         variance: of a single sample of the residual after the best first state (windows, blocks, channels).
         unfitted: the same with the true first state.
         counted: 1 where a block was measured, else 0 (windows, blocks, channels).
@@ -73,7 +73,7 @@ class Filter:
             F, C = flow[:, k], seen[:, k]
             Ft, Ct = F.transpose(0, 2, 1), C.transpose(0, 2, 1)
             P, V, cross, moved = F @ P @ Ft + push[:, k], F @ V @ Ft + push[:, k], cross @ Ft, F @ moved
-            P, V, cross, moved = (np.clip(each, -HUGE, HUGE) for each in (P, V, cross, moved))
+            P, V, cross, moved = (np.clip(each, -LARGEST_SLOPE, LARGEST_SLOPE) for each in (P, V, cross, moved))
             PC, XC = P @ Ct, cross @ Ct
             whitener[:, k] = W = _root(C @ PC, R[:, k])
             inverse = W.transpose(0, 2, 1) @ W
@@ -84,7 +84,9 @@ class Filter:
             carried[:, k] = np.einsum("wci,wci->wc", C @ V, C)
             lever[:, k] = C @ moved
         doubt = np.einsum("wkci,wkci->wkc", lever @ first[:, None], lever)
-        most = (EXCUSE * (np.nanmax(windows.measured, axis=(0, 1)) - np.nanmin(windows.measured, axis=(0, 1)))) ** 2
+        most = (
+            EXCUSED_SHARE * (np.nanmax(windows.measured, axis=(0, 1)) - np.nanmin(windows.measured, axis=(0, 1)))
+        ) ** 2
         left = carried - doubt
         variance = sensor + np.clip(left, 0.0, most)
         unfitted = sensor + np.minimum(carried, most)
@@ -100,17 +102,17 @@ class Filter:
         return dataclasses.replace(self, response=self.response.replaced(which, other.response), **parts)
 
     def _run(self, residual: Array, error: Array) -> tuple[Array, Array]:
-        """Whitened surprises (windows, blocks, channels) and the estimated error of the first states (windows, nx)."""
+        """Whitened innovations (windows, blocks, channels) and estimated errors of the first states (windows, nx)."""
         count, rows, channels = residual.shape
         mean = residual.reshape(count, rows // self.block, self.block, channels).mean(axis=2) * self.counted
         white, now, first = np.empty_like(mean), error[:, :, None], error[:, :, None]
         seen = self.response.seen * self.counted[..., None]
         for k in range(mean.shape[1]):
             now = self.response.flow[:, k] @ now
-            surprise = mean[:, k, :, None] - seen[:, k] @ now
-            now = np.clip(now + self.gain[:, k] @ surprise, -HUGE, HUGE)
-            first = np.clip(first + self.first_gain[:, k] @ surprise, -HUGE, HUGE)
-            white[:, k] = (self.whitener[:, k] @ surprise)[:, :, 0]
+            innovation = mean[:, k, :, None] - seen[:, k] @ now
+            now = np.clip(now + self.gain[:, k] @ innovation, -LARGEST_SLOPE, LARGEST_SLOPE)
+            first = np.clip(first + self.first_gain[:, k] @ innovation, -LARGEST_SLOPE, LARGEST_SLOPE)
+            white[:, k] = (self.whitener[:, k] @ innovation)[:, :, 0]
         return white, first[:, :, 0]
 
     def first_error(self, residual: Array, moved: Array) -> Array:
@@ -118,7 +120,7 @@ class Filter:
         return self._run(residual, moved)[1]
 
     def whitened(self, residual: Array, moved: Array) -> Array:
-        """Surprises of unit variance (windows, blocks * channels)."""
+        """Innovations of unit variance (windows, blocks * channels)."""
         return self._run(residual, moved)[0].reshape(len(residual), -1)
 
     @property

@@ -17,18 +17,18 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
-SECONDS = 0.5
+WINDOW_LENGTH = 0.5
 """Length of a window [s]: contract, section 8."""
 MOST_WINDOWS = 400
 """More than these are thinned out evenly: 200 s say what there is to say, and memory stays bounded."""
-GAP = 1.5
+WINDOW_GAP_STEPS = 1.5
 """A step in time longer than this many usual ones is a gap [1]."""
 POSITIONS = ("q", "theta")
 
 
 @dataclass(frozen=True, eq=False)
-class Noise:
-    """Standard deviations by joint, in the order of the model's q; what is not measured is not looked at.
+class WindowNoise:
+    """Standard deviations by joint, in the order of the model's q; what is unmeasured takes no part.
 
     Attributes:
         q: of the link encoders, quantisation included (n,) [rad or m].
@@ -54,7 +54,7 @@ class Noise:
             object.__setattr__(self, name, array)
 
     @classmethod
-    def of(cls, q: ArrayLike, theta: ArrayLike, tau: ArrayLike, n: int) -> Noise:
+    def of(cls, q: ArrayLike, theta: ArrayLike, tau: ArrayLike, n: int) -> WindowNoise:
         """One number for all joints, or n of them each."""
         return cls(*(np.broadcast_to(np.asarray(level, dtype=float), (n,)) for level in (q, theta, tau)))
 
@@ -76,7 +76,7 @@ class Windows:
     recordings: tuple[Recording, ...]
     joints: tuple[str, ...]
     channels: tuple[str, ...]
-    noise: Noise
+    noise: WindowNoise
     places: NDArray[np.int64]
     rows: int
     block: int
@@ -86,8 +86,8 @@ class Windows:
         cls,
         model: FlexibleJointModel,
         recordings: Sequence[Recording],
-        noise: Noise,
-        seconds: float = SECONDS,
+        noise: WindowNoise,
+        seconds: float = WINDOW_LENGTH,
         most: int = MOST_WINDOWS,
     ) -> Windows:
         """Cut recordings; a window never crosses a gap in time, and the last partial one is dropped.
@@ -171,6 +171,6 @@ class Windows:
 
 def _starts(t: Array, period: float, rows: int) -> list[int]:
     """First rows of the windows in one recording."""
-    cuts = np.flatnonzero(np.diff(t) > GAP * period) + 1
+    cuts = np.flatnonzero(np.diff(t) > WINDOW_GAP_STEPS * period) + 1
     stretches = itertools.pairwise([0, *cuts.tolist(), len(t)])
     return [row for begin, end in stretches for row in range(begin, end - rows + 1, rows)]

@@ -6,24 +6,24 @@ import contextlib
 import dataclasses
 
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.inference.apart import UNSURE
+from flexdyn.diagnose.inference.apart import NOISE_LEVEL_ERROR
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.search import neighbours
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.diagnose.shooting.gap import NOISE, shoot
+from flexdyn.diagnose.shooting.gap import NOISE_GAP, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.errors import FlexdynError
 
-ROUNDS = 3
+SEARCH_ROUNDS = 3
 """Structures whose neighbours are compared, at most."""
-FITTED = 2
+FITTED_SWAPS = 2
 """Swaps whose numbers are fitted to the windows: those that are nearest with the equations' numbers."""
-COMPARED = 16
+COMPARED_WINDOWS = 16
 """Windows over which structures are compared, spread evenly: 8 s; what is found is held against all of them."""
-FIRST = 6
-"""Steps of the fit to the equations, from the linear estimate."""
+EQUATIONS_FIT_STEPS = 6
+"""Steps of the fit to the equations, with a warm start at the linear estimate."""
 
 
 class Simulated:
@@ -50,7 +50,7 @@ class Simulated:
         with contextlib.suppress(FlexdynError):
             here = hypothesis_of(found.space, structure, found.fitted.hypothesis, whole=True)
             whole = structure == found.best
-            made = found.fitted if whole else fit(here, found.fitted.space, steps=FIRST)
+            made = found.fitted if whole else fit(here, found.fitted.space, steps=EQUATIONS_FIT_STEPS)
             self._take(structure, WindowFit.of(made, self.windows))
 
     def fit(self, structure: Structure) -> None:
@@ -83,14 +83,14 @@ class Simulated:
         additions, swaps, removals = neighbours(self.found.space, here)
         for each in (*additions, *swaps):
             self.start(each)
-        for each in (*self._first(additions)[:1], *self._first(swaps)[:FITTED], *removals):
+        for each in (*self._first(additions)[:1], *self._first(swaps)[:FITTED_SWAPS], *removals):
             self.fit(each)
 
     def climbed(self, start: Structure) -> Structure:
         """From a structure to its best neighbour, as long as that is better."""
         here = start
         self.fit(here)
-        for _ in range(ROUNDS):
+        for _ in range(SEARCH_ROUNDS):
             self.around(here)
             if not self.known or self.best() == here:
                 break
@@ -106,7 +106,7 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
     """What a candidate of the best structure takes off the windows, over what is left of them [1].
 
     With squared gaps: ``(without it - with it) / (with it - 1)``; without it, the file's numbers stay within three
-    tolerances. Of the noise's power `UNSURE` is unknown. 0 where more than noise is left.
+    tolerances. Of the noise's power `NOISE_LEVEL_ERROR` is unknown. 0 where more than noise is left.
 
     Args:
         found: the posterior.
@@ -121,7 +121,7 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
         return 0.0
     whole = simulated.fits[found.best].shot.gap ** 2
     without = shoot(simulated.fits[rest].made.hypothesis.tolerated().seen(), windows).gap ** 2
-    return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + UNSURE)
+    return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + NOISE_LEVEL_ERROR)
 
 
 def reweighed(found: Posterior, windows: Windows) -> Posterior:
@@ -136,12 +136,12 @@ def reweighed(found: Posterior, windows: Windows) -> Posterior:
         windows: of the data of the fit.
     """
     here = WindowFit.of(found.fitted, windows)
-    if here.shot.gap <= NOISE:
+    if here.shot.gap <= NOISE_GAP:
         return found
     here = fit_to_windows(here)
-    if here.shot.gap <= NOISE:
+    if here.shot.gap <= NOISE_GAP:
         return dataclasses.replace(found, fitted=here.made)
-    simulated = Simulated(found, windows.thinned(COMPARED))
+    simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
     best = simulated.climbed(found.best)
     if best not in simulated.fits:
         return found

@@ -11,8 +11,8 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.shooting.gap import Shot
 
 Array = NDArray[np.float64]
-STEP = 0.1
-"""Of the differences, in scales of the fit; a factor's in the part of its tolerance that this is."""
+SCALED_STEP = 0.1
+"""Step of the differences, in scales of the fit; a factor's in the part of its tolerance that this is."""
 
 
 def slopes(here: Hypothesis, shot: Shot, scales: tuple[float, ...]) -> Array:
@@ -36,9 +36,9 @@ def _stepped(here: Hypothesis, k: int, scales: tuple[float, ...]) -> tuple[Hypot
     numbers = len(here.factors)
     if k < numbers:
         number, factor = list(here.factors.items())[k]
-        step = STEP * max(number.tolerance, 1e-3)
+        step = SCALED_STEP * max(number.tolerance, 1e-3)
         return dataclasses.replace(here, factors={**here.factors, number: factor + step}), step
     effect, name = here.unknowns()[k - numbers]
-    changed = effect.replace(**{name: getattr(effect, name) + STEP * scales[k - numbers]})
+    changed = effect.replace(**{name: getattr(effect, name) + SCALED_STEP * scales[k - numbers]})
     effects = tuple(changed if each is effect else each for each in here.effects)
-    return dataclasses.replace(here, effects=effects), STEP
+    return dataclasses.replace(here, effects=effects), SCALED_STEP

@@ -17,11 +17,11 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.slopes import slopes
 
 Array = NDArray[np.float64]
-STEPS = 8
+WINDOW_FIT_STEPS = 8
 """Gauss-Newton steps at most."""
-SHARES = (1.0, 0.3, 0.1)
+STEP_SHARES = (1.0, 0.3, 0.1)
 """Shares of a step that are tried."""
-WORTH = 5.0
+WORTHWHILE_GAIN = 5.0
 """Log posterior that a step must gain for another one [1]."""
 
 
@@ -54,13 +54,13 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
     filter, and each window weighs by the error that it leaves beyond noise (iteratively reweighted least squares).
     """
     best, J = start, slopes(start.made.hypothesis, start.shot, _scales(start.made.hypothesis))
-    for _ in range(STEPS):
+    for _ in range(WINDOW_FIT_STEPS):
         problem = _problem(best, J)
         after = _stepped(best, problem)
         if after is None:
             return dataclasses.replace(best, made=dataclasses.replace(problem, stationary=True))
         gained, best = after.log_posterior - best.log_posterior, after
-        if gained < WORTH:
+        if gained < WORTHWHILE_GAIN:
             return dataclasses.replace(best, made=dataclasses.replace(_problem(best, J), stationary=True))
         J = slopes(best.made.hypothesis, best.shot, _scales(best.made.hypothesis))
     return dataclasses.replace(best, made=_problem(best, J))
@@ -85,7 +85,7 @@ def _problem(here: WindowFit, J: Array) -> Fit:
 
 def _stepped(here: WindowFit, problem: Fit) -> WindowFit | None:
     """After the first share of the step that is better; None: there is none."""
-    for share in SHARES:
+    for share in STEP_SHARES:
         hypothesis = moved(problem.hypothesis, share * problem.step, problem.scales)
         at = problem.space.equations.of(hypothesis.model())
         made = dataclasses.replace(problem, hypothesis=hypothesis, equations=at)

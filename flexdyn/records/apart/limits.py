@@ -9,7 +9,7 @@ import signal
 
 from flexdyn.records.bounds import most_bytes
 
-SECONDS = 10
+COMPUTING_SECONDS = 10
 """Seconds of computing that any file may take; a good one of a megabyte takes about 0.01 s."""
 BYTES_A_SECOND = 20_000_000
 """A larger file may take a second more for so many bytes on disk."""
@@ -25,7 +25,7 @@ def seconds_for(on_disk: int) -> int:
     Args:
         on_disk: bytes of the file.
     """
-    return SECONDS + on_disk // BYTES_A_SECOND
+    return COMPUTING_SECONDS + on_disk // BYTES_A_SECOND
 
 
 def bytes_for(on_disk: int) -> int:

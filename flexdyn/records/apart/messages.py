@@ -18,7 +18,7 @@ from flexdyn.records.bounds import check_size
 from flexdyn.records.request import Layout, Request
 from flexdyn.records.table import Rows, Table
 
-_LONGEST = 2**26
+_LONGEST_MESSAGE = 2**26
 _STRANGE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 
 
@@ -81,7 +81,7 @@ def received(stream: IO[bytes]) -> tuple[str, Any]:
         Lost: the other side has ended, or it is no message.
     """
     length = int.from_bytes(_exactly(stream, 8), "little")
-    if length > _LONGEST:
+    if length > _LONGEST_MESSAGE:
         raise Lost
     try:
         ((kind, content),) = json.loads(_exactly(stream, length)).items()

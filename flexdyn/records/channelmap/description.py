@@ -11,7 +11,7 @@ from flexdyn.records.repairs import Repair
 from flexdyn.records.request import Layout, Request
 from flexdyn.records.units import split_name
 
-FORMAT = 1
+MAP_FORMAT = 1
 TIME = "t"
 
 
@@ -139,7 +139,7 @@ class ChannelMap:
 
     def to_dict(self) -> dict[str, Any]:
         """The mapping of a map file, in plain data; `from_dict` takes it back."""
-        content: dict[str, Any] = {"flexdyn_map": FORMAT}
+        content: dict[str, Any] = {"flexdyn_map": MAP_FORMAT}
         entries = {
             "source": _changed(self.layout),
             "time": _changed(self.time),

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from flexdyn.errors import InputError, did_you_mean
 
 Array = NDArray[np.float64]
-LONGEST = 1000
+LONGEST_EXPRESSION = 1000
 """Letters of an expression."""
 DEEPEST = 50
 """Brackets and signs within one another."""
@@ -64,7 +64,7 @@ def expression_of(text: Any, key: str) -> Expression:
     Raises:
         InputError: it is none, or it names no channel.
     """
-    if not isinstance(text, str) or len(text) > LONGEST:
+    if not isinstance(text, str) or len(text) > LONGEST_EXPRESSION:
         raise InputError("an expression is needed", key=key, value=text, remedy="such as: alpha + beta")
     reader = _Reader(text, key)
     tree = reader.sum(0)

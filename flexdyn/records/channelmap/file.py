@@ -38,7 +38,7 @@ from typing import Any
 from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys, read_yaml
 from flexdyn.records.channelmap.couplings import couplings_of
-from flexdyn.records.channelmap.description import FORMAT, Channel, ChannelMap
+from flexdyn.records.channelmap.description import MAP_FORMAT, Channel, ChannelMap
 from flexdyn.records.channelmap.expression import Expression, check_names, expression_of
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
 from flexdyn.records.channelmap.source import layout_of, time_of
@@ -89,8 +89,8 @@ def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
         InputError: a key, unit or number that does not fit.
     """
     check_keys(content, TOP_KEYS, required=("flexdyn_map",))
-    if isinstance(content["flexdyn_map"], bool) or content["flexdyn_map"] != FORMAT:
-        remedy = f"this version reads format {FORMAT}"
+    if isinstance(content["flexdyn_map"], bool) or content["flexdyn_map"] != MAP_FORMAT:
+        remedy = f"this version reads format {MAP_FORMAT}"
         raise InputError("no such format", key="flexdyn_map", value=content["flexdyn_map"], remedy=remedy)
     entry = {key: value for key, value in content.items() if value is not None}
     keep = as_choice("others", entry.get("others", "drop"), ("drop", "keep")) == "keep"

@@ -20,9 +20,9 @@ from flexdyn.records.table import FloatArray, Rows, Table
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
-_BLOCK = 2**20
+_CSV_BLOCK = 2**20
 _LONGEST_LINE = 2**20
-_ROWS_AT_ONCE = 4096
+_CSV_ROWS_AT_ONCE = 4096
 
 
 def write(rec: Recording, path: Path, delimiter: str = ",") -> None:
@@ -30,8 +30,8 @@ def write(rec: Recording, path: Path, delimiter: str = ",") -> None:
     columns = [rec.t, *rec.channels.values()]
     with open(path, "x", encoding="utf-8", newline="\n") as stream:
         stream.write(delimiter.join(["t", *map(_quoted, rec.channels)]) + "\n")
-        for start in range(0, len(rec), _ROWS_AT_ONCE):
-            rows = zip(*(column[start : start + _ROWS_AT_ONCE].tolist() for column in columns), strict=True)
+        for start in range(0, len(rec), _CSV_ROWS_AT_ONCE):
+            rows = zip(*(column[start : start + _CSV_ROWS_AT_ONCE].tolist() for column in columns), strict=True)
             stream.writelines(delimiter.join(map(repr, row)) + "\n" for row in rows)
 
 
@@ -100,7 +100,7 @@ def _quoted(name: str) -> str:
 def _blocks(stream: TextIO, size: int, request: Request) -> Iterator[Block]:
     """The file block by block, none held longer than its turn; says how far it is."""
     number, rest = 1, ""
-    while text := stream.read(_BLOCK):
+    while text := stream.read(_CSV_BLOCK):
         head, newline, rest = (rest + text).rpartition("\n")
         lines = head.split("\n") if newline else []
         if lines:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 _LARGEST_CHUNK = 2**30
-_LONGEST_TEXT = 999
+_LONGEST_UNIT = 999
 
 
 def write(rec: Recording, path: Path) -> None:
@@ -163,7 +163,7 @@ def attribute(h5py: Any, dataset: Any, name: str) -> str | None:
         return None
     text = np.ravel(dataset.attrs[name])[0]
     data = text.encode("utf-8", "surrogateescape") if isinstance(text, str) else bytes(text)
-    return data.decode("utf-8", "replace") if len(data) <= _LONGEST_TEXT else None
+    return data.decode("utf-8", "replace") if len(data) <= _LONGEST_UNIT else None
 
 
 def check_storage(dataset: Any, name: str) -> None:

@@ -52,7 +52,7 @@ class Leaf:
         return f"{name} ({'x'.join(map(str, self.shape))})" if self.kind == "numbers" else name
 
 
-class Columns:
+class LeafColumns:
     """Takes leaves one by one and keeps what was asked for; without a map, every vector of numbers."""
 
     def __init__(self, request: Request) -> None:

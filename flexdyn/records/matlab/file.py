@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexdyn.records.matlab import v5, v73
-from flexdyn.records.matlab.columns import KEY, Columns
+from flexdyn.records.matlab.columns import KEY, LeafColumns
 from flexdyn.records.meta import as_plain
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table, damage_named
@@ -76,7 +76,7 @@ def read(path: Path, request: Request) -> Table:
         head = stream.read(1024)
     if _HDF5 in (head[:8], head[512:520]):
         return v73.read(path, request)
-    columns = Columns(request)
+    columns = LeafColumns(request)
     with damage_named("not a MAT-file, or cut"):
         v5.read(path, request, columns)
         return columns.table()

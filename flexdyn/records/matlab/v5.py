@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from flexdyn.errors import InputError
 from flexdyn.records.bounds import check_size
-from flexdyn.records.matlab.columns import Columns, Leaf
+from flexdyn.records.matlab.columns import Leaf, LeafColumns
 from flexdyn.records.matlab.v5_elements import TEXTS, Cursor, cut
 from flexdyn.records.request import Request
 
@@ -41,7 +41,7 @@ _HEADER = 128
 _VERSION = 0x0100
 
 
-def read(path: Path, request: Request, columns: Columns) -> None:
+def read(path: Path, request: Request, columns: LeafColumns) -> None:
     """Give what `columns` wants of the file to it, one variable after the other.
 
     Raises:

@@ -17,7 +17,7 @@ from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import MOST_COLUMNS, check_size
 from flexdyn.records.hdf5.file import attribute, check_storage, member
 from flexdyn.records.hdf5.library import check_library, library, new_file
-from flexdyn.records.matlab.columns import Columns, Leaf
+from flexdyn.records.matlab.columns import Leaf, LeafColumns
 from flexdyn.records.request import Request
 from flexdyn.records.table import FloatArray, Table, damage_named
 
@@ -75,7 +75,7 @@ def read_here(path: Path, request: Request) -> Table:
         MissingExtra: h5py is not installed.
     """
     h5py = library()
-    columns = Columns(request)
+    columns = LeafColumns(request)
     with damage_named("not a MAT-file, or cut"), h5py.File(path, "r") as file:
         reader = _Reader(h5py, os.path.getsize(path))
         names = [name for name in file if not name.startswith("#")]

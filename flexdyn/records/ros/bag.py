@@ -17,7 +17,7 @@ from flexdyn.errors import InputError
 from flexdyn.io.yaml import read_yaml
 from flexdyn.records.ros.definitions import stored
 from flexdyn.records.ros.guard import MOST_MESSAGE, BoundedReader, check_index, check_mcap, unpack_file, unpacked
-from flexdyn.records.ros.walk import Fields, Layout, lay_out
+from flexdyn.records.ros.walk import Fields, MessageLayout, lay_out
 from flexdyn.records.ros.words import check_word, listed
 from flexdyn.records.table import damage_named
 
@@ -76,7 +76,7 @@ class Bag:
                     raise InputError(problem, key=connection.topic, remedy="choose another topic")
                 yield connection.topic, time, raw if unpack is None else unpack(raw)
 
-    def layout(self, topic: Topic, raw: bytes) -> Layout:
+    def layout(self, topic: Topic, raw: bytes) -> MessageLayout:
         """The layout of a message; where the bag does not define its type, as the first type that fits."""
         if topic.name not in self._fields:
             connection = next(iter(topic.connections.values()))[0]

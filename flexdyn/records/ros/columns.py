@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from flexdyn.errors import InputError
-from flexdyn.records.ros.walk import Layout, Number, Path
+from flexdyn.records.ros.walk import MessageLayout, MessageNumber, Path
 from flexdyn.records.ros.words import check_word
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -44,7 +44,7 @@ _SIGNALS: Mapping[str, tuple[tuple[str, str], ...]] = {
 """Which columns are which signal; of several for one signal the first that a message has is taken."""
 
 
-def columns_of(layout: Layout, msgtype: str) -> dict[str, Number]:
+def columns_of(layout: MessageLayout, msgtype: str) -> dict[str, MessageNumber]:
     """The numbers of a message by the name of their column.
 
     Raises:
@@ -55,7 +55,7 @@ def columns_of(layout: Layout, msgtype: str) -> dict[str, Number]:
     for number in layout.numbers:
         if isinstance(number.path[-1], int):
             lengths[number.path[:-1]] = number.path[-1] + 1
-    columns: dict[str, Number] = {}
+    columns: dict[str, MessageNumber] = {}
     for number in layout.numbers:
         name = _dynamic(layout, number) if msgtype == DYNAMIC_JOINT_STATE else None
         name = name or _plain(number, joints, lengths, msgtype)
@@ -66,7 +66,7 @@ def columns_of(layout: Layout, msgtype: str) -> dict[str, Number]:
     return columns
 
 
-def stamp_of(layout: Layout) -> tuple[Number, Number] | None:
+def stamp_of(layout: MessageLayout) -> tuple[MessageNumber, MessageNumber] | None:
     """Seconds and nanoseconds of the header's stamp, if the message has one."""
     found = {number.path: number for number in layout.numbers[:4]}
     for head in (("header", "stamp"), ("stamp",)):
@@ -75,7 +75,7 @@ def stamp_of(layout: Layout) -> tuple[Number, Number] | None:
     return None
 
 
-def channels_of(columns: Mapping[str, Number], msgtype: str) -> dict[str, str]:
+def channels_of(columns: Mapping[str, MessageNumber], msgtype: str) -> dict[str, str]:
     """The channel that a column is without a map, by column; first the positions of all joints, then the others."""
     channels: dict[str, str] = {}
     for field, signal in _SIGNALS[msgtype]:
@@ -91,7 +91,7 @@ def is_own(topic: str) -> bool:
     return topic == CHANNELS_TOPIC or any(f"{topic}/".startswith(f"/{name}/") for name in OWN_TOPICS)
 
 
-def own_channels(columns: Mapping[str, Number], topic: str, msgtype: str) -> dict[str, str]:
+def own_channels(columns: Mapping[str, MessageNumber], topic: str, msgtype: str) -> dict[str, str]:
     """The channels of a topic in a bag that flexdyn wrote, by column."""
     if msgtype == DYNAMIC_JOINT_STATE:
         return {name: name for name, number in columns.items() if number.path[0] == "interface_values"}
@@ -100,7 +100,7 @@ def own_channels(columns: Mapping[str, Number], topic: str, msgtype: str) -> dic
     return {name: f"{signals[field]}.{joint}" for name, (field, _, joint) in parts.items()}
 
 
-def _plain(number: Number, joints: list[str], lengths: Mapping[Path, int], msgtype: str) -> str:
+def _plain(number: MessageNumber, joints: list[str], lengths: Mapping[Path, int], msgtype: str) -> str:
     *head, last = number.path
     if joints and isinstance(last, int):
         count = lengths[number.path[:-1]]
@@ -112,7 +112,7 @@ def _plain(number: Number, joints: list[str], lengths: Mapping[Path, int], msgty
     return ".".join(str(part) for part in (*head, last))
 
 
-def _dynamic(layout: Layout, number: Number) -> str | None:
+def _dynamic(layout: MessageLayout, number: MessageNumber) -> str | None:
     """``temperature.elbow`` for a value of DynamicJointState; the interface alone where the joint has no name."""
     if number.path[0] != "interface_values":
         return None
@@ -124,5 +124,5 @@ def _dynamic(layout: Layout, number: Number) -> str | None:
     return f"{interface}.{name}" if name else interface
 
 
-def _list(layout: Layout, path: Path) -> list[str]:
+def _list(layout: MessageLayout, path: Path) -> list[str]:
     return [text for where, text in layout.texts.items() if where[:-1] == path and isinstance(where[-1], int)]

@@ -12,7 +12,7 @@ from flexdyn.errors import InputError
 from flexdyn.records.ros.walk import Fields
 from flexdyn.records.table import damage_named
 
-_LONGEST = 2**17
+_LONGEST_DEFINITION = 2**17
 _POINTS = "\n".join(
     f"trajectory_msgs/JointTrajectoryPoint {name}" for name in ("reference", "feedback", "error", "output")
 )
@@ -66,7 +66,7 @@ def stored(definition: MessageDefinition, msgtype: str, *, cdr: bool) -> Iterato
     """
     fields: dict[str, Any] = {}
     if definition.format != MessageDefinitionFormat.NONE:
-        if len(definition.data) > _LONGEST:
+        if len(definition.data) > _LONGEST_DEFINITION:
             raise InputError("a message definition is longer than 128 KiB", value=msgtype)
         with damage_named(f"the definition of {msgtype} cannot be read"):
             fields = _parsed(definition, msgtype)

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from flexdyn.errors import InputError
 from flexdyn.records.ros.columns import channels_of, own_channels
-from flexdyn.records.ros.walk import Number
+from flexdyn.records.ros.walk import MessageNumber
 from flexdyn.records.ros.words import listed, near
 
 _TWO_PUBLISHERS = "several publishers share the topic: name the channels of one group of joints in a channel map"
@@ -16,7 +16,7 @@ _TWO_PUBLISHERS = "several publishers share the topic: name the channels of one 
 class Pick(Protocol):
     """Chooses among the columns of a message."""
 
-    def __call__(self, columns: Mapping[str, Number], row: int) -> dict[str, Number] | None:
+    def __call__(self, columns: Mapping[str, MessageNumber], row: int) -> dict[str, MessageNumber] | None:
         """Numbers by name of the table's column, or None if the message is none of those wanted."""
 
     def check(self) -> None:
@@ -30,7 +30,7 @@ class Conventional:
         self.topic, self.msgtype, self.own = topic, msgtype, own
         self.names: frozenset[str] | None = None
 
-    def __call__(self, columns: Mapping[str, Number], row: int) -> dict[str, Number]:
+    def __call__(self, columns: Mapping[str, MessageNumber], row: int) -> dict[str, MessageNumber]:
         """Numbers by channel."""
         own = self.own
         channels = own_channels(columns, self.topic, self.msgtype) if own else channels_of(columns, self.msgtype)
@@ -58,7 +58,7 @@ class Wanted:
         self.found: set[str] = set()
         self.known: dict[str, None] = {}
 
-    def __call__(self, columns: Mapping[str, Number], row: int) -> dict[str, Number] | None:
+    def __call__(self, columns: Mapping[str, MessageNumber], row: int) -> dict[str, MessageNumber] | None:
         """Numbers by the name that the table's column shall have."""
         missing = [name for name in self.names if name not in columns]
         if missing and len(self.known) < 1000:

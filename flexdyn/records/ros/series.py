@@ -12,7 +12,7 @@ from flexdyn.errors import InputError
 from flexdyn.records.bounds import check_size
 from flexdyn.records.ros.columns import columns_of, stamp_of
 from flexdyn.records.ros.picks import Pick
-from flexdyn.records.ros.walk import Bytes, Layout, Number
+from flexdyn.records.ros.walk import Bytes, MessageLayout, MessageNumber
 
 Integers = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -39,7 +39,7 @@ class Series:
         self,
         topic: str,
         msgtype: str,
-        describe: Callable[[bytes], Layout],
+        describe: Callable[[bytes], MessageLayout],
         pick: Pick,
         *,
         count: int,
@@ -113,7 +113,7 @@ class Series:
             raise InputError("a time of recording is no number of nanoseconds", key=self.topic, channel="t")
         return np.array(times, np.int64)
 
-    def _picked(self, layout: Layout, row: int) -> dict[str, Number] | None:
+    def _picked(self, layout: MessageLayout, row: int) -> dict[str, MessageNumber] | None:
         numbers = self.pick(columns_of(layout, self.msgtype), self.seen + row)
         if numbers is not None and not self.columns:
             check_size(8 * self.count * (len(numbers) + 1), self.size)
@@ -123,8 +123,8 @@ class Series:
 
     def _take(
         self,
-        layout: Layout,
-        numbers: dict[str, Number],
+        layout: MessageLayout,
+        numbers: dict[str, MessageNumber],
         block: Bytes,
         rows: npt.NDArray[np.intp],
         values: Floats,

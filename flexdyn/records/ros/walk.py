@@ -31,7 +31,7 @@ _MOST_DEPTH = 32
 
 
 @dataclass(frozen=True)
-class Number:
+class MessageNumber:
     """A number in a message: path of fields and indices, byte it begins at, NumPy type."""
 
     path: Path
@@ -50,10 +50,10 @@ class Number:
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class MessageLayout:
     """What a message and all like it hold: numbers in order, texts by path, and the bytes that make them alike."""
 
-    numbers: tuple[Number, ...]
+    numbers: tuple[MessageNumber, ...]
     texts: Mapping[Path, str]
     fixed: npt.NDArray[np.intp]
     template: Bytes
@@ -64,7 +64,7 @@ class Layout:
         return same
 
 
-def lay_out(raw: bytes, msgtype: str, fields: Fields, *, cdr: bool) -> Layout:
+def lay_out(raw: bytes, msgtype: str, fields: Fields, *, cdr: bool) -> MessageLayout:
     """The layout of one message.
 
     Args:
@@ -82,7 +82,7 @@ def lay_out(raw: bytes, msgtype: str, fields: Fields, *, cdr: bool) -> Layout:
     if left > (3 if cdr else 0):
         raise InputError(f"the message goes on for {left} bytes after its last field", value=msgtype)
     fixed = np.array(walk.fixed, np.intp)
-    return Layout(tuple(walk.numbers), walk.texts, fixed, np.frombuffer(raw, np.uint8)[fixed])
+    return MessageLayout(tuple(walk.numbers), walk.texts, fixed, np.frombuffer(raw, np.uint8)[fixed])
 
 
 class _Walk:
@@ -94,7 +94,7 @@ class _Walk:
         if cdr and raw[:2] not in (b"\0\0", b"\0\1"):
             raise InputError("the message is not in CDR, ROS 2's plain encoding", value=raw[:4].hex())
         self.order = ">" if cdr and raw[1] == 0 else "<"
-        self.numbers: list[Number] = []
+        self.numbers: list[MessageNumber] = []
         self.texts: dict[Path, str] = {}
         self.fixed: list[int] = [0, 1] if cdr else []
         self.steps = 0
@@ -145,12 +145,12 @@ class _Walk:
         self._align(size)
         begin = self._take(size * (1 if count is None else count))
         if count is None:
-            self.numbers.append(Number(path, begin, code))
+            self.numbers.append(MessageNumber(path, begin, code))
         elif size > 1:
             self.steps += count
             if self.steps > _MOST_STEPS:
                 raise InputError(f"the message has more than {_MOST_STEPS} numbers", remedy="choose another topic")
-            self.numbers += [Number((*path, index), begin + size * index, code) for index in range(count)]
+            self.numbers += [MessageNumber((*path, index), begin + size * index, code) for index in range(count)]
 
     def _count(self) -> int:
         self._align(4)

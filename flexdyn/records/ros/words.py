@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from flexdyn.errors import InputError, did_you_mean
 
-LONGEST = 300
+LONGEST_ROS_NAME = 300
 """Characters of the longest name of a topic, type or column."""
 
 _SHOWN = 60
@@ -18,8 +18,8 @@ def check_word(name: str, what: str) -> None:
     Raises:
         InputError: it is one.
     """
-    if not name.isprintable() or len(name) > LONGEST:
-        problem = f"the name of a {what} does not print, or is longer than {LONGEST} characters"
+    if not name.isprintable() or len(name) > LONGEST_ROS_NAME:
+        problem = f"the name of a {what} does not print, or is longer than {LONGEST_ROS_NAME} characters"
         raise InputError(problem, value=name[:_SHOWN], remedy="the file is damaged")
 
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 _STRING = "std_msgs/msg/String"
 _LATEST = 2**31 * NANO
-_BLOCK = 4096
+_BAG_BLOCK = 4096
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
             links = [writer.add_connection(group.topic, group.msgtype, typestore=store) for group in groups]
             writer.write(text, int(stamps[0]), serialize(store.types[_STRING](note), _STRING))
             first = [bytes(serialize(_message(store, group, cdr), group.msgtype)) for group in groups]
-            for begin in range(0, len(stamps), _BLOCK):
-                some = slice(begin, begin + _BLOCK)
+            for begin in range(0, len(stamps), _BAG_BLOCK):
+                some = slice(begin, begin + _BAG_BLOCK)
                 blocks = [_block(rec, g, raw, stamps[some], some, store) for g, raw in zip(groups, first, strict=True)]
                 for row, stamp in enumerate(stamps[some].tolist()):
                     for link, block in zip(links, blocks, strict=True):

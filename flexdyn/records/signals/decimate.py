@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 HELD = ("tau", "tau_applied")
 """Signals that are held from each sample to the next (contract, section 4)."""
-REACH = 20
+FILTER_REACH = 20
 """Samples kept that the filter reaches to either side."""
-JITTER = 0.02
+CLOCK_JITTER = 0.02
 """Share of a sample by which stamps may stray from a uniform clock."""
 
 
@@ -44,10 +44,10 @@ def decimated(rec: Recording, factor: int) -> Recording:
     if factor == 1:
         return rec
     _check_clock(rec)
-    kept = np.arange(REACH * factor, len(rec) - REACH * factor, factor)
+    kept = np.arange(FILTER_REACH * factor, len(rec) - FILTER_REACH * factor, factor)
     kept = kept[kept + factor <= len(rec)]
     if len(kept) < 2:
-        problem = f"{len(rec)} samples are too few for a filter over {2 * REACH * factor + 1}"
+        problem = f"{len(rec)} samples are too few for a filter over {2 * FILTER_REACH * factor + 1}"
         raise InputError(problem, key="factor", value=factor, remedy="give a smaller one")
     columns = {"t": rec.t[kept]}
     for name, values in rec.channels.items():
@@ -59,7 +59,7 @@ def decimated(rec: Recording, factor: int) -> Recording:
 def _filtered(values: FloatArray, kept: npt.NDArray[np.intp], factor: int) -> FloatArray:
     from scipy.signal import firwin, resample_poly
 
-    taps = firwin(2 * REACH * factor + 1, 1.0 / factor, window="hamming")
+    taps = firwin(2 * FILTER_REACH * factor + 1, 1.0 / factor, window="hamming")
     level = values[0]  # taken off, so that small motions far from zero keep their digits
     low = resample_poly(values - level, 1, factor, window=taps, padtype="line")
     return np.asarray(low[kept // factor] + level)
@@ -74,6 +74,6 @@ def _check_clock(rec: Recording) -> None:
         raise InputError("there are gaps in time", key="t", remedy="take the pieces between them: rec.split(gaps=...)")
     steps = np.diff(rec.t)
     even = rec.t[0] + rec.duration / len(steps) * np.arange(len(rec))
-    if float(np.abs(rec.t - even).max()) > JITTER * rec.duration / len(steps):
+    if float(np.abs(rec.t - even).max()) > CLOCK_JITTER * rec.duration / len(steps):
         remedy = f"resample it first: rec.resample(rate={1.0 / float(np.median(steps)):.6g})"
         raise InputError("the clock is not uniform", key="t", remedy=remedy)

@@ -15,17 +15,17 @@ from flexdyn.records.table import FloatArray
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
-GAP = 10.0
+GAP_PERIODS = 10.0
 """Median periods from which the time between two samples is a gap."""
-SHORTEST = 1.0
+SHORTEST_PIECE = 1.0
 """Pieces between gaps that are shorter tell too little of a motion to be diagnosed [s]."""
-LISTED = 3
+GAPS_LISTED = 3
 
 
 @np.errstate(over="ignore", invalid="ignore")  # times near the greatest double
 def gap_limit(t: FloatArray) -> float:
     """Longest time between two samples that is no gap [s]."""
-    return GAP * float(np.median(np.diff(t)))
+    return GAP_PERIODS * float(np.median(np.diff(t)))
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -47,8 +47,8 @@ def told(t: FloatArray) -> str:
     found = gaps_of(t)
     if not found:
         return ""
-    listed = ", ".join(f"{end - start:.4g} s from t = {start:.6g} s on" for start, end in found[:LISTED])
-    more = f" and {len(found) - LISTED} more" if len(found) > LISTED else ""
+    listed = ", ".join(f"{end - start:.4g} s from t = {start:.6g} s on" for start, end in found[:GAPS_LISTED])
+    more = f" and {len(found) - GAPS_LISTED} more" if len(found) > GAPS_LISTED else ""
     count = "a gap" if len(found) == 1 else f"{len(found)} gaps"
     return f"{count} in the data: {listed}{more}; nothing is filled in there"
 
@@ -76,9 +76,11 @@ def apart_at_gaps(recordings: Iterable[Recording]) -> tuple[Recording, ...]:
             found.append(rec)
             continue
         pieces = rec.split(gaps=gap_limit(rec.t))
-        kept = [piece for piece in pieces if piece.duration >= SHORTEST]
+        kept = [piece for piece in pieces if piece.duration >= SHORTEST_PIECE]
         if len(kept) < len(pieces) and kept:
-            problem = f"{len(pieces) - len(kept)} of {len(pieces)} pieces between gaps are shorter than {SHORTEST:g} s"
+            problem = (
+                f"{len(pieces) - len(kept)} of {len(pieces)} pieces between gaps are shorter than {SHORTEST_PIECE:g} s"
+            )
             warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=4)
         found += kept or pieces
     return tuple(found)

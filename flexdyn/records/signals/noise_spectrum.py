@@ -12,7 +12,7 @@ from flexdyn.records.table import FloatArray
 
 Mask = npt.NDArray[np.bool_]
 
-LENGTHS = (256, 128, 64, 32, 16)
+SEGMENT_LENGTHS = (256, 128, 64, 32, 16)
 _FEWEST_SEGMENTS = 24
 _CLIP = 4.0
 _STEEP = 25.0
@@ -112,7 +112,7 @@ def spectrum(values: FloatArray, good: Mask, order: int) -> Spectrum | None:
     Returns:
         The spectrum, or None where too few segments are free of kinks.
     """
-    for length in LENGTHS:
+    for length in SEGMENT_LENGTHS:
         starts = _segments(good, length)
         if len(starts) >= _FEWEST_SEGMENTS:
             break

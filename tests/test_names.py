@@ -1,0 +1,130 @@
+"""One name, one meaning: classes and constants of flexdyn; and the table of constants in docs/diagnosis.md."""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import flexdyn as fd
+
+PACKAGE = Path(fd.__file__).parent
+PAGE = Path(__file__).parents[1] / "docs" / "diagnosis.md"
+FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] != "robots")
+LISTED = ("inference", "simulated")
+"""Folders of `flexdyn.diagnose` whose constants choose structures: the page must list all of them."""
+BUDGETS = {
+    "HARMONICS_AT_ONCE": "memory",
+    "SPARE_COLUMNS": "memory",
+    "MOST_ORDER": "a model of noise that only the studies use",
+}
+"""Constants of those folders that change no result."""
+
+
+def constants(path: Path) -> Iterator[tuple[str, ast.expr]]:
+    """The upper-case names of a module that hold numbers and no text, with the expressions of their values."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+            several = isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple)
+            pairs = zip(target.elts, node.value.elts, strict=True) if several else [(target, node.value)]  # type: ignore[attr-defined]
+            for name, value in pairs:
+                if isinstance(name, ast.Name) and name.id.isupper() and _is_number(value):
+                    yield name.id, value
+
+
+def _is_number(value: ast.expr) -> bool:
+    leaves = [type(each.value) for each in ast.walk(value) if isinstance(each, ast.Constant)]
+    return str not in leaves and bytes not in leaves and (int in leaves or float in leaves)
+
+
+def test_a_constant_has_one_value() -> None:
+    """A name that stands for different numbers in two modules misleads whoever reads both."""
+    values: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+    for path in FILES:
+        for name, value in constants(path):
+            values[name][ast.unparse(value)].append(path.relative_to(PACKAGE).as_posix())
+    several = {name: dict(found) for name, found in values.items() if len(found) > 1}
+    assert not several
+
+
+def test_a_public_class_name_is_defined_once() -> None:
+    """Likewise of classes; private ones stay in their module."""
+    places: dict[str, list[str]] = defaultdict(list)
+    for path in FILES:
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places[node.name].append(path.relative_to(PACKAGE).as_posix())
+    assert not {name: found for name, found in places.items() if len(found) > 1}
+
+
+def table() -> list[tuple[str, str, str]]:
+    """Name, value and file of the page's constants; a row may have several of one file."""
+    text = PAGE.read_text(encoding="utf-8").split("## Constants that decide\n")[1].split("\n## ")[0]
+    rows = [
+        [cell.strip() for cell in line.strip("|").split(" | ")] for line in text.splitlines() if line.startswith("| `")
+    ]
+    found = []
+    for names, values, file, *_ in rows:
+        each = re.findall(r"`(\w+)`", names)
+        for name, value in zip(each, values.split("; ") if len(each) > 1 else [values], strict=True):
+            found.append((name, value, file.strip("`")))
+    return found
+
+
+def _number(expression: ast.expr | str) -> object:
+    """The value of an expression of numbers, of ``math.log`` or of ``log``."""
+    source = expression if isinstance(expression, str) else ast.unparse(expression)
+    return eval(source.replace("math.", ""), {"__builtins__": {}, "log": math.log})  # noqa: S307
+
+
+@pytest.mark.parametrize(("name", "value", "file"), [row for row in table() if row[0] != "natural_size"])
+def test_the_page_says_what_the_code_says(name: str, value: str, file: str) -> None:
+    """A row of the table names a constant of that file, with its value."""
+    code = dict(constants(PACKAGE / "diagnose" / file))
+    assert name in code, f"{file} has no {name}"
+    assert _number(code[name]) == _number(value)
+
+
+def test_natural_sizes_are_within_the_range_of_the_page() -> None:
+    """The row that stands for all classes of effects."""
+    (value,) = (value for name, value, _ in table() if name == "natural_size")
+    low, high = (float(each) for each in value.split(" to "))
+    sizes = [getattr(each, "natural_size", None) for each in vars(fd.effects).values() if isinstance(each, type)]
+    known = [size for size in sizes if isinstance(size, float) and math.isfinite(size)]
+    assert (min(known), max(known)) == (low, high)
+
+
+def test_the_page_lists_what_chooses_structures() -> None:
+    """Every constant of the folders that compare structures is on the page, unless it changes no result."""
+    named = {(name, file) for name, _, file in table()}
+    missing = [
+        (name, path.relative_to(PACKAGE / "diagnose").as_posix())
+        for folder in LISTED
+        for path in sorted((PACKAGE / "diagnose" / folder).glob("*.py"))
+        for name, _ in constants(path)
+        if name not in BUDGETS and (name, path.relative_to(PACKAGE / "diagnose").as_posix()) not in named
+    ]
+    assert not missing
+
+
+def test_every_constant_of_the_diagnosis_says_what_it_is() -> None:
+    """A docstring follows each, or the group that it is assigned with: what it is, its unit, where it comes from."""
+    silent = []
+    for path in sorted((PACKAGE / "diagnose").rglob("*.py")):
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        names = {name for name, _ in constants(path) if not name.startswith("_")}
+        for node, after in zip(body, [*body[1:], None], strict=True):
+            if not isinstance(node, ast.Assign | ast.AnnAssign):
+                continue
+            text = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            own = {each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)}
+            silent += [f"{path.name}: {name}" for name in sorted(own & names) if not text]
+    assert not silent
