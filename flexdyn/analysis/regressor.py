@@ -56,7 +56,7 @@ def regressor(model: FlexibleJointModel, q: Array, v: Array, a: Array, omega: Ar
     data = arm.createData()
     gain = tree.gain
     bodies = [
-        gain.T @ pin.computeJointTorqueRegressor(arm, data, *each)
+        gain.T @ np.atleast_2d(pin.computeJointTorqueRegressor(arm, data, *each))  # of one joint it is a vector
         for each in zip(q @ gain.T + tree.offset, v @ gain.T, a @ gain.T, strict=True)
     ]
     per_joint = np.stack([alpha, omega, np.sign(omega), np.ones_like(omega)], axis=2)

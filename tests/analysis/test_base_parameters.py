@@ -56,6 +56,14 @@ def test_an_upright_two_link_arm_has_six_and_they_are_the_closed_form(tmp_path: 
         assert list(each.values()) == pytest.approx(list(terms.values()), abs=1e-9)
 
 
+def test_a_pendulum_has_three(tmp_path: Path) -> None:
+    """Its first moments and Izz + J, for ``tau = (Izz + J) a + G (mx cos q - my sin q)``."""
+    (tmp_path / "arm.urdf").write_text(ARM, encoding="utf-8")
+    pendulum = fd.load_robot(tmp_path / "arm.urdf", lock={"two": 0.0})
+    found = fd.base_parameters(fd.FlexibleJointModel(pendulum, gravity=(0.0, -G, 0.0)), **samples(1))
+    assert [list(each) for each in inertial(found)] == [["one.mx"], ["one.my"], ["one.Izz", "one.J"]]
+
+
 def test_a_lying_two_link_arm_has_four_and_its_second_rotor(tmp_path: Path) -> None:
     """Without gravity first moments of the first link do nothing; J2 is told apart from Izz2 by the coupling."""
     found = fd.base_parameters(planar(tmp_path, gravity=False), **samples(2))
