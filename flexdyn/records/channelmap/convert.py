@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.records.channelmap.known_units import SI, SLIDING, UNITS, Unit, plain_unit
+from flexdyn.records.channelmap.known_units import ELECTRICAL, SI, SLIDING, UNITS, Unit, plain_unit
 from flexdyn.records.table import FloatArray
 from flexdyn.records.units import SIGNALS, UNITLESS
 
@@ -98,7 +98,8 @@ def _unit(channel: Channel, name: str) -> Unit:
     if channel.full_counts is not None or channel.full_scale is not None:
         return _converter(channel, name)
     if channel.factor is not None:
-        if unit is not None and unit.quantity in fitting and unit.quantity != "current":
+        raw = unit is not None and unit.quantity in ELECTRICAL and signal != "voltage"  # the factor says what it drives
+        if unit is not None and unit.quantity in fitting and not raw:
             key, remedy = _key(channel, "factor"), "leave one of them out"
             raise InputError("both factor and a unit that tells it", key=key, value=name, remedy=remedy)
         return Unit("", channel.factor)

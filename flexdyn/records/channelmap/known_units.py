@@ -25,6 +25,8 @@ SI: Mapping[str, str] = {
 
 SLIDING: Mapping[str, str] = {"angle": "length", "angular velocity": "velocity", "torque": "force"}
 """What a quantity of a revolute joint is at a prismatic one."""
+ELECTRICAL = ("current", "voltage")
+"""Quantities that a drive turns into others; the factor of a channel may say into how much."""
 
 
 @dataclass(frozen=True)
