@@ -13,9 +13,11 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import workspace
+from flexdyn.diagnose.hypothesis.workspace import prepared, workspace
+from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.diagnose.simulated.reweighting import reweighed
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 
@@ -84,3 +86,19 @@ def test_innovations_of_the_true_model_have_unit_variance(tmp_path: Path) -> Non
 def _lighter(share: float) -> fd.effects.ParameterError:
     """An error of the sliding mass."""
     return fd.effects.ParameterError(of="mass", parameter="link_mass", factor=1.0 - share)
+
+
+def test_windows_bring_back_what_the_search_had_lost(tmp_path: Path) -> None:
+    """A posterior that holds nothing: the friction comes from windows, which then decide alone."""
+    model = slider_model(tmp_path)
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
+    recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
+    bare, noise, start = prepared(model, (measured(model, recording),))
+    found = posterior(bare, noise, start)
+    nothing = frozenset[tuple[int, int]]()
+    empty = fit(start, found.fitted.space, steps=1)
+    lost = dataclasses.replace(found, best=nothing, fitted=empty, earlier=(frozenset(),))
+    again = reweighed(lost, Windows.of(model, [recording], LEVELS.noise(1)))
+    (level,) = (each.level for each in again.fitted.hypothesis.effects if isinstance(each, fd.effects.CoulombFriction))
+    assert level == pytest.approx(LEVEL, rel=0.03)
+    assert not again.earlier

@@ -109,9 +109,8 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     named = names(masses, best, own, there, may)
     kept = tuple(each for each in named if each.established)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
-    least = {
-        c: 0.0 if each > 1.0 else SMALLEST_TORQUE_SHARE for c, each in by_windows.items()
-    }  # more than all that is left
+    # What does more in the windows than all that is left there may be small in the equations.
+    least = {c: 0.0 if each > 1.0 else SMALLEST_TORQUE_SHARE for c, each in by_windows.items()}
     large = tuple(
         each
         for each in kept

@@ -149,4 +149,5 @@ def reweighed(found: Posterior, windows: Windows) -> Posterior:
         here = fit_to_windows(WindowFit.of(simulated.fits[best].made, windows))
     if not here.shot.is_noise():
         return found
-    return dataclasses.replace(found, best=best, fitted=here.made, known=simulated.known)
+    # The windows have decided between what the linearisations did not agree about.
+    return dataclasses.replace(found, best=best, fitted=here.made, known=simulated.known, earlier=())
