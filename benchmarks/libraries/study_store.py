@@ -41,7 +41,7 @@ def compare(data: Path) -> Comparison:
                 partial(_made_by_zarr, library, columns), partial(_made_by_hand, ours, columns)
             )
         }
-    return Comparison("the store of a study", "flexdyn.batch.pieces", "zarr, Array.__setitem__", cases, times)
+    return Comparison("the store of a study", "flexdyn.batch.pieces", "zarr, assignment to an Array", cases, times)
 
 
 def _columns() -> Columns:
