@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 import time
@@ -33,8 +34,10 @@ def main(folder: Path) -> int:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        Path(sys.argv[1]).mkdir(parents=True, exist_ok=True)
-        sys.exit(main(Path(sys.argv[1])))
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split(": ")[-1])
+    parser.add_argument("folder", nargs="?", type=Path, help="keeps the logs and the report; default: a temporary one")
+    if (chosen := parser.parse_args().folder) is not None:
+        chosen.mkdir(parents=True, exist_ok=True)
+        sys.exit(main(chosen))
     with TemporaryDirectory() as given:
         sys.exit(main(Path(given)))
