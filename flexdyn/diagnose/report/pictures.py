@@ -64,13 +64,17 @@ def residual_figure(trace: ResidualTrace) -> dict[str, Any]:
 
 
 def _frame(trace: ResidualTrace) -> dict[str, Any]:
-    """Limits between which averages can be seen where dots are mostly noise; noise may reach beyond them."""
+    """Limits between which averages can be seen where dots are mostly noise; noise may reach beyond them.
+
+    Where nothing does, a tenth is left free: an axis that Plotly fits to lines lets them run along its frame.
+    """
     if not len(trace.means):
         return {}
     most = np.nanmax(np.abs([trace.before, trace.after]), initial=0.0)
     law = float(np.abs(trace.law[:, 1]).max()) if len(trace.law) else 0.0
     size = max(3.0 * float(np.abs(trace.means[:, 1:]).max()), 1.5 * law, float(np.nanstd(trace.after)))
-    return {"range": [-size, size]} if 0.0 < size < most else {}
+    size = min(size, 1.1 * max(float(most), law))
+    return {"range": [-size, size]} if size > 0.0 else {}
 
 
 def _stands_out(x: Array, y: Array, name: str, colour: str) -> tuple[dict[str, Any], dict[str, Any]]:
