@@ -83,7 +83,7 @@ def column(white: Array, std: Numbers = 0.4, mean: Numbers = 0.0, size: Numbers 
     """Of rows (rows, width), its numbers free of bounds."""
     width = white.shape[1]
     wide = [np.broadcast_to(np.asarray(each, float), width).copy() for each in (std, mean, size)]
-    return Column(white, wide[0], wide[1], np.zeros(width, bool), wide[2])
+    return Column(white.astype(np.float32), wide[0], wide[1], np.zeros(width, bool), wide[2])
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.stats import multivariate_normal, norm
 
-from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram, Prior, Products
+from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram, Prior
+from flexdyn.diagnose.inference.products import Products
 
 Array = NDArray[np.float64]
 ROWS, COLUMNS, BASE = 30, 8, 2
@@ -43,6 +44,7 @@ class Problem:
         draw = np.random.default_rng(seed)
         X = draw.standard_normal((3, ROWS, COLUMNS))
         X[:, :, 5] += 0.9 * X[:, :, 4]  # two that are alike
+        X = X.astype(np.float32).astype(float)  # as they are kept
         for k, absent in ABSENT.items():
             X[k, :, list(absent)] = 0.0
         y = X @ draw.normal(0.0, 0.5, COLUMNS) + draw.standard_normal((3, ROWS))
@@ -52,17 +54,24 @@ class Problem:
         bounded[list(positive)] = True
         return cls(X, y, draw.uniform(0.02, 2.0, 3), Prior(draw.uniform(0.3, 4.0, COLUMNS), mean, bounded))
 
-    def products(self, *until: int) -> list[Products]:
-        """Of each equation, the columns taken in up to such numbers one after another."""
-        found = [Products(y, COLUMNS) for y in self.y]
+    def products(self, *until: int) -> Products:
+        """Of the columns, taken in up to such numbers one after another."""
+        found = Products(self.y.T, COLUMNS)
         for first, last in zip((0, *until), (*until, COLUMNS), strict=True):
-            for each, table in zip(found, self.X, strict=True):
-                each.add(np.arange(first, last), table[:, first:last], 3)
+            self.take(found, first, last)
         return found
+
+    def take(self, products: Products, first: int, last: int) -> None:
+        """Take some of the columns in."""
+        table = self.X[:, :, first:last].transpose(1, 0, 2).reshape(-1, last - first)
+        assert products.put(first, table.astype(np.float32)) == last
+        products.multiply(last)
 
     def gram(self, base: int = BASE, used: int = COLUMNS) -> Gram:
         """Under the problem's weights."""
-        return Gram(self.products(), self.weights, self.prior, base, used)
+        products = Products(self.y.T, COLUMNS)
+        self.take(products, 0, used)
+        return Gram(products, self.weights, self.prior, base)
 
     def posterior(self, columns: list[int]) -> tuple[Array, Array]:
         """Mean and covariance by least squares on all rows, those of the priors below them."""
@@ -201,15 +210,14 @@ def test_an_addition_far_below_its_bound_is_none() -> None:
 def test_columns_that_come_later_are_as_good(until: tuple[int, ...]) -> None:
     """Products and their sums that grew, against some that were whole from the beginning and dense algebra."""
     problem = Problem.of(6)
-    equations = [Products(y, COLUMNS) for y in problem.y]
+    products = Products(problem.y.T, COLUMNS)
     grown: Gram | None = None
     for first, last in zip((0, *until), (*until, COLUMNS), strict=True):
-        for each, table in zip(equations, problem.X, strict=True):
-            each.add(np.arange(first, last), table[:, first:last], 1)
+        problem.take(products, first, last)
         if grown is None:
-            grown = Gram(equations, problem.weights, problem.prior, BASE, last)
+            grown = Gram(products, problem.weights, problem.prior, BASE)
         else:
-            grown.grow(last)
+            grown.grow()
     assert grown is not None
     whole = problem.gram()
     for columns in ((3, 5, 7), (2, 6), (6, 4, 2)):
@@ -228,7 +236,8 @@ def test_structures_do_not_see_columns_that_came_later() -> None:
     problem = Problem.of(7)
     gram = problem.gram(used=5)
     before = gram.whole(_at(3, 4))
-    gram.grow(COLUMNS)
+    problem.take(gram.products, 5, COLUMNS)
+    gram.grow()
     after = gram.whole(_at(3, 4))
     assert before.log_volume == after.log_volume
     np.testing.assert_array_equal(before.mean, after.mean)
@@ -242,19 +251,22 @@ def test_squares_and_sums_are_those_of_the_rows(seed: int, chosen: set[int], unt
     draw = np.random.default_rng(seed)
     columns = draw.permutation(sorted(chosen)).astype(np.intp)
     values = draw.standard_normal(len(columns))
-    for k, each in enumerate(problem.products(until)):
-        left = problem.y[k] - problem.X[k][:, columns] @ values
-        assert each.squares(columns, values) == pytest.approx(float(left @ left), rel=1e-10)
-        np.testing.assert_allclose(each.sum(columns, values), problem.y[k] - left, atol=1e-12)
-        assert each.columns.tolist() == [c for c in range(COLUMNS) if c not in ABSENT[k]]
+    products = problem.products(until)
+    left = problem.y - problem.X[:, :, columns] @ values
+    np.testing.assert_allclose(products.squares(columns, values), (left**2).sum(axis=1), rtol=1e-10)
+    np.testing.assert_allclose(products.sum(columns, values), problem.y - left, atol=1e-12)
+    whole = np.einsum("eri,erj->eij", problem.X, problem.X)
+    np.testing.assert_allclose(products.of(columns, columns[:2]), whole[:, columns][:, :, columns[:2]], atol=1e-12)
+    np.testing.assert_allclose(products.diagonals(), np.einsum("eii->ei", whole), atol=1e-12)
 
 
 def test_weights_count_rows() -> None:
     """An equation of weight 2 is that equation twice, and one of weight 0 is not there."""
     problem = Problem.of(8)
-    one = Gram(problem.products(), np.array([2.0, 1.0, 0.0]), problem.prior, BASE, COLUMNS).whole(_at(2, 4, 7))
-    first, second, _ = problem.products()
-    other = Gram([first, second, first], np.ones(3), problem.prior, BASE, COLUMNS).whole(_at(2, 4, 7))
+    one = Gram(problem.products(), np.array([2.0, 1.0, 0.0]), problem.prior, BASE).whole(_at(2, 4, 7))
+    places = [0, 1, 0]
+    twice = dataclasses.replace(problem, X=problem.X[places], y=problem.y[places])
+    other = Gram(twice.products(), np.ones(3), problem.prior, BASE).whole(_at(2, 4, 7))
     assert one.log_volume == pytest.approx(other.log_volume, rel=1e-12)
     np.testing.assert_allclose(one.mean, other.mean, atol=1e-12)
     np.testing.assert_allclose(one.covariance, other.covariance, atol=1e-12)

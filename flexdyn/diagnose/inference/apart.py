@@ -62,7 +62,7 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
     """
     columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
-    squares = space.squares(columns, mean)
+    squares = space.products.squares(columns, mean)
     below = _undetected(space.noise)
     excess = np.maximum(squares - space.noise.count - below, 0.0) * (1.0 - 1.0 / space.noise.times)
     typical, weights = _typical(space, excess), space.gram.weights
@@ -73,7 +73,7 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
         does = np.array([value[int(k)] for k in mine])
         if c < len(numbers):  # in every structure within its tolerance, and in this one perhaps beyond
             mine, does = np.array([c, *mine], np.intp), np.array([value[c] + numbers[c] - 1.0, *does])
-        whole = weights * [float((equation.sum(mine, does) ** 2).sum()) for equation in space.equations]
+        whole = weights * (space.products.sum(mine, does) ** 2).sum(axis=1)
         if not whole.any():  # a number that is where the file has it
             found[c] = 0.0
             continue
@@ -95,13 +95,12 @@ def _typical(space: Space, excess: Array) -> float:
 
     A column's white power over the square of its torque's share tells what a share of the torque is in white rows.
     """
-    shares = []
-    for e, equation in enumerate(space.equations):
+    shares, white = [], space.products.diagonals()
+    for e, squares in enumerate(white):
         k = np.arange(space.base, space.used)
         k = k[(space.of[k] == e) & (space.size[k] > 0.0)]
         if len(k):
-            white = np.diag(equation.G)[equation.place[k]]
-            shares.append(excess[e] / max(float(np.median(white / space.size[k] ** 2)), 1e-300))
+            shares.append(excess[e] / max(float(np.median(squares[k] / space.size[k] ** 2)), 1e-300))
     return float(np.sqrt(np.mean(shares))) if shares else 0.0
 
 
@@ -114,13 +113,9 @@ def _own(space: Space, structure: Structure, c: int, mine: Indices, does: Array)
     plain = [k for each in space.contained[c] for k in space.candidates[each].columns[0].tolist()]
     numbers = range(len(space.library.start.factors))
     columns = np.setdiff1d(np.array([*numbers, *others, *plain], np.intp), mine)
-    G, b, power = np.diag(space.prior.precision[columns]), np.zeros(len(columns)), 0.0
-    for w, equation in zip(space.gram.weights, space.equations, strict=True):
-        here, there = equation.place[columns], equation.place[mine]
-        kept, own = here >= 0, there >= 0
-        x, products = does[own], equation.G[np.ix_(here[kept], there[own])]
-        G[np.ix_(kept, kept)] += w * equation.G[np.ix_(here[kept], here[kept])]
-        b[kept] += w * products @ x
-        power += w * float(x @ equation.G[np.ix_(there[own], there[own])] @ x)
+    weights, products = space.gram.weights, space.products
+    G = np.diag(space.prior.precision[columns]) + np.tensordot(weights, products.of(columns, columns), 1)
+    b = np.tensordot(weights, products.of(columns, mine), 1) @ does
+    power = float(does @ np.tensordot(weights, products.of(mine, mine), 1) @ does)
     factor = lower_factor(G)
     return max(power - float((solve_triangular(factor, b, lower=True) ** 2).sum()), 0.0)

@@ -89,7 +89,8 @@ class Column:
     """Columns of one candidate at one grid point.
 
     Attributes:
-        white: derivatives of the residual, white but for the model error (rows, width).
+        white: derivatives of the residual, white but for the model error (rows, width); in single precision, as they
+            are many.
         std: of the coefficients' priors (width,).
         mean: of the priors (width,).
         positive: coefficients that may not be negative (width,).
@@ -99,7 +100,7 @@ class Column:
         smallest: share of its joint's torque from which an effect is one [1].
     """
 
-    white: Array
+    white: NDArray[np.float32]
     std: Array
     mean: Array
     positive: NDArray[np.bool_]

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 from scipy.special import log_ndtr
 
+from flexdyn.diagnose.inference.products import Products
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 NEGATIVE_SIGMAS = 4.0
@@ -56,81 +58,27 @@ class Estimate:
     covariance: Array
 
 
-class Products:
-    """The columns of one equation that are not zero there, and their products.
-
-    Args:
-        y: rows of the equation.
-        capacity: columns of all equations, at most.
-    """
-
-    def __init__(self, y: Array, capacity: int) -> None:
-        self.y, self.yy = y, float(y @ y)
-        self.place = np.full(capacity, -1, np.intp)
-        self.columns = np.zeros(0, np.intp)
-        self.X, self.G, self.b = np.zeros((len(y), 0), order="F"), np.zeros((0, 0)), np.zeros(0)
-
-    def add(self, columns: Indices, table: Array, spare: int = 0) -> None:
-        """Take columns in (rows, columns), with room for some more."""
-        there = np.flatnonzero(table.any(axis=0))
-        first, last = len(self.columns), len(self.columns) + len(there)
-        if last > self.X.shape[1]:
-            self._make_room(last + spare)
-        self.X[:, first:last] = table[:, there]
-        self.columns = np.concatenate([self.columns, columns[there]])
-        self.place[columns[there]] = np.arange(first, last)
-        new = self.X[:, first:last]
-        products = self.X[:, :last].T @ new
-        self.G[:last, first:last], self.G[first:last, :last] = products, products.T
-        self.b[first:last] = new.T @ self.y
-
-    def _make_room(self, size: int) -> None:
-        now = self.X.shape[1]
-        X, G, b = np.zeros((len(self.y), size), order="F"), np.zeros((size, size)), np.zeros(size)
-        X[:, :now], G[:now, :now], b[:now] = self.X, self.G, self.b
-        self.X, self.G, self.b = X, G, b
-
-    def _here(self, columns: Indices) -> tuple[Indices, NDArray[np.bool_]]:
-        place = self.place[columns]
-        return place[place >= 0], place >= 0
-
-    def squares(self, columns: Indices, values: Array) -> float:
-        """Sum of the squares of y - X beta."""
-        here, there = self._here(columns)
-        x = values[there]
-        return max(self.yy - 2.0 * float(self.b[here] @ x) + float(x @ self.G[np.ix_(here, here)] @ x), 0.0)
-
-    def sum(self, columns: Indices, values: Array) -> Array:
-        """X beta (rows,)."""
-        here, there = self._here(columns)
-        return np.asarray(self.X[:, here] @ values[there])
-
-
 class Gram:
     """All columns' products under weights of the equations, those of every structure eliminated.
 
     Args:
-        equations: their products.
+        products: of the columns.
         weights: of the equations' squared rows.
         prior: of the coefficients.
         base: the first so many columns are in every structure.
-        used: columns that are there.
     """
 
-    def __init__(self, equations: Sequence[Products], weights: Array, prior: Prior, base: int, used: int) -> None:
-        self.equations, self.weights, self.prior, self.base, self.used = equations, weights, prior, base, used
+    def __init__(self, products: Products, weights: Array, prior: Prior, base: int) -> None:
+        self.products, self.weights, self.prior, self.base, self.used = products, weights, prior, base, products.count
         capacity = len(prior.mean)
         self.G, self.b, self.V = np.zeros((capacity,) * 2), np.zeros(capacity), np.zeros((base, capacity))
-        for w, each in zip(weights, equations, strict=True):
-            count = len(each.columns)
-            self.G[np.ix_(each.columns, each.columns)] += w * each.G[:count, :count]
-            self.b[each.columns] += w * each.b[:count]
+        self.G[: self.used, : self.used], self.b[: self.used] = products.weighted(weights)
         lam, mu = prior.precision[:base], prior.mean[:base]
         self.factor = lower_factor(self.G[:base, :base] + np.diag(lam))
         self.z = solve_triangular(self.factor, self.b[:base] + lam * mu, lower=True)
         self.log_volume = 0.5 * float(np.log(lam).sum()) - float(np.log(np.diag(self.factor)).sum())
         self.inverse = solve_triangular(self.factor, np.eye(base), lower=True)
-        self._eliminate(slice(base, used))
+        self._eliminate(slice(base, self.used))
 
     def _eliminate(self, new: slice) -> None:
         """Take what the base explains off the products of new columns with all that are there."""
@@ -141,18 +89,14 @@ class Gram:
         self.G[known, new], self.G[new, known] = products, products.T
         self.b[new] -= V.T @ self.z
 
-    def grow(self, used: int) -> None:
-        """More columns are there now."""
-        new = np.arange(self.used, used)
-        for w, each in zip(self.weights, self.equations, strict=True):
-            mine = each.place[new]
-            mine, there = mine[mine >= 0], new[mine >= 0]
-            if len(there):
-                count = len(each.columns)
-                self.G[np.ix_(each.columns, there)] += w * each.G[:count, mine]
-                self.b[there] += w * each.b[mine]
-        self._eliminate(slice(self.used, used))
-        self.used = used
+    def grow(self) -> None:
+        """More columns have products now."""
+        first, self.used = self.used, self.products.count
+        new, known = np.arange(first, self.used), np.arange(self.used)
+        products = np.tensordot(self.weights, self.products.of(known, new), 1)
+        self.G[: self.used, first : self.used], self.G[first : self.used, : self.used] = products, products.T
+        self.b[new] = self.weights @ self.products.b[:, new]
+        self._eliminate(slice(first, self.used))
 
     def estimate(self, columns: Indices) -> Estimate:
         """The posterior of one structure, of its own columns alone."""

@@ -83,14 +83,16 @@ class Library:
         centre = 1.0 - np.array(list(self.start.factors.values()))
         std = np.concatenate([[max(n.tolerance, 1e-9) for n in names], self.offset_std])
         mean = np.concatenate([centre, np.zeros(len(self.offset_std))])
-        white = np.concatenate([self.numbers, self.offsets], axis=1)
+        white = np.concatenate([self.numbers, self.offsets], axis=1).astype(np.float32)
         return Column(white, std, mean, np.zeros(len(std), bool), np.zeros(len(std)))
 
     def freed(self, k: int) -> Column:
         """One number of the file, not held by its tolerance."""
         tolerance = list(self.start.factors)[k].tolerance
         std = FREED_WIDTH if tolerance < FREED_WIDTH else FREED_TOLERANCES * tolerance
-        return Column(self.numbers[:, [k]], np.array([std]), np.zeros(1), np.zeros(1, bool), np.ones(1))
+        return Column(
+            self.numbers[:, [k]].astype(np.float32), np.array([std]), np.zeros(1), np.zeros(1, bool), np.ones(1)
+        )
 
     def columns(self, proposal: Proposal, point: Point) -> Column | None:
         """Of a proposal at a grid point; None where it does nothing there, or nothing finite."""
@@ -99,8 +101,8 @@ class Library:
         if not np.isfinite(raw).all():
             return None
         largest = self._size(raw)
-        white = np.asarray(self.whiten(raw))
-        if (largest == 0.0).any() or (np.einsum("ij,ij->j", white, white) == 0.0).any():
+        white = self.whiten(raw).astype(np.float32)
+        if (largest == 0.0).any() or not white.any(axis=0).all():
             return None
         if proposal.fixed:
             cost = sum(self.log_jacobian(effect) for effect, _ in proposal.units(point))
@@ -137,7 +139,7 @@ class Library:
             parts.append(self.whiten(raw))
             std.append(min(spread / scale, UNKNOWN_WIDTH))
             mean.append(off / scale if np.isfinite(spread) else 0.0)
-        white = np.stack(parts, axis=1)
+        white = np.stack(parts, axis=1).astype(np.float32)
         share, least = self.size_of(effect, change)
         size = np.array([share, *np.zeros(len(std) - 1)])
         signs = np.zeros(len(std), bool)

@@ -112,7 +112,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         there = hypothesis_of(space, _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1)), here)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
         settled = _nonlinear(space, best) == _nonlinear(space, stands) or places in compared
-        earlier = () if settled else tuple(compared[1:])
+        earlier = _disagreeing(compared, places) if places in compared or not settled else ()
         compared.append(places)
         last = settled or k == MOST_PASSES - 1
         if last:
@@ -130,7 +130,17 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         if last:
             break
         here = fitted.hypothesis
+        space.forget()
     return Posterior(space, best, fitted, noise, settled, space.known, earlier=earlier)
+
+
+def _disagreeing(compared: list[Places], places: Places) -> tuple[Places, ...]:
+    """Structures of the linearisations that do not agree with the last one, but for that at the file's numbers.
+
+    A structure that comes again after others closes a cycle: those in between have the same right to it.
+    """
+    before = compared.index(places) if places in compared else 0
+    return tuple(compared[before + 1 :])
 
 
 def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
@@ -168,7 +178,7 @@ def _compared(space: Space, stands: Structure) -> Structure:
 
 def _nothing(space: Space) -> Discrepancy:
     """No model error: what is left is the sensors' noise."""
-    one = np.ones(len(space.equations))
+    one = np.ones(len(space.seen.count))
     return Discrepancy(one, one, space.seen.count)
 
 

@@ -13,6 +13,7 @@ from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.space import WHOLE_NUMBER_LOG_ODDS, Space, Structure, odds_of
 from flexdyn.diagnose.progress import check
+from flexdyn.effects import ChannelLag, CommandDelay
 
 Array = NDArray[np.float64]
 OCCAM_WINDOW = math.log(1000.0)
@@ -30,7 +31,7 @@ class Scan:
         self.space = space
         self.kinds = sorted(space.places)
         self.total = np.array([space.places[kind] for kind in self.kinds])
-        self.clash = [self._clashes(c) for c in range(len(space.candidates))]
+        self.clash = self._clashing()
         self._tabled()
 
     def _tabled(self) -> None:
@@ -58,15 +59,21 @@ class Scan:
         self.grid[odd] -= WHOLE_NUMBER_LOG_ODDS
         self.kind = np.array([self.kinds.index(candidates[c].group) for c in self.of])
 
-    def _clashes(self, c: int) -> NDArray[np.intp]:
-        """Candidates that may not stand beside one: itself, and laws that contain it or that it contains."""
-        me = self.space.candidates[c]
-        found = [c]
-        for k, other in enumerate(self.space.candidates):
-            nested = other.kind in me.law.contains or me.kind in other.law.contains
-            if k != c and ((nested and _where(me) == _where(other)) or _undo(me, other)):
-                found.append(k)
-        return np.array(found)
+    def _clashing(self) -> list[NDArray[np.intp]]:
+        """Candidates that may not stand beside each: itself, and laws that contain it or that it contains."""
+        candidates = self.space.candidates
+        where, late = [_where(each) for each in candidates], [_late(each) for each in candidates]
+        found = []
+        for c, me in enumerate(candidates):
+            there = [
+                k
+                for k, other in enumerate(candidates)
+                if k == c
+                or (where[k] == where[c] and (other.kind in me.law.contains or me.kind in other.law.contains))
+                or _undo(late[c], late[k])
+            ]
+            found.append(np.array(there))
+        return found
 
     def additions(self, structure: Structure) -> list[tuple[float, tuple[int, int]]]:
         """Log posterior that the best grid point of each candidate would gain, best first."""
@@ -94,18 +101,19 @@ class Scan:
         return found
 
 
-def _undo(one: Candidate, other: Candidate) -> bool:
+def _undo(one: tuple[str, str] | None, other: tuple[str, str] | None) -> bool:
     """Whether two delays at one joint undo one another; those of its two encoders do not."""
-    signals = {_late(one), _late(other)}
-    joints = {each.proposal.joint for each in (one, other) if each.proposal is not None}
-    return None not in signals and len(joints) == 1 and signals != {"q", "theta"}
+    if one is None or other is None or one[1] != other[1]:
+        return False
+    return {one[0], other[0]} != {"q", "theta"}
 
 
-def _late(candidate: Candidate) -> str | None:
-    """Which signal comes late, if any."""
-    if candidate.kind == "command_delay":
-        return "asked"
-    return candidate.place["channel"].partition(".")[0] if candidate.kind == "channel_lag" else None
+def _late(candidate: Candidate) -> tuple[str, str] | None:
+    """Which signal comes late, and of which joint, if any."""
+    if candidate.proposal is None or candidate.kind not in (CommandDelay.name, ChannelLag.name):
+        return None
+    asked = candidate.kind == CommandDelay.name
+    return "asked" if asked else candidate.place["channel"].partition(".")[0], candidate.proposal.joint
 
 
 def _where(candidate: Candidate) -> tuple[str | None, ...]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections import deque
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,10 @@ from scipy.special import betaln, log_ndtr
 
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
-from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior, Products
+from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, EVERY_DRIVE, EVERY_MOTOR
+from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
@@ -48,25 +50,29 @@ class Space:
 
     def __init__(self, library: Library, rows: Array, seen: Seen) -> None:
         self.library, self.seen = library, seen
-        self.candidates, made = library.candidates()
+        rows, columns = self._columns(rows)
+        capacity = sum(len(each.std) for each in columns) + SPARE_COLUMNS
+        self.products = Products(-rows.reshape(-1, len(seen.count)), capacity)
+        self.size, self.cost, self.gained = np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
+        self.smallest, self.of = np.zeros(capacity), np.zeros(capacity, np.intp)
+        self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
+        self.used = 0
+        while columns:  # none is kept twice: of six joints they are half a gigabyte
+            self._put(columns.popleft())
+        self._multiply()
+        self.places = self._counted(self.candidates)
+
+    def _columns(self, rows: Array) -> tuple[Array, deque[Column]]:
+        """What columns are to explain (rows,), and all of them: those of every structure, then the candidates'."""
+        self.candidates, made = self.library.candidates()
         standing = [column for each, column in zip(self._owners(), made, strict=True) if each.stands is not None]
         rows = rows - sum((each.white[:, 0] for each in standing), np.zeros_like(rows))
-        first = [library.always(), *self._negligible(made)]
-        columns = [*first, *made]
+        first = [self.library.always(), *self._negligible(made)]
         self.base = sum(len(each.std) for each in first)
         shift = self.base - len(first[0].std)
         for candidate in self.candidates:
             candidate.columns = [each + shift for each in candidate.columns]
-        self.used = sum(len(each.std) for each in columns)
-        capacity = self.used + SPARE_COLUMNS
-        many = len(seen.count)
-        y = -rows.reshape(-1, many)
-        self.equations = [Products(y[:, k], capacity) for k in range(many)]
-        self.size, self.cost, self.gained = np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
-        self.smallest, self.of = np.zeros(capacity), np.zeros(capacity, np.intp)
-        self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
-        self._put(0, columns, SPARE_COLUMNS)
-        self.places = self._counted(self.candidates)
+        return rows, deque([*first, *made])
 
     def _negligible(self, made: list[Column]) -> list[Column]:
         """Small amounts of every law without nonlinear parameters: no model is free of them; they are no findings."""
@@ -96,23 +102,20 @@ class Space:
             places[each.group] = places.get(each.group, 0) + 1
         return places
 
-    def _put(self, place: int, columns: Sequence[Column], spare: int = 0) -> int:
-        """Take blocks of columns in from a place on; the end of them."""
-        table = np.concatenate([each.white for each in columns], axis=1)
-        end = place + table.shape[1]
-        table = table.reshape(len(self.seen.valid), -1, end - place)
-        for k, equation in enumerate(self.equations):
-            equation.add(np.arange(place, end), table[:, k], spare)
-        self.of[place:end] = np.einsum("tkc,tkc->kc", table, table).argmax(axis=0)
-        for each in columns:
-            end = int(place + len(each.std))
-            self.prior.precision[place:end] = 1.0 / each.std**2
-            self.prior.mean[place:end] = each.mean
-            self.size[place:end] = each.size
-            self.cost[place], self.gained[place] = each.log_jacobian, each.gained
-            self.prior.positive[place:end], self.smallest[place:end] = each.positive, each.smallest
-            place = end
-        return int(end)
+    def _put(self, column: Column) -> None:
+        """Take a block of columns in."""
+        first, self.used = self.used, self.products.put(self.used, column.white)
+        here = slice(first, self.used)
+        self.prior.precision[here], self.prior.mean[here] = 1.0 / column.std**2, column.mean
+        self.prior.positive[here], self.smallest[here] = column.positive, column.smallest
+        self.size[here] = column.size
+        if self.used > first:
+            self.cost[first], self.gained[first] = column.log_jacobian, column.gained
+
+    def _multiply(self) -> None:
+        """Multiply the columns that were taken in with all that are there."""
+        self.products.multiply(self.used)
+        self.of[: self.used] = self.products.diagonals().argmax(axis=0)
 
     def under(self, noise: Discrepancy) -> None:
         """Compare under a model error from now on."""
@@ -120,10 +123,14 @@ class Space:
         self.known: dict[Structure, float] = {}
         self.weigh(noise)
 
+    def forget(self) -> None:
+        """Drop the columns; what was compared stays known."""
+        del self.products, self.gram
+
     def weigh(self, noise: Discrepancy) -> None:
         """Take coefficients under the weights of another model error; how many rows tell one thing stays."""
         weights = 1.0 / (noise.scale**2 * self.noise.times)
-        self.gram = Gram(self.equations, weights, self.prior, self.base, self.used)
+        self.gram = Gram(self.products, weights, self.prior, self.base)
 
     def tempered(self, column: int) -> float:
         """Independent pieces of evidence in a row of the equation that a column is about most [1]."""
@@ -139,8 +146,10 @@ class Space:
         column = self.library.columns(candidate.proposal, point)
         if column is None or self.used + len(column.std) > len(self.size):
             return None
-        first, self.used = self.used, self._put(self.used, [column])
-        self.gram.grow(self.used)
+        first = self.used
+        self._put(column)
+        self._multiply()
+        self.gram.grow()
         candidate.points.append(point)
         candidate.columns.append(np.arange(first, self.used))
         return len(candidate.points) - 1
@@ -159,7 +168,7 @@ class Space:
         if structure not in self.known:
             own = self.gram.estimate(self.columns(structure))
             columns, mean = self.gram.with_base(own)
-            squares = self.squares(columns, mean)
+            squares = self.products.squares(columns, mean)
             off = mean - self.prior.mean[columns]
             value = self.noise.log_likelihood(squares) - 0.5 * float(off @ (self.prior.precision[columns] * off))
             self.known[structure] = value + self.log_volume(structure, own)
@@ -174,10 +183,6 @@ class Space:
         """
         own = own or self.gram.estimate(self.columns(structure))
         return own.log_volume + self.log_prior(structure) + self.log_large(structure, own)
-
-    def squares(self, columns: Indices, mean: Array) -> Array:
-        """Sum of squares that coefficients of some columns leave of each equation (equations,)."""
-        return np.array([each.squares(columns, mean) for each in self.equations])
 
     def log_large(self, structure: Structure, own: Estimate) -> float:
         """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes."""
@@ -258,7 +263,7 @@ class Space:
         """What a structure leaves, white but for the model error (rows,); None: all candidates at once."""
         chosen = np.arange(self.base, self.used) if structure is None else self.columns(structure)
         columns, mean = self.gram.with_base(self.gram.estimate(chosen))
-        return -np.stack([each.y - each.sum(columns, mean) for each in self.equations], axis=1).ravel()
+        return np.asarray((self.products.sum(columns, mean) - self.products.y).T.ravel())
 
 
 def _same(one: Candidate, other: Candidate) -> bool:
