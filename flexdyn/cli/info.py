@@ -21,7 +21,7 @@ from flexdyn.effects import Effect, JointEffect, Payload, unit_for
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots import SUFFIXES, draw_frequencies
-from flexdyn.robot.axes import plain_axes
+from flexdyn.robot.axes import joint_row, plain_axes
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -165,9 +165,15 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
     }
 
 
+def _slides(model: FlexibleJointModel, joint: str) -> bool:
+    row = joint_row(model.robot, joint)
+    place = model.index(joint) if row is None else int(np.flatnonzero(row)[0])
+    return model.robot.kinds[place] == "prismatic"
+
+
 def _effect(model: FlexibleJointModel, effect: Effect, origin: str) -> dict[str, Any]:
     joint = effect.joint if isinstance(effect, JointEffect) else None
-    prismatic = joint is not None and model.robot.kinds[model.index(joint)] == "prismatic"
+    prismatic = joint is not None and _slides(model, joint)
     numbers = {
         field.name: {
             "value": getattr(effect, field.name),
