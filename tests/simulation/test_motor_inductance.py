@@ -84,11 +84,13 @@ def limited_truth(times: Array, volts: list[float], each: float, most: float) ->
 
     reaches.terminal = leaves.terminal = True  # type: ignore[attr-defined]
     reaches.direction = leaves.direction = -1.0  # type: ignore[attr-defined]
-    t, x, out = 0.0, np.zeros(2), np.empty((len(times), 2))
+    t, x, out, at_limit = 0.0, np.zeros(2), np.empty((len(times), 2)), False
     for k, v in enumerate(volts):
         end = (k + 1) * each
-        while t < end - 1e-12:
-            at_limit = abs(x[1]) >= most - 1e-12 and leaves(t, x, v) > 0.0
+        while t < end:
+            at_limit = at_limit and leaves(t, x, v) > 1e-9
+            if not at_limit:
+                x[1] *= 1.0 - 1e-12
             law, event = (held, leaves) if at_limit else (free, reaches)
             part = solve_ivp(
                 law, (t, end), x, "DOP853", events=event, args=(v,), rtol=1e-12, atol=1e-13, dense_output=True
@@ -96,8 +98,9 @@ def limited_truth(times: Array, volts: list[float], each: float, most: float) ->
             rows = (times >= t) & (times <= part.t[-1])
             if rows.any():
                 out[rows] = part.sol(times[rows]).T
-            t, x = float(part.t[-1]), part.y[:, -1]
-            x[1] = np.clip(x[1], -most, most)
+            t, x, at_limit = float(part.t[-1]), part.y[:, -1], part.status == 1 and not at_limit or part.status == 0
+            at_limit = at_limit and abs(x[1]) >= most * (1.0 - 1e-9)
+            assert len(part.t) > 1
     return out[:, 0], out[:, 1]
 
 
