@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from flexdyn.cli import completion
 from flexdyn.cli import modes as cli_modes
+from flexdyn.cli.motors import motors
 from flexdyn.cli.options import JsonOption, by_joint, naming, output_file
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.target import Target, find
@@ -88,7 +89,7 @@ def info(
         show_json(document)
         return
     show(_head(document), _limits(document), _drives(document))
-    for extra in (_axes(document), _followers(document), _effects(document)):
+    for extra in (motors(document["joints"]), _axes(document), _followers(document), _effects(document)):
         if extra is not None:
             show(extra)
     if modes:
@@ -157,6 +158,7 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
         "effort_limit": float(robot.effort_limit[j]),
         "elastic": drive.elastic,
         **drive.values(),
+        "actuator": None if drive.actuator is None else drive.actuator.to_dict(),
         "reflected_inertia": J,
         "q": q,
         "inertia": inertia,
