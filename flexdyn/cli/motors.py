@@ -22,7 +22,10 @@ def motors(joints: Sequence[Mapping[str, Any]]) -> Any:
     rows = [
         (
             name,
-            *(f"{number(drive['dc_motor'][key])} {unit}" if key in drive["dc_motor"] else "-" for key, unit in UNITS.items()),
+            *(
+                f"{number(drive['dc_motor'][key])} {unit}" if key in drive["dc_motor"] else "-"
+                for key, unit in UNITS.items()
+            ),
             _firmware(drive.get("firmware")),
         )
         for name, drive in driven

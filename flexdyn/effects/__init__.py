@@ -10,7 +10,7 @@ from flexdyn.effects.actuator import (
 )
 from flexdyn.effects.base import Effect, JointEffect, parameter, registered, unit_for
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
-from flexdyn.effects.coupling import CouplingFriction, JointCoupling
+from flexdyn.effects.coupling import JointCoupling
 from flexdyn.effects.friction import (
     AsymmetricFriction,
     AsymmetricViscousFriction,

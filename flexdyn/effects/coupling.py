@@ -19,8 +19,8 @@ class JointCoupling(JointEffect):
 
     ``f_motor = coefficient omega`` of joint `other`, on the left side of the rotor's equation of `joint`. This part is
     not friction: it may supply power. With a `level` the parts that rub between both motors have dry friction of their
-    relative velocity ``u = omega - ratio omega_other``: ``level Sgn(u)`` on the rotor of `joint` and ``-ratio`` times that
-    on the rotor of `other`. It is set-valued: what it holds moves as one, u = 0 to the last bit.
+    relative velocity ``u = omega - ratio omega_other``: ``level Sgn(u)`` on the rotor of `joint` and ``-ratio`` times
+    that on the rotor of `other`. It is set-valued: what it holds moves as one, u = 0 to the last bit.
 
     Args:
         joint: its name.

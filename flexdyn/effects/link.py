@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from typing import Any
 
-from flexdyn.effects.base import Array, Effect, JointEffect, parameter
+from flexdyn.effects.base import Effect, JointEffect, parameter
 from flexdyn.errors import InputError
 
 

@@ -59,8 +59,8 @@ class MotorTorque(MotorLaw, abstract=True):
 class MotorWinding(MotorLaw, abstract=True):
     """The torque of a DC motor whose current takes time: ``L i' = V - R i - kt omega``.
 
-    In torque, ``tau = k i``: ``time_constant tau' = gain tau_asked - back_emf omega - tau``. The driver holds the current
-    at its limit while the voltage would raise it further. The torque is an internal state, 0 at the start.
+    In torque, ``tau = k i``: ``time_constant tau' = gain tau_asked - back_emf omega - tau``. The driver holds the
+    current at its limit while the voltage would raise it further. The torque is an internal state, 0 at the start.
 
     Args:
         joint: its name.

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.effects import CouplingFriction, Effect
+from flexdyn.effects import Effect
+from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import lower_wrenches

@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
 from flexdyn.effects import (
-    CouplingFriction,
     Effect,
     JointCoupling,
     JointEffect,
     Payload,
     TorqueConstantError,
 )
+from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.joint import Joint
@@ -225,7 +225,9 @@ def acting_effects(model: FlexibleJointModel) -> list[Effect]:
     Actuator effects stand in the order in which they act; a neutral effect does not stand there at all.
     """
     acting = [effect for effect in model.all_effects if not effect.is_neutral and effect.stage not in OTHER_STAGES]
-    acting = [part for effect in acting for part in (effect.parts() if isinstance(effect, JointCoupling) else (effect,))]
+    acting = [
+        part for effect in acting for part in (effect.parts() if isinstance(effect, JointCoupling) else (effect,))
+    ]
     acting = _gains_added(acting)
     return sorted(acting, key=lambda effect: effect.order)
 

@@ -129,7 +129,9 @@ def test_what_does_not_act_on_one_joint_alone_is_refused() -> None:
         model(fd.effects.CoulombFriction("elbow", side="link", level=1.0), spring=False)
     arm = model(fd.effects.EndStop("elbow", **STOP), spring=False)
     log = fd.simulate(model(spring=False), TAU, 1.0).to_recording()
-    with pytest.raises(InputError, match=r"effects\[0\].joint: a diagnosis does not know effects on joints that several"):
+    with pytest.raises(
+        InputError, match=r"effects\[0\].joint: a diagnosis does not know effects on joints that several"
+    ):
         fd.diagnose(arm, log)
 
 

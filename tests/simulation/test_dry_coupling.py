@@ -234,7 +234,7 @@ def test_levels_add_up_and_the_drag_stays(tmp_path: Path) -> None:
 
 def test_what_is_refused(tmp_path: Path) -> None:
     """A ratio of 0, a negative level, a chain of motors, and a diagnosis: one line each."""
-    with pytest.raises(InputError, match="joint_coupling.ratio: a ratio other than 0 is needed, got 0"):
+    with pytest.raises(InputError, match=r"joint_coupling.ratio: a ratio other than 0 is needed, got 0"):
         rubbing(ratio=0.0)
     with pytest.raises(InputError, match=r"joint_coupling.level: it must be at least 0"):
         rubbing(-0.1)
