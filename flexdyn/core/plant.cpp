@@ -48,11 +48,17 @@ void Plant::sort_in(Law law) {
     switches_.push_back(law);
   }
   switch (law.stage) {
-    case Stage::actuator: actuator_.push_back(law); return;
+    case Stage::actuator:
+      windings_ = windings_ || law.state >= 0;
+      actuator_.push_back(law);
+      return;
     case Stage::deflection: deflection_.push_back(law); return;
     case Stage::spring: (law.kind == LawKind::transmission_damping ? damper_ : spring_).push_back(law); return;
     case Stage::friction: friction_.push_back(law); return;
-    case Stage::link: link_.push_back(law); return;
+    case Stage::link:
+      spans_ = spans_ || !law.row.empty();
+      link_.push_back(law);
+      return;
     case Stage::dry: break;
   }
   if (law.kind == LawKind::dry_coupling) return sort_in_coupling(law);
@@ -83,15 +89,6 @@ Plant::Workspace Plant::workspace() const {
 
 bool Plant::has_delay() const {
   return std::any_of(delay_.begin(), delay_.end(), [](double delay) { return delay > 0.0; });
-}
-
-std::size_t Plant::velocity_index(const DryContact& contact) const {
-  return velocity_index(contact.joint, contact.side);
-}
-
-std::size_t Plant::velocity_index(int joint, Side side) const {
-  const int base = n_ + elastic(), slot = rotor_slot_[joint];
-  return side == Side::link || slot < 0 ? base + joint : base + n_ + slot;
 }
 
 void Plant::rotor(const double* x, double* theta, double* omega) const {
@@ -329,7 +326,9 @@ void Plant::solve(Workspace& w, double t, const double* x, const double* tau_ext
     for (std::size_t c = 0; c < dry_.size(); ++c) {
       if (w.motion[c] == stuck && !dry_[c].couples()) w.held[velocity_index(dry_[c]) - velocities()] = 1;
     }
-    if (const std::vector<Tie> stuck_ones = ties(w); !stuck_ones.empty()) return tied_solve(w, stuck_ones, t, x);
+    if (couplings_) {
+      if (const std::vector<Tie> stuck_ones = ties(w); !stuck_ones.empty()) return tied_solve(w, stuck_ones, t, x);
+    }
   }
   held_solve(w, x, w.held, w.acceleration, w.reaction);
   if (!w.located) return;

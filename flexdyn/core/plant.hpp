@@ -128,15 +128,22 @@ class Plant {
   const double* q(const double* x) const { return x; }
   const double* v(const double* x) const { return x + n_ + elastic(); }
   const double* z(const double* x) const { return x + 2 * (n_ + elastic()); }
-  std::size_t velocity_index(const DryContact& contact) const;
+  std::size_t velocity_index(const DryContact& contact) const { return velocity_index(contact.joint, contact.side); }
   std::size_t other_index(const DryContact& contact) const { return velocity_index(contact.other, Side::motor); }
   // What a contact rubs at, or its rate of change out of dx; exactly 0 where one that couples was brought to rest.
-  double contact_speed(const DryContact& contact, const double* x) const;
+  double contact_speed(const DryContact& contact, const double* x) const {
+    const double u = x[velocity_index(contact)];
+    return contact.couples() ? relative_speed(contact, u, x) : u;
+  }
   void bring_to_rest(const DryContact& contact, double* x) const;
   bool has_couplings() const { return couplings_; }
+  bool has_spans() const { return spans_; }
   // Currents that a step took past their limit, back to it.
   void limit_currents(double* x) const;
-  std::size_t velocity_index(int joint, Side side) const;
+  std::size_t velocity_index(int joint, Side side) const {
+    const int base = n_ + elastic(), slot = rotor_slot_[joint];
+    return side == Side::link || slot < 0 ? base + joint : base + n_ + slot;
+  }
   // theta and omega of every joint; rigid joints read q and v.
   void rotor(const double* x, double* theta, double* omega) const;
 
@@ -206,7 +213,12 @@ class Plant {
                            double* out) const;
   void couple_rotors(Workspace& w, const double* x) const;
   void solve(Workspace& w, double t, const double* x, const double* tau_ext) const;
-  void rub(Workspace& w, std::size_t contact) const;  // its friction into f_link or f_motor
+  double relative_speed(const DryContact& contact, double u, const double* x) const;
+  void rub(Workspace& w, std::size_t contact) const {  // its friction into f_link or f_motor
+    const DryContact& dry = dry_[contact];
+    (dry.side == Side::link ? w.f_link : w.f_motor)[dry.joint] += w.friction[contact];
+    if (dry.couples()) w.f_motor[dry.other] -= dry.ratio * w.friction[contact];
+  }
   // Couplings that stick, and the accelerations they leave: friction of each into the workspace.
   std::vector<Tie> ties(const Workspace& w) const;
   void tied_solve(Workspace& w, const std::vector<Tie>& ties, double t, const double* x) const;
@@ -231,6 +243,8 @@ class Plant {
   bool plain_ = true;      // no law in any transmission
   bool coupled_ = false;  // spin_ is not all zero
   bool couplings_ = false;  // some contact couples
+  bool spans_ = false;      // some law sees a combination of joints
+  bool windings_ = false;   // some motor has inductance
   std::vector<Law> actuator_, deflection_, spring_, damper_, friction_, link_;
   std::vector<DryContact> dry_;
   std::vector<Law> switches_;    // laws with a corner, each with its region's place

@@ -143,6 +143,7 @@ void Plant::couple(const Workspace& w, double t, const double* x, double* right,
     row[other < 0 ? half + law.other : half + n_ + other] -= law.p[0] / (slot < 0 ? 1.0 : J_[law.joint]);
   }
   couple_dry(w, t, x, right, J);
+  if (!spans_) return;
   visit_spans(w, t, x, [&](const std::vector<double>& gain, double by_x, double by_u) {
     for (int i = 0; i < n_; ++i) {
       for (int k = 0; k < n_; ++k) {

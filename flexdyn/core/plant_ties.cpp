@@ -28,9 +28,7 @@ void Plant::sort_in_coupling(const Law& law) {
   contact->laws.push_back(law);
 }
 
-double Plant::contact_speed(const DryContact& contact, const double* x) const {
-  const double u = x[velocity_index(contact)];
-  if (!contact.couples()) return u;
+double Plant::relative_speed(const DryContact& contact, double u, const double* x) const {
   const double carried = contact.ratio * x[other_index(contact)];
   return u == carried ? 0.0 : u - carried;  // exact where a compiler contracts products, too
 }
@@ -46,15 +44,8 @@ void Plant::bring_to_rest(const DryContact& contact, double* x) const {
   }
 }
 
-void Plant::rub(Workspace& w, std::size_t contact) const {
-  const DryContact& dry = dry_[contact];
-  (dry.side == Side::link ? w.f_link : w.f_motor)[dry.joint] += w.friction[contact];
-  if (dry.couples()) w.f_motor[dry.other] -= dry.ratio * w.friction[contact];
-}
-
 std::vector<Tie> Plant::ties(const Workspace& w) const {
   std::vector<Tie> found;
-  if (!couplings_) return found;
   const std::size_t base = velocities();
   for (std::size_t c = 0; c < dry_.size(); ++c) {
     if (!dry_[c].couples() || w.motion[c] != stuck) continue;
@@ -156,6 +147,7 @@ void Plant::visit_spans(const Workspace& w, double t, const double* x, const Vis
 }
 
 void Plant::limit_currents(double* x) const {
+  if (!windings_) return;
   double* state = x + 2 * velocities();
   for (const Law& law : actuator_) {
     if (law.state >= 0) state[law.state] = std::clamp(state[law.state], -law.p[2], law.p[2]);

@@ -144,6 +144,7 @@ class TimeStepping : public Stepper {
         b_[r] -= h * slopes_.rotor_by[2 + k][j] * w[c];
       }
     }
+    if (!plant_.has_spans()) return;
     plant_.visit_spans(work_, t_, x_.data(), [&](const std::vector<double>& row, double by_x, double by_u) {
       const Map<const VectorXd> gain(row.data(), n_);
       A_.topLeftCorner(n_, n_) -= (h * by_u + h * h * by_x) * gain * gain.transpose();

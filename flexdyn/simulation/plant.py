@@ -18,7 +18,7 @@ from flexdyn.effects import (
     Payload,
     TorqueConstantError,
 )
-from flexdyn.effects.coupling import CouplingFriction
+from flexdyn.effects.linked_motors import CouplingFriction
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.joint import Joint
@@ -255,8 +255,7 @@ def core_law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
     if effect.is_python:
         _check_stage(effect)
         return _core.python_law(effect.stage, joint, side, _caller(effect))
-    coupled = isinstance(effect, JointCoupling | CouplingFriction)
-    other = model.index(effect.other) if coupled else -1
+    other = model.index(effect.other) if isinstance(effect, JointCoupling | CouplingFriction) else -1
     values = (effect.coefficient,) if isinstance(effect, JointCoupling) else effect.values
     try:
         return _core_law(effect.name, joint, side, values, other, () if row is None else tuple(row.tolist()))

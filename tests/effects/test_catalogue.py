@@ -45,7 +45,7 @@ TABLE: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
     ("parallel_spring", LINK, {"stiffness": "N m/rad", "rest": ANGLE}),
     ("position_torque", LINK, {"cos_1": LEVEL, "sin_1": LEVEL, "cos_2": LEVEL, "sin_2": LEVEL}),
     ("end_stop", LINK, {"lower": ANGLE, "upper": ANGLE, "stiffness": "N m/rad", "damping": VISCOUS}),
-    ("joint_coupling", MOTOR, {"coefficient": VISCOUS}),
+    ("joint_coupling", MOTOR, {"coefficient": VISCOUS, "level": LEVEL, "ratio": ONE}),
     ("parameter_error", (), {"factor": ONE}),
     ("channel_lag", SENSOR, {"delay": "s"}),
     ("encoder_eccentricity", SENSOR, {"amplitude": ANGLE, "harmonic": ONE, "phase": ANGLE}),

@@ -22,7 +22,7 @@ from tests.arms import EXACT
 from tests.physics.test_axes import AXES, TAU, A, D, F, J, K, links, model, viscous
 
 Array = NDArray[np.float64]
-STOP = {"lower": -0.03, "upper": 0.06, "stiffness": 400.0, "damping": 3.0}
+STOP: dict[str, Any] = {"lower": -0.03, "upper": 0.06, "stiffness": 400.0, "damping": 3.0}
 SOLVERS = [
     (EXACT, 1e-7),
     (fd.solvers.Rosenbrock(rtol=1e-9, atol=1e-11), 1e-6),
@@ -33,7 +33,7 @@ TIMES = np.linspace(0.0, 1.0, 51)
 EVERY = pytest.mark.parametrize(("solver", "close"), SOLVERS, ids=lambda each: type(each).__name__)
 
 
-def bumper(q: float, v: float) -> float:
+def bumper(q: float, v: float) -> Any:
     """Torque of the stop: it presses and does not pull."""
     if q > STOP["upper"]:
         return min(0.0, -(STOP["stiffness"] * (q - STOP["upper"]) + STOP["damping"] * v))
@@ -106,7 +106,9 @@ def test_limits_of_the_urdf_stay_with_their_joints() -> None:
     limited = replace(plain, lower=np.array([-np.inf, -0.03]), upper=np.array([np.inf, 0.06]))
     robot = limited.with_axes(AXES)
     assert robot.coupled_limits == {"elbow": (-0.03, 0.06)}
-    np.testing.assert_allclose(np.stack([joint_row(robot, name) for name in ("shoulder", "elbow")]), np.linalg.inv(A))
+    np.testing.assert_allclose(
+        np.stack([np.asarray(joint_row(robot, name)) for name in ("shoulder", "elbow")]), np.linalg.inv(A)
+    )
     arm = model(*viscous(), spring=False).replace(robot=robot)
     with warnings.catch_warnings(action="ignore"):
         run = fd.simulate(arm, TAU, 1.0, solver=EXACT)
@@ -119,7 +121,7 @@ def test_limits_of_the_urdf_stay_with_their_joints() -> None:
     }
     assert max(each.by for each in run.exceeded) == pytest.approx(past)
     assert max((each.by for each in stopped.exceeded), default=0.0) < 0.2 * past
-    assert [effect.joint for effect in fd.enforce_limits(arm).effects if effect.name == "end_stop"] == ["elbow"]
+    assert [each.joint for each in fd.enforce_limits(arm).effects if isinstance(each, fd.effects.EndStop)] == ["elbow"]
 
 
 def test_what_does_not_act_on_one_joint_alone_is_refused() -> None:

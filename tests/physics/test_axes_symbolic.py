@@ -48,7 +48,7 @@ def links(q: Array, v: Array) -> tuple[Array, Array]:
 
 def on_motors(theta: Array, omega: Array) -> Array:
     """What torque, ripple and friction leave of the torque on each motor."""
-    return TAU + RIPPLE * np.sin(HARMONIC * theta + PHASE) - VISCOUS * omega - LEVEL * np.sign(omega)
+    return np.asarray(TAU + RIPPLE * np.sin(HARMONIC * theta + PHASE) - VISCOUS * omega - LEVEL * np.sign(omega))
 
 
 def elastic(t: float, x: Array) -> Array:
@@ -76,9 +76,9 @@ def wrist(folder: Path, spring: bool) -> fd.FlexibleJointModel:
         joints[name] = {"gear_ratio": float(GEARS[i]), "rotor_inertia": float(ROTORS[i])}
         if spring:
             joints[name] |= {"stiffness": float(K[i]), "damping": float(D[i])}
-        ripple = {"amplitude": float(RIPPLE[i]), "harmonic": float(HARMONIC[i]), "phase": float(PHASE[i])}
+        amplitude, harmonic, phase = float(RIPPLE[i]), float(HARMONIC[i]), float(PHASE[i])
         effects += [
-            fd.effects.TorqueRipple(name, **ripple),
+            fd.effects.TorqueRipple(name, amplitude=amplitude, harmonic=harmonic, phase=phase),
             fd.effects.ViscousFriction(name, side="motor", coefficient=float(VISCOUS[i])),
             fd.effects.CoulombFriction(name, side="motor", level=float(LEVEL[i])),
         ]
