@@ -10,6 +10,7 @@ from flexdyn.effects.actuator import (
 )
 from flexdyn.effects.base import Effect, JointEffect, parameter, registered, unit_for
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
+from flexdyn.effects.coupling import JointCoupling
 from flexdyn.effects.friction import (
     AsymmetricFriction,
     AsymmetricViscousFriction,
@@ -25,7 +26,6 @@ from flexdyn.effects.friction import (
     WarmUpFriction,
 )
 from flexdyn.effects.link import EndStop, ParallelSpring, Payload, PositionTorque
-from flexdyn.effects.linked_motors import JointCoupling
 from flexdyn.effects.memory import MemoryEffect
 from flexdyn.effects.model_error import ParameterError
 from flexdyn.effects.sensor import (

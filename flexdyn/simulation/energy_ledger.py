@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn import _core
 from flexdyn.effects import Effect
-from flexdyn.effects.linked_motors import CouplingFriction
+from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import lower_wrenches

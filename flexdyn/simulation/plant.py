@@ -18,7 +18,7 @@ from flexdyn.effects import (
     Payload,
     TorqueConstantError,
 )
-from flexdyn.effects.linked_motors import CouplingFriction
+from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.joint import Joint

@@ -55,6 +55,9 @@ TABLE: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
 DEFAULTS = {
     ("stribeck_friction", "exponent"): 1.0,
     ("presliding_friction", "damping"): 0.0,
+    ("joint_coupling", "coefficient"): 0.0,
+    ("joint_coupling", "level"): 0.0,
+    ("joint_coupling", "ratio"): 1.0,
     ("encoder_eccentricity", "harmonic"): 1.0,
 }
 AT_LEAST_ZERO = [
