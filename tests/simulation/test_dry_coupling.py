@@ -250,3 +250,12 @@ def test_without_a_level_it_is_the_drag_alone(tmp_path: Path) -> None:
     drag = wheels(tmp_path, JointCoupling(ONE, other=TWO, coefficient=0.1))
     assert not build_plant(drag).has_dry_friction
     assert build_plant(wheels(tmp_path, rubbing())).has_dry_friction
+
+
+def test_modes_are_those_without_dry_friction() -> None:
+    """As for any other dry friction: motors that stick to each other would have fewer modes."""
+    arm = Arm((300.0, 200.0), (0.5, 0.3), (0.1, 0.2), gravity=9.81)
+    dry = JointCoupling("shoulder", other="elbow", level=3.0, coefficient=0.1)
+    rubbing_arm, plain = (model_of(arm, [each]) for each in (dry, dry.replace(level=0.0)))
+    np.testing.assert_array_equal(fd.modes(rubbing_arm).frequencies, fd.modes(plain).frequencies)
+    np.testing.assert_array_equal(fd.linearize(rubbing_arm).A, fd.linearize(plain).A)

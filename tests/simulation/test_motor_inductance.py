@@ -214,3 +214,12 @@ def test_a_motor_that_turns_the_other_way(tmp_path: Path) -> None:
     one, other = fd.simulate(there, steps(6.0, 2.0)), fd.simulate(back, steps(-6.0, -2.0))
     np.testing.assert_allclose(other.q, one.q, atol=1e-12)
     np.testing.assert_allclose(other.electrical.current, -one.electrical.current, atol=1e-12)
+
+
+def test_analysis_takes_currents_at_once(tmp_path: Path) -> None:
+    """Modes, linear models and holding torques are those without inductance: its lag is left out there."""
+    with_it, without = wound(tmp_path, gravity=9.81, stiffness=30.0), model(tmp_path, gravity=9.81, stiffness=30.0)
+    np.testing.assert_array_equal(fd.linearize(with_it, [0.4]).A, fd.linearize(without, [0.4]).A)
+    np.testing.assert_array_equal(fd.linearize(with_it, [0.4]).B, fd.linearize(without, [0.4]).B)
+    np.testing.assert_array_equal(fd.modes(with_it, [0.4]).frequencies, fd.modes(without, [0.4]).frequencies)
+    assert fd.holding_torques(with_it, [0.4]).upper == fd.holding_torques(without, [0.4]).upper
