@@ -95,7 +95,8 @@ class Plant {
     std::vector<double> winding_input;                  // (z,) torque asked of each winding
     bool located = false;
     bool joint_local = false;            // leave out laws that see several joints: slopes add them themselves
-    double winding_step = 0.0;           // above 0: windings give their mean torque over a step (TimeStepping)
+    // Of TimeStepping. Above 0: windings give their mean torque over a step so long. Below: the last step was one.
+    double winding_step = 0.0;
     bool without_internal = false;       // leave out laws with an internal state (TimeStepping adds them itself)
     double smoothing = 0.0;              // width of the smoothed Sgn [rad/s]
   };

@@ -17,7 +17,7 @@ void Plant::powers(const Workspace& w, double t, const double* x, const double* 
     if (tau_ext) out[n_] += tau_ext[j] * v_[j];
   }
   for (const Law& law : actuator_) {  // what a winding takes into its inductance comes from its driver as well
-    if (law.state < 0 || (law.region >= 0 && w.region[law.region] != 0)) continue;
+    if (law.state < 0 || w.winding_step < 0.0 || (law.region >= 0 && w.region[law.region] != 0)) continue;
     const LawInput in = input(w, law, t, x);
     out[law.joint] += law.p[3] / law.p[1] * in.z * winding_rate(law.p, in, w.winding_input[law.state]);
   }

@@ -93,7 +93,7 @@ class TimeStepping : public Stepper {
     work_.without_internal = true;
     work_.winding_step = h_;
     plant_.local_slopes(work_, t_, x_.data(), tau, slopes_);
-    work_.winding_step = 0.0;
+    work_.winding_step = -h_;  // what it was: the ledger counts what a whole step left in a winding
     work_.without_internal = false;
     stats_.evaluations += 1;
     plant_.inertia(work_, x_.data(), H_.data());
