@@ -223,3 +223,12 @@ def test_analysis_takes_currents_at_once(tmp_path: Path) -> None:
     np.testing.assert_array_equal(fd.linearize(with_it, [0.4]).B, fd.linearize(without, [0.4]).B)
     np.testing.assert_array_equal(fd.modes(with_it, [0.4]).frequencies, fd.modes(without, [0.4]).frequencies)
     assert fd.holding_torques(with_it, [0.4]).upper == fd.holding_torques(without, [0.4]).upper
+
+
+def test_the_ledger_of_steps_longer_than_the_lag_closes(tmp_path: Path) -> None:
+    """Voltages that jump, L/R less than half a step: the current moves within the step, and its energy is counted."""
+    arm = wound(tmp_path, inductance=1e-4, motor={"supply": 12.0, "current_limit": 2.0})
+    volts = steps(*np.tile([12.0, -3.0, 5.0, -12.0], 8), each=0.02)
+    run = fd.simulate(arm, volts, solver=fd.solvers.TimeStepping(step=1e-4))
+    assert run.energy.closes
+    assert run.energy.magnetic.max() == pytest.approx(0.5 * 1e-4 * 2.0**2)
