@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.effects import CommandDelay, Effect
+from flexdyn.effects import CommandDelay, Effect, JointCoupling
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -16,14 +17,28 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 def checked_model(model: Any) -> FlexibleJointModel:
     """The model with parameter errors and joint elasticities folded into its numbers, and without command delays.
 
-    A delay is no law of this instant: it changes no torque at rest, and `command_delays` has it for responses.
+    A delay is no law of this instant: it changes no torque at rest, and `command_delays` has it for responses. Currents
+    follow their voltage at once, without inductance, and dry friction between two motors is left out.
 
     Raises:
         InputError: it is no model.
     """
     if not isinstance(model, FlexibleJointModel):
         raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
-    return without(model.resolved(), lambda effect: isinstance(effect, CommandDelay))
+    return _at_once(without(model.resolved(), lambda effect: isinstance(effect, CommandDelay)))
+
+
+def _at_once(model: FlexibleJointModel) -> FlexibleJointModel:
+    """The model without inductance and without dry friction between motors; the same if it has none of them."""
+    joints = {}
+    for name, joint in model.joints.items():
+        if joint.actuator is not None and joint.actuator.dc_motor.inductance > 0.0:
+            motor = replace(joint.actuator.dc_motor, inductance=0.0)
+            joints[name] = {"actuator": replace(joint.actuator, dc_motor=motor)}
+    effects = [each.replace(level=0.0) if isinstance(each, JointCoupling) else each for each in model.effects]
+    if not joints and effects == list(model.effects):
+        return model
+    return model.replace(joints=joints, effects=effects)
 
 
 def command_delays(model: FlexibleJointModel) -> NDArray[np.float64]:

@@ -13,6 +13,7 @@ from flexdyn.analysis.statics import Statics
 from flexdyn.effects import JointEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.robot.axes import joint_row
 
 Array = NDArray[np.float64]
 CREEP = float(np.finfo(float).tiny)
@@ -128,6 +129,9 @@ def spring_torques(statics: Statics, q: Array, theta: Array) -> Array:
     tau_s = statics.net(q, theta, still)[0] + statics.links.bias(q, still)
     for effect in model.all_effects:
         if not isinstance(effect, JointEffect) or effect.side != "link" or effect.stage == "dry" or effect.is_neutral:
+            continue
+        if (row := joint_row(model.robot, effect.joint)) is not None:
+            tau_s -= row * float(effect.torque(float(row @ q), 0.0, t=statics.t))
             continue
         j = model.index(effect.joint)
         on_the_right = effect.stage == "link"

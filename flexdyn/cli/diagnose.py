@@ -141,7 +141,7 @@ def diagnose(
     _check_twice(fit, checks)
     _check_pictures()
     arm = model_file(model)
-    _check_targets(arm, targets)
+    _check_targets(model, arm, targets)
     blocks = [_block(text) for text in hold_out or ()]
     loaded = trimmed(load_each([*fit, *checks], maps or ()), trim or ())
     recordings = [loaded[: len(fit)], loaded[len(fit) :]]
@@ -187,9 +187,13 @@ def _record(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequen
     return lambda: record(shlex.join(["flexdyn", *sys.argv[1:]]), files)
 
 
-def _check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:
-    """What is to be explained exists: better said now than after the work."""
+def _check_targets(path: str, model: FlexibleJointModel, targets: Sequence[str]) -> None:
+    """What is to be explained exists, and the model can be diagnosed: better said now than after the work."""
+    from flexdyn.diagnose.decision.refused import check_diagnosable
     from flexdyn.diagnose.report.targets import check_target
+
+    with naming({}, file=path, files={}):
+        check_diagnosable(model)
 
     with naming({"explain": EXPLAIN}, file="", files={}):
         for target in targets:

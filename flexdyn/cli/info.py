@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from flexdyn.cli import completion
 from flexdyn.cli import modes as cli_modes
+from flexdyn.cli.motors import motors
 from flexdyn.cli.options import JsonOption, by_joint, naming, output_file
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.target import Target, find
@@ -21,7 +22,7 @@ from flexdyn.effects import Effect, JointEffect, Payload, unit_for
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots import SUFFIXES, draw_frequencies
-from flexdyn.robot.axes import plain_axes
+from flexdyn.robot.axes import joint_row, plain_axes
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -88,7 +89,7 @@ def info(
         show_json(document)
         return
     show(_head(document), _limits(document), _drives(document))
-    for extra in (_axes(document), _followers(document), _effects(document)):
+    for extra in (motors(document["joints"]), _axes(document), _followers(document), _effects(document)):
         if extra is not None:
             show(extra)
     if modes:
@@ -157,6 +158,7 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
         "effort_limit": float(robot.effort_limit[j]),
         "elastic": drive.elastic,
         **drive.values(),
+        "actuator": None if drive.actuator is None else drive.actuator.to_dict(),
         "reflected_inertia": J,
         "q": q,
         "inertia": inertia,
@@ -165,9 +167,15 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
     }
 
 
+def _slides(model: FlexibleJointModel, joint: str) -> bool:
+    row = joint_row(model.robot, joint)
+    place = model.index(joint) if row is None else int(np.flatnonzero(row)[0])
+    return model.robot.kinds[place] == "prismatic"
+
+
 def _effect(model: FlexibleJointModel, effect: Effect, origin: str) -> dict[str, Any]:
     joint = effect.joint if isinstance(effect, JointEffect) else None
-    prismatic = joint is not None and model.robot.kinds[model.index(joint)] == "prismatic"
+    prismatic = joint is not None and _slides(model, joint)
     numbers = {
         field.name: {
             "value": getattr(effect, field.name),

@@ -36,11 +36,13 @@ class PythonLaw : public CallbackLaw {
 };
 
 Law make_law(const std::string& name, int joint, const std::string& side, const std::vector<double>& parameters,
-             int other) {
+             int other, const std::vector<double>& row) {
   const LawName& entry = find_law(name);
   require(static_cast<int>(parameters.size()) == entry.parameters, "wrong number of parameters for this law");
   Law law{entry.kind, entry.stage, joint, side_of(side), {}, nullptr, other};
+  require(row.empty() || law.stage == Stage::link, "a law on several joints is of stage link");
   std::copy(parameters.begin(), parameters.end(), law.p);
+  law.row = row;
   return law;
 }
 
@@ -71,7 +73,7 @@ double law_value(const Law& law, const LawInput& in, double tau) {
 // The law over whole recordings; dry laws give the set's end in the direction of u, and 0 at u = 0.
 void evaluate_law(const std::string& name, const std::vector<double>& parameters, Array t, Array x, Array u, Array tau,
                   OutArray out) {
-  const Law law = make_law(name, 0, "motor", parameters, -1);
+  const Law law = make_law(name, 0, "motor", parameters, -1, {});
   const std::size_t count = out.size();
   require(t.size() == count && x.size() == count && u.size() == count && tau.size() == count, "sizes differ");
   nb::gil_scoped_release release;
@@ -108,6 +110,12 @@ void stored_energy(const Plant& plant, Array x, OutArray out) {
   require(x.size() == out.size() * size, "x is (rows, nx) and out (rows,)");
   auto work = plant.workspace();
   for (std::size_t i = 0; i < out.size(); ++i) out.data()[i] = plant.stored_energy(work, x.data() + i * size);
+}
+
+void magnetic_energy(const Plant& plant, Array x, OutArray out) {
+  const std::size_t size = plant.state_size();
+  require(x.size() == out.size() * size, "x is (rows, nx) and out (rows,)");
+  for (std::size_t i = 0; i < out.size(); ++i) out.data()[i] = plant.magnetic_energy(x.data() + i * size);
 }
 
 void inertia(const Plant& plant, Array x, OutArray H) {
@@ -178,7 +186,11 @@ std::shared_ptr<Plant> make_plant(std::shared_ptr<LinkDynamics> links, Array sti
   const std::size_t n = links->size();
   require(stiffness.size() == n && damping.size() == n && inertia.size() == n && spin.size() == n,
           "K, D, J and spin have one entry a joint");
-  for (const Law& law : laws) require(law.joint >= 0 && law.joint < static_cast<int>(n), "a law's joint is not there");
+  for (const Law& law : laws) {
+    require(law.joint >= 0 && law.joint < static_cast<int>(n), "a law's joint is not there");
+    require(law.other < static_cast<int>(n), "a law's other joint is not there");
+    require(law.row.empty() || law.row.size() == n, "a law's row has one entry a joint");
+  }
   return std::make_shared<Plant>(links, to_vector(stiffness), to_vector(damping), to_vector(inertia), to_vector(spin),
                                  laws);
 }
@@ -188,7 +200,7 @@ std::shared_ptr<Plant> make_plant(std::shared_ptr<LinkDynamics> links, Array sti
 void bind_plant(nb::module_& m) {
   nb::class_<Law>(m, "Law");
   m.def("law", &make_law, nb::arg("name"), nb::arg("joint"), nb::arg("side"), nb::arg("parameters"),
-        nb::arg("other") = -1);
+        nb::arg("other") = -1, nb::arg("row") = std::vector<double>());
   m.def("python_law", &make_python_law, nb::arg("stage"), nb::arg("joint"), nb::arg("side"), nb::arg("callable"));
   m.def("evaluate_law", &evaluate_law, nb::arg("name"), nb::arg("parameters"), nb::arg("t"), nb::arg("x"),
         nb::arg("u"), nb::arg("tau"), nb::arg("out"));
@@ -202,6 +214,7 @@ void bind_plant(nb::module_& m) {
       .def("inertia", &inertia, nb::arg("x"), nb::arg("out"))
       .def("bias", &bias_all, nb::arg("x"), nb::arg("out"))
       .def("stored_energy", &stored_energy, nb::arg("x"), nb::arg("out"))
+      .def("magnetic_energy", &magnetic_energy, nb::arg("x"), nb::arg("out"))
       .def_prop_ro("has_dry_friction", &Plant::has_dry_friction)
       .def("derivative", &derivative, nb::arg("t"), nb::arg("x"), nb::arg("tau"), nb::arg("smoothing"),
            nb::arg("out"))

@@ -29,7 +29,7 @@ void Events::evaluate(double t, const double* x, bool with_motion) {
 double Events::margin(double t, const double* x, std::size_t guard) const {
   const auto& contacts = plant_.contacts();
   if (guard >= contacts.size()) return plant_.region_margin(work_, static_cast<int>(guard - contacts.size()), t, x);
-  if (work_.motion[guard] != stuck) return work_.motion[guard] * x[plant_.velocity_index(contacts[guard])];
+  if (work_.motion[guard] != stuck) return work_.motion[guard] * plant_.contact_speed(contacts[guard], x);
   const double friction = work_.friction[guard];
   const double forwards = plant_.level(work_, guard, t, x, 1.0) - friction;
   const double backwards = plant_.level(work_, guard, t, x, -1.0) + friction;
@@ -103,9 +103,11 @@ void Events::apply(Stepper& stepper, double t_event) {
   stepper.interpolate(t_event, x.data());
   const auto& contacts = plant_.contacts();
   for (std::size_t c = 0; c < contacts.size(); ++c) {
-    double& u = x[plant_.velocity_index(contacts[c])];
-    if (work_.motion[c] != stuck && work_.motion[c] * u <= 0.0) u = 0.0;  // it came to rest: exactly
+    if (work_.motion[c] == stuck || work_.motion[c] * plant_.contact_speed(contacts[c], x.data()) > 0.0) continue;
+    plant_.bring_to_rest(contacts[c], x.data());  // exactly
   }
+  tie(x.data());
+  plant_.limit_currents(x.data());
   stepper.truncate(t_event, x);
   const std::vector<int> motion = work_.motion, region = work_.region;
   const bool moved_on = t_event - last_event_ > 1e-12 * std::max(1.0, std::abs(t_event));
@@ -115,6 +117,13 @@ void Events::apply(Stepper& stepper, double t_event) {
   // At the very edge of breaking away a contact may turn out to be held: that is no event.
   if (motion != work_.motion || region != work_.region) count_ += 1;
   stepper.keep_stable(quiet_step());
+}
+
+void Events::tie(double* x) const {
+  const auto& contacts = plant_.contacts();
+  for (std::size_t c = 0; plant_.has_couplings() && c < contacts.size(); ++c) {
+    if (contacts[c].couples() && work_.motion[c] == stuck) plant_.bring_to_rest(contacts[c], x);
+  }
 }
 
 void Events::settle(double t, const std::vector<double>& x) {
@@ -190,11 +199,14 @@ void Events::settle_contacts(double t, const double* x) {
   const auto& contacts = plant_.contacts();
   std::vector<std::size_t> resting;
   for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const double u = x[plant_.velocity_index(contacts[c])];
+    const double u = plant_.contact_speed(contacts[c], x);
     work_.motion[c] = u > 0.0 ? forward : u < 0.0 ? backward : stuck;
     if (u == 0.0) resting.push_back(c);
   }
-  for (std::size_t c = 0; c < contacts.size(); ++c) slack_[c] = plant_.load_rounding(contacts[c].joint, x);
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    slack_[c] = plant_.load_rounding(contacts[c].joint, x);
+    if (contacts[c].couples()) slack_[c] += plant_.load_rounding(contacts[c].other, x);
+  }
   if (!resting.empty()) settle_resting(resting, t, x);
 }
 
@@ -206,7 +218,9 @@ void Events::settle_resting(const std::vector<std::size_t>& resting, double t, c
   double excess = 0.0;
   for (int pivot = 0; pivot < 1000; ++pivot) {
     evaluate(t, x, true);
-    const auto wrong = std::find_if(resting.begin(), resting.end(), [&](std::size_t c) { return contradicts(c, t, x); });
+    auto wrong = std::find_if(resting.begin(), resting.end(),
+                              [&](std::size_t c) { return !pinned(c) && contradicts(c, t, x); });
+    if (wrong == resting.end()) wrong = std::find_if(resting.begin(), resting.end(), [&](std::size_t c) { return pinned(c); });
     if (wrong == resting.end()) return;
     int& motion = work_.motion[*wrong];
     if (motion == stuck) {
@@ -223,11 +237,17 @@ void Events::settle_resting(const std::vector<std::size_t>& resting, double t, c
   }
 }
 
+// Whether a contact that is taken to slide is held by others that stick and a coupling: these have to give way first.
+bool Events::pinned(std::size_t contact) const {
+  return plant_.has_couplings() && work_.motion[contact] != stuck &&
+         plant_.contact_speed(plant_.contacts()[contact], dx_.data()) == 0.0;
+}
+
 // Whether a resting contact cannot go on as it is taken to: stuck under more than it can hold, or sliding into rest.
 bool Events::contradicts(std::size_t contact, double t, const double* x) const {
   const int motion = work_.motion[contact];
   return motion == stuck ? margin(t, x, contact) < 0.0
-                         : motion * dx_[plant_.velocity_index(plant_.contacts()[contact])] <= 0.0;
+                         : motion * plant_.contact_speed(plant_.contacts()[contact], dx_.data()) <= 0.0;
 }
 
 }  // namespace flexdyn

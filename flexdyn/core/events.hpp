@@ -29,6 +29,8 @@ class Events {
   // Whether the arm stands still for good as long as nothing from outside changes: every velocity is exactly 0 and what
   // is left of the torques is rounding.
   bool at_rest(double t, const std::vector<double>& x);
+  // What a step made of couplings that stick, mended to the last bit.
+  void tie(double* x) const;
   // The first event within the step just taken from t_before; the step's end if there is none.
   double find(Stepper& stepper, double t_before);
   // End the step at the event found and settle what comes after it.
@@ -49,6 +51,7 @@ class Events {
   void settle_contacts(double t, const double* x);
   void settle_directions(double t, const double* x);
   void settle_resting(const std::vector<std::size_t>& resting, double t, const double* x);
+  bool pinned(std::size_t contact) const;
   bool contradicts(std::size_t contact, double t, const double* x) const;
   std::size_t guards() const { return plant_.contacts().size() + static_cast<std::size_t>(plant_.switches()); }
 

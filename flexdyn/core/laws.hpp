@@ -49,12 +49,14 @@ enum class LawKind {
   torque_speed_limit,
   supply_limit,
   dc_motor,
+  dc_winding,  // a DC motor whose current has inductance: its state is the torque of the current
   command_delay,  // acts on the command's time, not on its value
   parallel_spring,
   position_torque,
   end_stop,
   callback,  // a law written in Python
   stribeck_gear_loss,
+  dry_coupling,
 };
 
 // Where the pieces of a law meet.
@@ -85,6 +87,7 @@ inline constexpr LawName law_table[] = {
     {"directional_gear_loss", LawKind::directional_gear_loss, Stage::dry, 2, Corner::at_zero},
     {"stribeck_gear_loss", LawKind::stribeck_gear_loss, Stage::dry, 3, Corner::at_zero},
     {"position_dependent_friction", LawKind::position_dependent_friction, Stage::dry, 3},
+    {"dry_coupling", LawKind::dry_coupling, Stage::dry, 2},
     {"presliding_friction", LawKind::presliding_friction, Stage::friction, 3, Corner::none, true},
     {"warm_up_friction", LawKind::warm_up_friction, Stage::friction, 2},
     {"joint_coupling", LawKind::joint_coupling, Stage::friction, 1},
@@ -100,6 +103,7 @@ inline constexpr LawName law_table[] = {
     {"torque_speed_limit", LawKind::torque_speed_limit, Stage::actuator, 2, Corner::somewhere},
     {"supply_limit", LawKind::supply_limit, Stage::actuator, 1, Corner::somewhere},
     {"dc_motor", LawKind::dc_motor, Stage::actuator, 3, Corner::somewhere},
+    {"dc_winding", LawKind::dc_winding, Stage::actuator, 4, Corner::somewhere, true},
     {"command_delay", LawKind::command_delay, Stage::actuator, 1},
     {"parallel_spring", LawKind::parallel_spring, Stage::link, 2},
     {"position_torque", LawKind::position_torque, Stage::link, 4},
@@ -160,7 +164,8 @@ inline double friction_torque(LawKind kind, const double* p, const LawInput& in,
 // Level L >= 0 of a dry law on its region in a direction of motion (+1 or -1); its torque is direction * L [N m].
 inline double dry_level(LawKind kind, const double* p, const LawInput& in, double direction, int region) {
   switch (kind) {
-    case LawKind::coulomb_friction: return p[0];
+    case LawKind::coulomb_friction:
+    case LawKind::dry_coupling: return p[0];
     case LawKind::asymmetric_friction: return direction > 0.0 ? p[0] : p[1];
     case LawKind::stribeck_friction: {
       // Paper eq. 1: (b^s - b^d) exp(-|u|/epsilon); the exponent generalises it. With exponent 1 the branch goes on
@@ -203,6 +208,23 @@ inline double link_torque(LawKind kind, const double* p, const LawInput& in, int
 // Torque of a DC motor whose current nothing limits: p is gain on tau, back-EMF kt^2/R, and the limit kt i_max.
 inline double free_torque(const double* p, const LawInput& in, double tau) { return p[0] * tau - p[1] * in.u; }
 
+// A winding, p of `free_torque` and the time constant L/R: L i' = V - R i - kt omega, times kt/R.
+inline double winding_rate(const double* p, const LawInput& in, double tau) {
+  return (free_torque(p, in, tau) - in.z) / p[3];
+}
+
+// Its torque at the end of a step at constant speed and voltage, and its mean over it: exact.
+inline double winding_end(const double* p, const LawInput& in, double tau, double h) {
+  return in.z - std::expm1(-h / p[3]) * (free_torque(p, in, tau) - in.z);
+}
+inline double winding_mean(const double* p, const LawInput& in, double tau, double h) {
+  const double settled = free_torque(p, in, tau), share = -std::expm1(-h / p[3]) * p[3] / h;
+  return settled + share * (in.z - settled);
+}
+
+// Part of a winding's limit that rounding may make of a current at it.
+constexpr double winding_slack = 1e-12;
+
 // Inside, above or below a limit on both sides.
 inline int piece_of(double value, double limit) { return value > limit ? 1 : value < -limit ? -1 : 0; }
 inline double piece_margin(double value, double limit, int region) {
@@ -223,6 +245,7 @@ inline double actuator_torque(LawKind kind, const double* p, const LawInput& in,
     // Regions of both: 0 inside, +-1 at the upper or lower limit.
     case LawKind::supply_limit: return region == 0 ? tau : region * p[0];
     case LawKind::dc_motor: return region == 0 ? free_torque(p, in, tau) : region * p[2];
+    case LawKind::dc_winding: return region == 0 ? in.z : region * p[2];
     default: return tau;
   }
 }
@@ -244,6 +267,11 @@ inline int region_of(LawKind kind, const double* p, const LawInput& in, double v
     case LawKind::backlash:
     case LawKind::supply_limit: return piece_of(value, p[0]);
     case LawKind::dc_motor: return piece_of(free_torque(p, in, value), p[2]);
+    case LawKind::dc_winding: {
+      // The driver holds the current at its limit while the voltage would raise it further.
+      const int beyond = piece_of(free_torque(p, in, value), p[2]);
+      return beyond * in.z >= p[2] * (1.0 - winding_slack) ? beyond : 0;
+    }
     case LawKind::asymmetric_viscous_friction: return in.u < 0.0 ? -1 : 1;
     case LawKind::load_dependent_friction:
     case LawKind::directional_gear_loss:
@@ -269,6 +297,9 @@ inline double region_guard(LawKind kind, const double* p, const LawInput& in, do
     case LawKind::backlash:
     case LawKind::supply_limit: return piece_margin(value, p[0], region);
     case LawKind::dc_motor: return piece_margin(free_torque(p, in, value), p[2], region);
+    case LawKind::dc_winding:
+      return region == 0 ? p[2] * (1.0 + winding_slack) - std::abs(in.z)
+                         : piece_margin(free_torque(p, in, value), p[2], region);
     case LawKind::asymmetric_viscous_friction: return region * in.u;
     case LawKind::load_dependent_friction:
     case LawKind::directional_gear_loss:

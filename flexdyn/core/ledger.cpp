@@ -12,6 +12,15 @@ void Ledger::advance(Stepper& stepper, double t) {
   constexpr double node = 0.7745966692414834, weight[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
   const double h = t - t_;
   if (h <= 0.0) return;
+  if (work_.winding_step < 0.0) {
+    stepper.interpolate(t_, x_.data());
+    stepper.interpolate(t, dx_.data());
+    for (const Law& law : plant_.actuators()) {
+      if (law.state < 0) continue;
+      const double before = plant_.z(x_.data())[law.state], after = plant_.z(dx_.data())[law.state];
+      sums_[law.joint] += 0.5 * law.p[3] / law.p[1] * (after * after - before * before);
+    }
+  }
   for (int i = 0; i < 3; ++i) {
     const double at = t_ + 0.5 * h * (1.0 + (i - 1) * node);
     stepper.interpolate(at, x_.data());

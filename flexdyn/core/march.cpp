@@ -29,6 +29,7 @@ class March {
     if (output.ledger != nullptr) ledger_ = std::make_unique<Ledger>(plant, work_, drive_);
     if (solver.name == "TimeStepping") {
       stepper_ = make_time_stepping(plant, work_, torque, wrench, solver.step);
+      pieces_at_samples_ = plant.switches() > 0;
       // What a rigid joint's gear carries depends on how its contact moves at the sample itself, not over the step.
       const bool rigid = plant.elastic() < plant.n();
       if (rigid && plant.has_dry_friction()) at_samples_ = std::make_unique<Events>(plant, work_, torque, wrench);
@@ -104,6 +105,11 @@ class March {
   void begin_interval(bool final) {
     ++intervals_;
     if (++since_poll_ >= 64) poll_if_due();  // an arm that stands still takes no step
+    if (events_ && intervals_ > 1 && plant_.has_couplings()) {
+      std::vector<double> x = stepper_->x();
+      events_->tie(x.data());
+      stepper_->truncate(stepper_->t(), x);
+    }
     drive_.begin(stepper_->t(), stepper_->x(), final);
     stepper_->restart();
     if (!events_) return;
@@ -182,8 +188,12 @@ class March {
   void write(double t, const double* x) {
     const std::size_t n = static_cast<std::size_t>(plant_.n()), at = row_ * n;
     const double* tau = drive_.asked(t);
-    if (at_samples_) at_samples_->settle(t, std::vector<double>(x, x + plant_.state_size()));
-    plant_.torques(work_, t, x, drive_.torque(t), drive_.external(t, x));
+    if (events_ && plant_.has_couplings()) {
+      tied_.assign(x, x + plant_.state_size());
+      events_->tie(tied_.data());
+      x = tied_.data();
+    }
+    torques_at(t, x);
     std::copy(plant_.q(x), plant_.q(x) + n, output_.q + at);
     std::copy(plant_.v(x), plant_.v(x) + n, output_.v + at);
     plant_.rotor(x, output_.theta + at, output_.omega + at);
@@ -196,6 +206,23 @@ class March {
       std::copy(ledger_->sums().begin(), ledger_->sums().end(), output_.ledger + row_ * ledger_->sums().size());
     }
     ++row_;
+  }
+
+  // TimeStepping keeps the pieces and motions of its step: a sample, at a jump of the command above all, has its own.
+  void torques_at(double t, const double* x) {
+    if (!at_samples_ && !pieces_at_samples_) return plant_.torques(work_, t, x, drive_.torque(t), drive_.external(t, x));
+    const std::vector<int> motion = work_.motion, region = work_.region;
+    if (at_samples_) {
+      at_samples_->settle(t, std::vector<double>(x, x + plant_.state_size()));
+    } else {
+      work_.located = false;
+      work_.smoothing = 1.0;  // friction of this call is not used
+      plant_.evaluate_laws(work_, t, x, drive_.torque(t));
+      work_.located = true;
+    }
+    plant_.torques(work_, t, x, drive_.torque(t), drive_.external(t, x));
+    work_.motion = motion;
+    work_.region = region;
   }
 
   const Plant& plant_;
@@ -212,7 +239,8 @@ class March {
   long intervals_ = 0;
   std::unique_ptr<Events> events_, at_samples_;
   std::unique_ptr<Ledger> ledger_;
-  std::vector<double> at_sample_;
+  bool pieces_at_samples_ = false;
+  std::vector<double> at_sample_, tied_;
   std::vector<double> x_finite_;  // the last state that was finite: where a failed run stopped
   double t_finite_ = 0.0;
   std::size_t row_ = 0;

@@ -42,23 +42,31 @@ void Plant::sort_in(Law law) {
     return;
   }
   if (has_state(law.kind)) law.state = internal_++;
-  if (corner_of(law.kind) != Corner::none) {
+  const bool unlimited = law.kind == LawKind::dc_winding && std::isinf(law.p[2]);
+  if (corner_of(law.kind) != Corner::none && !unlimited) {
     law.region = switches();
     switches_.push_back(law);
   }
   switch (law.stage) {
-    case Stage::actuator: actuator_.push_back(law); return;
+    case Stage::actuator:
+      windings_ = windings_ || law.state >= 0;
+      actuator_.push_back(law);
+      return;
     case Stage::deflection: deflection_.push_back(law); return;
     case Stage::spring: (law.kind == LawKind::transmission_damping ? damper_ : spring_).push_back(law); return;
     case Stage::friction: friction_.push_back(law); return;
-    case Stage::link: link_.push_back(law); return;
+    case Stage::link:
+      spans_ = spans_ || !law.row.empty();
+      link_.push_back(law);
+      return;
     case Stage::dry: break;
   }
+  if (law.kind == LawKind::dry_coupling) return sort_in_coupling(law);
   const bool rigid = rotor_slot_[law.joint] < 0;
   auto contact = std::find_if(dry_.begin(), dry_.end(), [&](const DryContact& c) {
-    return c.joint == law.joint && (rigid || c.side == law.side);
+    return !c.couples() && c.joint == law.joint && (rigid || c.side == law.side);
   });
-  if (contact == dry_.end()) contact = dry_.insert(contact, {law.joint, rigid ? Side::link : law.side, {}});
+  if (contact == dry_.end()) contact = dry_.insert(contact, {law.joint, rigid ? Side::link : law.side, {}, -1, 0.0});
   contact->laws.push_back(law);
 }
 
@@ -73,6 +81,7 @@ Plant::Workspace Plant::workspace() const {
   w.motion.assign(dry_.size(), stuck);
   w.region.assign(switches_.size(), 0);
   w.switch_input.assign(switches_.size(), 0.0);
+  w.winding_input.assign(internal_, 0.0);
   w.held.assign(velocities(), 0);
   for (auto* array : {&w.drive, &w.acceleration, &w.reaction}) array->assign(velocities(), 0.0);
   return w;
@@ -80,15 +89,6 @@ Plant::Workspace Plant::workspace() const {
 
 bool Plant::has_delay() const {
   return std::any_of(delay_.begin(), delay_.end(), [](double delay) { return delay > 0.0; });
-}
-
-std::size_t Plant::velocity_index(const DryContact& contact) const {
-  return velocity_index(contact.joint, contact.side);
-}
-
-std::size_t Plant::velocity_index(int joint, Side side) const {
-  const int base = n_ + elastic(), slot = rotor_slot_[joint];
-  return side == Side::link || slot < 0 ? base + joint : base + n_ + slot;
 }
 
 void Plant::rotor(const double* x, double* theta, double* omega) const {
@@ -105,6 +105,13 @@ LawInput Plant::input(const Workspace& w, const Law& law, double t, const double
   const int j = law.joint;
   const bool link = law.side == Side::link;
   LawInput in{t, link ? x[j] : w.theta[j], link ? v(x)[j] : w.omega[j]};
+  if (!law.row.empty()) {
+    in.x = in.u = 0.0;
+    for (int k = 0; k < n_; ++k) {
+      in.x += law.row[k] * x[k];
+      in.u += law.row[k] * v(x)[k];
+    }
+  }
   in.tau_s = w.tau_s[j];
   if (law.state >= 0) in.z = z(x)[law.state];
   if (law.other >= 0) in.other = w.omega[law.other];
@@ -114,7 +121,7 @@ LawInput Plant::input(const Workspace& w, const Law& law, double t, const double
 void Plant::evaluate_laws(Workspace& w, double t, const double* x, const double* tau) const {
   rotor(x, w.theta.data(), w.omega.data());
   transmission(w, t, x);
-  actuators(w, t, tau);
+  actuators(w, t, x, tau);
   frictions(w, t, x);
 }
 
@@ -167,14 +174,18 @@ void Plant::transmission(Workspace& w, double t, const double* x) const {
   }
 }
 
-void Plant::actuators(Workspace& w, double t, const double* tau) const {
+void Plant::actuators(Workspace& w, double t, const double* x, const double* tau) const {
   std::copy(tau, tau + n_, w.tau_applied.begin());
   for (const Law& law : actuator_) {
     double& torque = w.tau_applied[law.joint];
-    const LawInput in{t, w.theta[law.joint], w.omega[law.joint]};
+    LawInput in{t, w.theta[law.joint], w.omega[law.joint]};
     if (law.callback) {
       torque = (*law.callback)(in, torque);
       continue;
+    }
+    if (law.state >= 0) {
+      in.z = z(x)[law.state];
+      w.winding_input[law.state] = torque;
     }
     int region = 0;
     if (law.region >= 0) {
@@ -182,7 +193,9 @@ void Plant::actuators(Workspace& w, double t, const double* tau) const {
       if (!w.located) w.region[law.region] = region_of(law.kind, law.p, in, torque);
       region = w.region[law.region];
     }
-    torque = actuator_torque(law.kind, law.p, in, torque, region);
+    const bool mean = law.state >= 0 && region == 0 && w.winding_step > 0.0;
+    torque = mean ? winding_mean(law.p, in, torque, w.winding_step)
+                  : actuator_torque(law.kind, law.p, in, torque, region);
   }
 }
 
@@ -197,7 +210,9 @@ void Plant::frictions(Workspace& w, double t, const double* x) const {
   }
   for (const Law& law : link_) {
     const LawInput in = input(w, law, t, x);
-    w.tau_link[law.joint] += link_torque(law.kind, law.p, in, follow(w, law, in));
+    const double torque = link_torque(law.kind, law.p, in, follow(w, law, in));
+    if (law.row.empty()) w.tau_link[law.joint] += torque;
+    for (std::size_t k = 0; !w.joint_local && k < law.row.size(); ++k) w.tau_link[k] += law.row[k] * torque;
   }
   dry_frictions(w, t, x);
 }
@@ -205,7 +220,8 @@ void Plant::frictions(Workspace& w, double t, const double* x) const {
 void Plant::dry_frictions(Workspace& w, double t, const double* x) const {
   for (std::size_t c = 0; c < dry_.size(); ++c) {
     const DryContact& contact = dry_[c];
-    const double u = x[velocity_index(contact)];
+    if (contact.couples() && w.joint_local) continue;
+    const double u = contact_speed(contact, x);
     for (const Law& law : contact.laws) {
       if (law.region >= 0) follow(w, law, input(w, law, t, x));
     }
@@ -214,7 +230,7 @@ void Plant::dry_frictions(Workspace& w, double t, const double* x) const {
     } else {
       w.friction[c] = level(w, c, t, x, u < 0.0 ? -1.0 : 1.0) * smooth_sign(u, w.smoothing);
     }
-    (contact.side == Side::link ? w.f_link : w.f_motor)[contact.joint] += w.friction[c];
+    rub(w, c);
   }
 }
 
@@ -303,12 +319,15 @@ void Plant::held_solve(Workspace& w, const double* x, const std::vector<char>& h
   }
 }
 
-void Plant::solve(Workspace& w, const double* x, const double* tau_ext) const {
+void Plant::solve(Workspace& w, double t, const double* x, const double* tau_ext) const {
   assemble_drive(w, tau_ext);
   if (w.located && !dry_.empty()) {
     std::fill(w.held.begin(), w.held.end(), 0);
     for (std::size_t c = 0; c < dry_.size(); ++c) {
-      if (w.motion[c] == stuck) w.held[velocity_index(dry_[c]) - velocities()] = 1;
+      if (w.motion[c] == stuck && !dry_[c].couples()) w.held[velocity_index(dry_[c]) - velocities()] = 1;
+    }
+    if (couplings_) {
+      if (const std::vector<Tie> stuck_ones = ties(w); !stuck_ones.empty()) return tied_solve(w, stuck_ones, t, x);
     }
   }
   held_solve(w, x, w.held, w.acceleration, w.reaction);
@@ -316,14 +335,14 @@ void Plant::solve(Workspace& w, const double* x, const double* tau_ext) const {
   for (std::size_t c = 0; c < dry_.size(); ++c) {
     if (w.motion[c] != stuck) continue;
     w.friction[c] = w.reaction[velocity_index(dry_[c]) - velocities()];  // what holds it
-    (dry_[c].side == Side::link ? w.f_link : w.f_motor)[dry_[c].joint] += w.friction[c];
+    rub(w, c);
   }
 }
 
 void Plant::derivative(Workspace& w, double t, const double* x, const double* tau, const double* tau_ext,
                        double* dx) const {
   evaluate_laws(w, t, x, tau);
-  solve(w, x, tau_ext);
+  solve(w, t, x, tau_ext);
   const int half = n_ + elastic();
   std::copy(x + half, x + 2 * half, dx);  // q' = v, theta' = omega
   std::copy(w.acceleration.begin(), w.acceleration.end(), dx + half);
@@ -331,6 +350,11 @@ void Plant::derivative(Workspace& w, double t, const double* x, const double* ta
 }
 
 void Plant::internal_rates(const Workspace& w, double t, const double* x, double* rate) const {
+  for (const Law& law : actuator_) {
+    if (law.state < 0) continue;
+    const bool at_limit = law.region >= 0 && w.region[law.region] != 0;
+    rate[law.state] = at_limit ? 0.0 : winding_rate(law.p, input(w, law, t, x), w.winding_input[law.state]);
+  }
   for (const Law& law : friction_) {
     if (law.state >= 0) rate[law.state] = internal_rate(law.kind, law.p, input(w, law, t, x));
   }
@@ -345,7 +369,7 @@ void Plant::internal_rates(const Workspace& w, double t, const double* x, double
 void Plant::torques(Workspace& w, double t, const double* x, const double* tau, const double* tau_ext) const {
   evaluate_laws(w, t, x, tau);
   if (elastic() == n_) return;
-  solve(w, x, tau_ext);
+  solve(w, t, x, tau_ext);
   if (coupled_) couple_rotors(w, x);
   for (int j = 0; j < n_; ++j) {
     if (rotor_slot_[j] >= 0) continue;

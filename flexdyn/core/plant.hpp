@@ -14,6 +14,7 @@
 
 #include "laws.hpp"
 #include "link_dynamics.hpp"
+#include "ties.hpp"
 
 namespace flexdyn {
 
@@ -38,14 +39,20 @@ struct Law {
   int state = -1;   // place of its internal state among the z
   int region = -1;  // place of its region among the switches
   int index = 0;    // place among all laws of the plant
+  // Of a law on the link side that sees a combination of joints: their coefficients (n); empty: its joint alone.
+  std::vector<double> row = {};
 };
 
 // All dry laws on one velocity: they add to one interval [-L_negative, L_positive], one contact that sticks as a
 // whole. On a rigid joint link and motor laws share the velocity and so the contact.
+// One that couples holds two motors to each other instead: its velocity is omega - ratio omega of the other joint.
 struct DryContact {
   int joint;
   Side side;
   std::vector<Law> laws;
+  int other = -1;  // joint of the other motor
+  double ratio = 0.0;
+  bool couples() const { return other >= 0; }
 };
 
 // How a contact moves: sliding in a direction, or stuck.
@@ -85,7 +92,11 @@ class Plant {
     std::vector<char> held;              // velocities that stick: links (n), then rotors (e)
     std::vector<double> drive, acceleration, reaction;  // (n + e): links, then rotors
     std::vector<double> S, link_bias, rotor_bias;       // of the full rotor coupling
+    std::vector<double> winding_input;                  // (z,) torque asked of each winding
     bool located = false;
+    bool joint_local = false;            // leave out laws that see several joints: slopes add them themselves
+    // Of TimeStepping. Above 0: windings give their mean torque over a step so long. Below: the last step was one.
+    double winding_step = 0.0;
     bool without_internal = false;       // leave out laws with an internal state (TimeStepping adds them itself)
     double smoothing = 0.0;              // width of the smoothed Sgn [rad/s]
   };
@@ -118,8 +129,22 @@ class Plant {
   const double* q(const double* x) const { return x; }
   const double* v(const double* x) const { return x + n_ + elastic(); }
   const double* z(const double* x) const { return x + 2 * (n_ + elastic()); }
-  std::size_t velocity_index(const DryContact& contact) const;
-  std::size_t velocity_index(int joint, Side side) const;
+  std::size_t velocity_index(const DryContact& contact) const { return velocity_index(contact.joint, contact.side); }
+  std::size_t other_index(const DryContact& contact) const { return velocity_index(contact.other, Side::motor); }
+  // What a contact rubs at, or its rate of change out of dx; exactly 0 where one that couples was brought to rest.
+  double contact_speed(const DryContact& contact, const double* x) const {
+    const double u = x[velocity_index(contact)];
+    return contact.couples() ? relative_speed(contact, u, x) : u;
+  }
+  void bring_to_rest(const DryContact& contact, double* x) const;
+  bool has_couplings() const { return couplings_; }
+  bool has_spans() const { return spans_; }
+  // Currents that a step took past their limit, back to it.
+  void limit_currents(double* x) const;
+  std::size_t velocity_index(int joint, Side side) const {
+    const int base = n_ + elastic(), slot = rotor_slot_[joint];
+    return side == Side::link || slot < 0 ? base + joint : base + n_ + slot;
+  }
   // theta and omega of every joint; rigid joints read q and v.
   void rotor(const double* x, double* theta, double* omega) const;
 
@@ -135,6 +160,10 @@ class Plant {
                 double* out) const;
   // The torques that act on links and rotors and their slopes: the laws without the links' own dynamics.
   void local_slopes(Workspace& w, double t, const double* x, const double* tau, LocalSlopes& out) const;
+  // Laws on combinations of joints at a point: coefficients (n), slopes by position and by velocity.
+  using VisitSpan = std::function<void(const std::vector<double>& row, double by_x, double by_u)>;
+  void visit_spans(const Workspace& w, double t, const double* x, const VisitSpan& visit) const;
+  const std::vector<Law>& actuators() const { return actuator_; }
 
   bool in_gap(const Workspace& w, int joint) const;
 
@@ -142,6 +171,7 @@ class Plant {
   std::size_t ledger_size() const { return 2 * static_cast<std::size_t>(n_) + 1 + static_cast<std::size_t>(laws_); }
   void powers(const Workspace& w, double t, const double* x, const double* tau_ext, double* out) const;
   double stored_energy(Workspace& w, const double* x) const;
+  double magnetic_energy(const double* x) const;  // in the windings' inductances
 
   // For the event layer: all torques but those of stuck contacts, and what one contact could hold.
   void evaluate_laws(Workspace& w, double t, const double* x, const double* tau) const;
@@ -163,15 +193,19 @@ class Plant {
 
  private:
   void sort_in(Law law);
+  void sort_in_coupling(const Law& law);
   void local_torques(Workspace& w, double t, const double* x, const double* tau, double* link, double* rotor,
                      double* z_rate) const;
-  void couple(double* right, double* J) const;
+  void couple(const Workspace& w, double t, const double* x, double* right, double* J) const;
+  void couple_dry(const Workspace& w, double t, const double* x, double* right, double* J) const;
   void uncouple(LocalSlopes& slopes) const;
   void external_slopes(double t, const double* x, const ExternalTorque& external, double* right) const;
   void acceleration_slopes(const Workspace& w, const double* M, const double* right, double* out) const;
+  void tied_slopes(const Workspace& w, const std::vector<Tie>& ties, const double* M, const double* right,
+                   double* out) const;
   void internal_rates(const Workspace& w, double t, const double* x, double* rate) const;
   void transmission(Workspace& w, double t, const double* x) const;
-  void actuators(Workspace& w, double t, const double* tau) const;
+  void actuators(Workspace& w, double t, const double* x, const double* tau) const;
   void frictions(Workspace& w, double t, const double* x) const;
   void dry_frictions(Workspace& w, double t, const double* x) const;
   void coupled_solve(Workspace& w, const double* x, const std::vector<char>& held, std::vector<double>& acceleration,
@@ -179,7 +213,17 @@ class Plant {
   void difference_jacobian(Workspace& w, double t, const double* x, const double* tau, const ExternalTorque& external,
                            double* out) const;
   void couple_rotors(Workspace& w, const double* x) const;
-  void solve(Workspace& w, const double* x, const double* tau_ext) const;
+  void solve(Workspace& w, double t, const double* x, const double* tau_ext) const;
+  double relative_speed(const DryContact& contact, double u, const double* x) const;
+  void rub(Workspace& w, std::size_t contact) const {  // its friction into f_link or f_motor
+    const DryContact& dry = dry_[contact];
+    (dry.side == Side::link ? w.f_link : w.f_motor)[dry.joint] += w.friction[contact];
+    if (dry.couples()) w.f_motor[dry.other] -= dry.ratio * w.friction[contact];
+  }
+  // Couplings that stick, and the accelerations they leave: friction of each into the workspace.
+  std::vector<Tie> ties(const Workspace& w) const;
+  void tied_solve(Workspace& w, const std::vector<Tie>& ties, double t, const double* x) const;
+  Box box_at(const Workspace& w, int velocity, double t, const double* x) const;
   // Of a rigid joint's dry friction, the part of its motor-side laws: before the gear.
   double motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const;
   LawInput input(const Workspace& w, const Law& law, double t, const double* x) const;
@@ -199,6 +243,9 @@ class Plant {
   bool callbacks_ = false;  // laws in Python: they may depend on time
   bool plain_ = true;      // no law in any transmission
   bool coupled_ = false;  // spin_ is not all zero
+  bool couplings_ = false;  // some contact couples
+  bool spans_ = false;      // some law sees a combination of joints
+  bool windings_ = false;   // some motor has inductance
   std::vector<Law> actuator_, deflection_, spring_, damper_, friction_, link_;
   std::vector<DryContact> dry_;
   std::vector<Law> switches_;    // laws with a corner, each with its region's place

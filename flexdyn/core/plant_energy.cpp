@@ -16,6 +16,11 @@ void Plant::powers(const Workspace& w, double t, const double* x, const double* 
     out[j] = w.tau_applied[j] * w.omega[j];
     if (tau_ext) out[n_] += tau_ext[j] * v_[j];
   }
+  for (const Law& law : actuator_) {  // what a winding takes into its inductance comes from its driver as well
+    if (law.state < 0 || w.winding_step < 0.0 || (law.region >= 0 && w.region[law.region] != 0)) continue;
+    const LawInput in = input(w, law, t, x);
+    out[law.joint] += law.p[3] / law.p[1] * in.z * winding_rate(law.p, in, w.winding_input[law.state]);
+  }
   for (const int j : elastic_) damping[j] = D_[j] * (w.omega[j] - v_[j]) * (w.omega[j] - v_[j]);
   for (const Law& law : damper_) {
     const double rate = w.omega[law.joint] - v_[law.joint];
@@ -43,7 +48,7 @@ void Plant::powers(const Workspace& w, double t, const double* x, const double* 
     law_power[law.index] = -link_torque(law.kind, law.p, in, w.region[law.region]) * in.u;
   }
   for (std::size_t c = 0; c < dry_.size(); ++c) {
-    const double u = x[velocity_index(dry_[c])];
+    const double u = contact_speed(dry_[c], x);
     if (u == 0.0) continue;  // what sticks does no work
     const double direction = u < 0.0 ? -1.0 : 1.0;
     const double share = w.located ? direction : smooth_sign(u, w.smoothing);
@@ -69,7 +74,7 @@ double Plant::stored_energy(Workspace& w, const double* x) const {
     if (law.kind == LawKind::presliding_friction) sum += 0.5 * law.p[1] * z(x)[law.state] * z(x)[law.state];
   }
   for (const Law& law : link_) {
-    const double q_ = x[law.joint];
+    const double q_ = input(w, law, 0.0, x).x;
     if (law.kind == LawKind::parallel_spring) sum += 0.5 * law.p[0] * (q_ - law.p[1]) * (q_ - law.p[1]);
     if (law.kind == LawKind::position_torque) {
       sum += law.p[0] * std::sin(q_) - law.p[1] * std::cos(q_) +

@@ -36,11 +36,12 @@ void Plant::local_slopes(Workspace& w, double t, const double* x, const double* 
     local_torques(w, t, point.data(), tau, to.data(), to.data() + n, to.data() + 2 * n);
   };
   out.z_joint.assign(zs, 0);
-  for (const auto* laws : {&friction_, &spring_}) {
+  for (const auto* laws : {&actuator_, &friction_, &spring_}) {
     for (const Law& law : *laws) {
       if (law.state >= 0) out.z_joint[law.state] = law.joint;
     }
   }
+  w.joint_local = true;
   // Laws see their own joint alone, so that one pair of calls moves all joints at once; couplings are mended below.
   const std::size_t starts[4] = {0, n, n + e, 2 * n + e};
   for (int k = 0; k < 4; ++k) {
@@ -79,6 +80,7 @@ void Plant::local_slopes(Workspace& w, double t, const double* x, const double* 
     out.rotor_by_z[i] = (up[n + j] - down[n + j]) / (2.0 * h);
     out.z_self[i] = (up[2 * n + i] - down[2 * n + i]) / (2.0 * h);
   }
+  w.joint_local = false;
   out.link.resize(n);
   out.rotor.resize(n);
   out.z_rate.resize(zs);
@@ -92,7 +94,7 @@ void Plant::jacobian(Workspace& w, double t, const double* x, const double* tau,
   LocalSlopes slopes;
   local_slopes(w, t, x, tau, slopes);
   evaluate_laws(w, t, x, tau);
-  solve(w, x, external ? external(t, x) : nullptr);
+  solve(w, t, x, external ? external(t, x) : nullptr);
   const std::vector<double> a(w.acceleration.begin(), w.acceleration.begin() + n);
   RowMatrix by_q(n, n), by_v(n, n), M(n, n);
   links_->inverse_derivatives(*w.links, x, v(x), a.data(), by_q.data(), by_v.data());
@@ -125,13 +127,13 @@ void Plant::jacobian(Workspace& w, double t, const double* x, const double* tau,
       J(row, column[k] + (of_rotor ? rotor_slot_[j] : j)) += slopes.z_by[k][i];
     }
   }
-  couple(right.data(), out);
+  couple(w, t, x, right.data(), out);
   if (external) external_slopes(t, x, external, right.data());
   acceleration_slopes(w, M.data(), right.data(), out);
 }
 
 // A coupling acts on its joint through the other's rotor.
-void Plant::couple(double* right, double* J) const {
+void Plant::couple(const Workspace& w, double t, const double* x, double* right, double* J) const {
   const int half = n_ + elastic(), size = state_size();
   for (const Law& law : friction_) {
     if (law.kind != LawKind::joint_coupling) continue;
@@ -140,6 +142,17 @@ void Plant::couple(double* right, double* J) const {
                            : J + static_cast<std::ptrdiff_t>(half + n_ + slot) * size;
     row[other < 0 ? half + law.other : half + n_ + other] -= law.p[0] / (slot < 0 ? 1.0 : J_[law.joint]);
   }
+  couple_dry(w, t, x, right, J);
+  if (!spans_) return;
+  visit_spans(w, t, x, [&](const std::vector<double>& gain, double by_x, double by_u) {
+    for (int i = 0; i < n_; ++i) {
+      for (int k = 0; k < n_; ++k) {
+        double* row = right + static_cast<std::ptrdiff_t>(i) * size;
+        row[k] += gain[i] * gain[k] * by_x;
+        row[half + k] += gain[i] * gain[k] * by_u;
+      }
+    }
+  });
 }
 
 // Moving all joints at once let couplings see the other joint move too: take that out of the joint's own slopes.
@@ -189,6 +202,11 @@ void Plant::external_slopes(double t, const double* x, const ExternalTorque& ext
 
 // Rows of v' = M^-1 right; what sticks has no acceleration to change.
 void Plant::acceleration_slopes(const Workspace& w, const double* M_all, const double* right_all, double* out) const {
+  if (w.located && couplings_) {
+    if (const std::vector<Tie> stuck_ones = ties(w); !stuck_ones.empty()) {
+      return tied_slopes(w, stuck_ones, M_all, right_all, out);
+    }
+  }
   const int size = state_size(), half = n_ + elastic();
   const Map<const RowMatrix> M(M_all, n_, n_), right(right_all, n_, size);
   Map<RowMatrix> J(out, size, size);
@@ -205,7 +223,9 @@ void Plant::acceleration_slopes(const Workspace& w, const double* M_all, const d
   if (count > 0) small.llt().solveInPlace(rows);
   for (int i = 0; i < count; ++i) J.row(half + free[i]) = rows.row(i);
   for (std::size_t c = 0; w.located && c < dry_.size(); ++c) {
-    if (w.motion[c] == stuck) J.row(static_cast<Eigen::Index>(velocity_index(dry_[c]))).setZero();
+    if (w.motion[c] == stuck && !dry_[c].couples()) {
+      J.row(static_cast<Eigen::Index>(velocity_index(dry_[c]))).setZero();
+    }
   }
 }
 

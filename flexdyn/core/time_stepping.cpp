@@ -32,7 +32,9 @@ class TimeStepping : public Stepper {
       : plant_(plant), work_(work), torque_(std::move(torque)), external_(std::move(external)), grid_(step),
         n_(plant.n()), e_(plant.elastic()), N_(n_ + e_), motion_(plant.contacts().size(), stuck) {
     work_.located = true;
-    bristles_ = plant.internal_states() > 0;
+    for (const auto* laws : {&plant.frictions(), &plant.springs()}) {
+      for (const Law& law : *laws) bristles_ = bristles_ || law.state >= 0;
+    }
   }
 
   void start(double t, const std::vector<double>& x) override {
@@ -62,6 +64,7 @@ class TimeStepping : public Stepper {
       if (work_.region == assumed) break;
     }
     x_ = after_;
+    plant_.limit_currents(x_.data());
     t_ = end;
     stats_.steps += 1;
     return true;
@@ -72,8 +75,7 @@ class TimeStepping : public Stepper {
     const double s = (t - t_before_) / h_;
     for (std::size_t i = 0; i < x_.size(); ++i) x[i] = before_[i] + s * (x_[i] - before_[i]);
     for (const DryContact& contact : plant_.contacts()) {
-      const std::size_t at = plant_.velocity_index(contact);
-      if (x_[at] == 0.0) x[at] = 0.0;
+      if (plant_.contact_speed(contact, x_.data()) == 0.0) plant_.bring_to_rest(contact, x);
     }
   }
 
@@ -89,7 +91,9 @@ class TimeStepping : public Stepper {
   void solve_step(const double* tau) {
     std::fill(work_.motion.begin(), work_.motion.end(), static_cast<int>(stuck));  // friction is solved for below
     work_.without_internal = true;
+    work_.winding_step = h_;
     plant_.local_slopes(work_, t_, x_.data(), tau, slopes_);
+    work_.winding_step = -h_;  // what it was: the ledger counts what a whole step left in a winding
     work_.without_internal = false;
     stats_.evaluations += 1;
     plant_.inertia(work_, x_.data(), H_.data());
@@ -140,6 +144,12 @@ class TimeStepping : public Stepper {
         b_[r] -= h * slopes_.rotor_by[2 + k][j] * w[c];
       }
     }
+    if (!plant_.has_spans()) return;
+    plant_.visit_spans(work_, t_, x_.data(), [&](const std::vector<double>& row, double by_x, double by_u) {
+      const Map<const VectorXd> gain(row.data(), n_);
+      A_.topLeftCorner(n_, n_) -= (h * by_u + h * h * by_x) * gain * gain.transpose();
+      b_.head(n_) -= h * by_u * gain.dot(Map<const VectorXd>(w, n_)) * gain;
+    });
   }
 
   // Level of every contact for sliding on (at this velocity) and for turning round (from rest).
@@ -151,6 +161,10 @@ class TimeStepping : public Stepper {
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       const std::size_t at = plant_.velocity_index(contacts[c]);
       for (const int direction : {backward, forward}) {
+        if (contacts[c].couples()) {
+          level_[2 * c + (direction > 0)] = h_ * plant_.level(work_, c, t_, x.data(), direction);
+          continue;
+        }
         x[at] = direction * x_[at] > 0.0 ? x_[at] : 0.0;
         const double saved = rate_of(contacts[c]);
         set_rate(contacts[c], x[at]);
@@ -177,10 +191,24 @@ class TimeStepping : public Stepper {
     for (int pivot = 0; pivot < 1000; ++pivot) {
       VectorXd rest = b;
       std::vector<char> held(N_, 0);
+      std::vector<Tie> ties;
       for (std::size_t c = 0; c < contacts.size(); ++c) {
         const auto at = static_cast<int>(plant_.velocity_index(contacts[c])) - base;
-        if (motion_[c] == stuck) held[at] = 1;
-        else rest[at] -= motion_[c] * level_[2 * c + (motion_[c] > 0)];
+        const double sliding = motion_[c] * level_[2 * c + (motion_[c] > 0)];
+        if (contacts[c].couples()) {
+          const auto other = static_cast<int>(plant_.other_index(contacts[c])) - base;
+          if (motion_[c] == stuck) ties.push_back({at, other, contacts[c].ratio, c});
+          rest[at] -= sliding;
+          rest[other] += contacts[c].ratio * sliding;
+        } else if (motion_[c] == stuck) {
+          held[at] = 1;
+        } else {
+          rest[at] -= sliding;
+        }
+      }
+      if (plant_.has_couplings()) {
+        if (settled(A, rest, held, ties, w)) break;
+        continue;
       }
       free.clear();
       for (int i = 0; i < N_; ++i) {
@@ -207,6 +235,51 @@ class TimeStepping : public Stepper {
       if (consistent) break;
     }
     return w;
+  }
+
+  // One pivot where motors are coupled by dry friction: the motion of these contacts, and whether none contradicts it.
+  bool settled(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held, const std::vector<Tie>& ties,
+               VectorXd& w) {
+    const auto& contacts = plant_.contacts();
+    const MatrixXd T = free_moves(held, ties);
+    w.setZero();
+    if (T.cols() > 0) w = T * MatrixXd(T.transpose() * A * T).partialPivLu().solve(VectorXd(T.transpose() * rest));
+    VectorXd reaction = rest - A * w;
+    std::vector<double> friction(contacts.size(), 0.0);
+    for (const Tie& tie : ties) {
+      friction[tie.contact] = take_share(tie, held, box_of(tie.contact), box_at(tie.one), box_at(tie.other),
+                                         reaction[tie.one], reaction[tie.other]);
+    }
+    std::vector<double> velocities(x_.size(), 0.0);
+    std::copy(w.data(), w.data() + N_, velocities.begin() + N_);
+    int* pinned = nullptr;  // taken to slide and held by others and a coupling: these have to give way first
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      const int before = motion_[c];
+      if (before != stuck) {
+        const double speed = before * plant_.contact_speed(contacts[c], velocities.data());
+        if (speed == 0.0 && pinned == nullptr) pinned = &motion_[c];
+        if (speed < 0.0) motion_[c] = stuck;
+      } else {
+        const auto at = static_cast<Eigen::Index>(plant_.velocity_index(contacts[c])) - N_;
+        const double load = contacts[c].couples() ? friction[c] : reaction[at];
+        const Box box = box_of(c);
+        if (load > box.above) motion_[c] = forward;
+        else if (load < -box.below) motion_[c] = backward;
+      }
+      if (motion_[c] != before) return false;
+    }
+    if (pinned != nullptr) *pinned = stuck;
+    return pinned == nullptr;
+  }
+
+  // What a contact can hold over the step.
+  Box box_of(std::size_t contact) const { return {level_[2 * contact], level_[2 * contact + 1]}; }
+  Box box_at(int velocity) const {
+    const auto& contacts = plant_.contacts();
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      if (!contacts[c].couples() && static_cast<int>(plant_.velocity_index(contacts[c])) - N_ == velocity) return box_of(c);
+    }
+    return {};
   }
 
   // Forces of laws with an internal state, linearised in the velocity that drives them.
@@ -255,6 +328,15 @@ class TimeStepping : public Stepper {
     for (int i = 0; i < N_; ++i) {
       after_[i] = x_[i] + h_ * w[i];
       after_[N_ + i] = w[i];
+    }
+    for (const Law& law : plant_.actuators()) {
+      if (law.state < 0) continue;
+      const std::size_t at = 2 * static_cast<std::size_t>(N_) + law.state;
+      const int region = law.region < 0 ? 0 : work_.region[law.region], slot = plant_.rotor_slot(law.joint);
+      LawInput in;
+      in.u = w[slot < 0 ? law.joint : n_ + slot];
+      in.z = x_[at];
+      after_[at] = region != 0 ? region * law.p[2] : winding_end(law.p, in, work_.winding_input[law.state], h_);
     }
     if (!bristles_) return;
     visit_bristles(w, [&](const Law& law, int, int, double, double, double z_end) {

@@ -10,6 +10,7 @@ from flexdyn.effects.actuator import (
 )
 from flexdyn.effects.base import Effect, JointEffect, parameter, registered, unit_for
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
+from flexdyn.effects.coupling import JointCoupling
 from flexdyn.effects.friction import (
     AsymmetricFriction,
     AsymmetricViscousFriction,
@@ -24,7 +25,7 @@ from flexdyn.effects.friction import (
     ViscousFriction,
     WarmUpFriction,
 )
-from flexdyn.effects.link import EndStop, JointCoupling, ParallelSpring, Payload, PositionTorque
+from flexdyn.effects.link import EndStop, ParallelSpring, Payload, PositionTorque
 from flexdyn.effects.memory import MemoryEffect
 from flexdyn.effects.model_error import ParameterError
 from flexdyn.effects.sensor import (

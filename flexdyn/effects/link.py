@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from typing import Any
 
-from flexdyn.effects.base import Array, Effect, JointEffect, parameter
+from flexdyn.effects.base import Effect, JointEffect, parameter
 from flexdyn.errors import InputError
 
 
@@ -109,45 +107,3 @@ class EndStop(JointEffect):
         if self.lower > self.upper or self.lower == math.inf or self.upper == -math.inf:
             remedy = f"it must be at most upper, {self.upper:g}"
             raise InputError("the stops leave no room", key=f"{self.name}.lower", value=self.lower, remedy=remedy)
-
-
-class JointCoupling(JointEffect):
-    """The rotor of one joint drags on that of another: differential wrists, belts over a common shaft.
-
-    ``f_motor = coefficient omega`` of joint `other`, on the left side of the rotor's equation of `joint`. It is not
-    friction: it may supply power.
-
-    Args:
-        joint: its name.
-        other: the joint whose rotor turns.
-        coefficient: [N m s/rad]; of either sign.
-    """
-
-    sides = ("motor",)
-    stage = "friction"
-    law = "coefficient*omega of joint other"
-    neutral = {"coefficient": 0.0}
-    shown = {"coefficient": 0.5}
-    prevalence = "often"
-
-    coefficient: float = parameter("N m s/rad")
-    other: str = dataclasses.field(kw_only=True)
-
-    def __post_init__(self) -> None:
-        """Check the numbers, and that there are two joints."""
-        super().__post_init__()
-        if not isinstance(self.other, str) or not self.other:
-            raise InputError("a joint's name is needed", key=f"{self.name}.other", value=self.other)
-        if self.other == self.joint:
-            remedy = "name another joint, or use viscous_friction"
-            raise InputError(
-                "a joint does not couple to itself", key=f"{self.name}.other", value=self.other, remedy=remedy
-            )
-
-    @classmethod
-    def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
-        return super()._example_place(joint, other) | {"other": other}
-
-    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
-        # Pointwise the core knows one joint alone.
-        return self.coefficient * u

@@ -54,3 +54,26 @@ class MotorTorque(MotorLaw, abstract=True):
     gain: float = parameter("1")
     back_emf: float = parameter("N m s/rad", lower=0.0)
     limit: float = parameter("N m", lower=0.0, strict=True, infinite=True)
+
+
+class MotorWinding(MotorLaw, abstract=True):
+    """The torque of a DC motor whose current takes time: ``L i' = V - R i - kt omega``.
+
+    In torque, ``tau = k i``: ``time_constant tau' = gain tau_asked - back_emf omega - tau``. The driver holds the
+    current at its limit while the voltage would raise it further. The torque is an internal state, 0 at the start.
+
+    Args:
+        joint: its name.
+        gain: torque at standstill over what the model file's numbers make of the voltage [1].
+        back_emf: [N m s/rad].
+        limit: at the largest current [N m]; infinite: no limit.
+        time_constant: L/R [s].
+    """
+
+    name = "dc_winding"
+    law = "time_constant*tau_applied' = gain*tau - back_emf*omega - tau_applied, abs(tau_applied) <= limit"
+
+    gain: float = parameter("1")
+    back_emf: float = parameter("N m s/rad", lower=0.0, strict=True)
+    limit: float = parameter("N m", lower=0.0, strict=True, infinite=True)
+    time_constant: float = parameter("s", lower=0.0, strict=True)

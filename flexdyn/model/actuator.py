@@ -9,7 +9,7 @@ from typing import Any
 
 from flexdyn.checks import as_number
 from flexdyn.control.firmware import Firmware
-from flexdyn.effects.motor import MotorLaw, MotorTorque, SupplyLimit
+from flexdyn.effects.motor import MotorLaw, MotorTorque, MotorWinding, SupplyLimit
 from flexdyn.errors import InputError, did_you_mean
 
 
@@ -17,17 +17,18 @@ from flexdyn.errors import InputError, did_you_mean
 class DCMotor:
     """A DC motor with a voltage at its terminals, all numbers on the motor's side of the gear.
 
-    ``tau = kt i``, ``V = R i + kt omega``: so ``tau = kt V/R - (kt^2/R) omega``, the current cut at its limit and the
-    voltage at the supply. The winding's inductance is left out: L/R of small motors is well below 1 ms.
+    ``tau = kt i``, ``V = R i + L i' + kt omega``, the current cut at its limit and the voltage at the supply. Without
+    inductance ``tau = kt V/R - (kt^2/R) omega``. L/R of small motors is below 1 ms, so that it may mostly be left out.
 
     Args:
         torque_constant: kt [N m/A], which is the back-EMF constant [V s/rad] as well.
         resistance: R of the winding and its driver [ohm].
         supply: largest voltage [V], which a duty of 1 gives; infinite: no limit, and no duty.
         current_limit: [A]; infinite: none.
+        inductance: L of the winding [H]; 0: the current follows the voltage at once. A run starts without current.
 
     Raises:
-        InputError: a number that is not above 0, or not finite where it must be.
+        InputError: a number that is not above 0 (an inductance below 0), or not finite where it must be.
 
     Example:
         >>> motor = fd.DCMotor(torque_constant=0.05, resistance=2.0, supply=12.0)
@@ -39,18 +40,28 @@ class DCMotor:
     resistance: float
     supply: float = math.inf
     current_limit: float = math.inf
+    inductance: float = 0.0
 
     def __post_init__(self) -> None:
         """Check every number."""
         for name in MOTOR_NUMBERS:
             number = as_number(getattr(self, name))
-            if not number > 0.0 or (math.isinf(number) and name in ("torque_constant", "resistance")):
+            if name == "inductance" and not 0.0 <= number < math.inf:
+                raise InputError("it must be finite and at least 0", key=name, value=getattr(self, name))
+            if name != "inductance" and not number > 0.0:
+                raise InputError("a number above 0 is needed", key=name, value=getattr(self, name))
+            if math.isinf(number) and name in ("torque_constant", "resistance"):
                 raise InputError("a number above 0 is needed", key=name, value=getattr(self, name))
             object.__setattr__(self, name, number)
 
     def stall_torque(self, gear_ratio: float) -> float:
         """Torque per volt at standstill behind a gear, ``N kt/R`` [N m/V]."""
         return gear_ratio * self.torque_constant / self.resistance
+
+    def to_dict(self) -> dict[str, float]:
+        """As a model file writes it: limits that are none and an inductance of 0 are left out."""
+        written = {key: value for key, value in dataclasses.asdict(self).items() if math.isfinite(value)}
+        return {key: value for key, value in written.items() if key != "inductance" or value > 0.0}
 
 
 MOTOR_NUMBERS = tuple(field.name for field in dataclasses.fields(DCMotor))
@@ -101,12 +112,12 @@ class Actuator:
         """What it does to the torque asked for, behind the gear."""
         motor, asked = self.dc_motor, self.per_volt(gear_ratio)
         kt = gear_ratio * motor.torque_constant
-        torque = MotorTorque(
-            joint,
-            gain=kt / motor.resistance / asked,
-            back_emf=kt * kt / motor.resistance,
-            limit=abs(kt) * motor.current_limit,
-        )
+        gain, back_emf = kt / motor.resistance / asked, kt * kt / motor.resistance
+        most = abs(kt) * motor.current_limit
+        torque: MotorLaw = MotorTorque(joint, gain=gain, back_emf=back_emf, limit=most)
+        if motor.inductance > 0.0:
+            lag = motor.inductance / motor.resistance
+            torque = MotorWinding(joint, gain=gain, back_emf=back_emf, limit=most, time_constant=lag)
         limit = SupplyLimit(joint, limit=abs(asked) * motor.supply)
         return (torque,) if limit.is_neutral else (limit, torque)
 
@@ -121,7 +132,7 @@ class Actuator:
 
     def to_dict(self) -> dict[str, Any]:
         """As a model file writes it."""
-        content = {"dc_motor": {k: v for k, v in dataclasses.asdict(self.dc_motor).items() if math.isfinite(v)}}
+        content: dict[str, Any] = {"dc_motor": self.dc_motor.to_dict()}
         return content if self.firmware is None else content | {"firmware": dataclasses.asdict(self.firmware)}
 
     @staticmethod

@@ -17,6 +17,7 @@ from flexdyn.effects import (
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot
+from flexdyn.robot.axes import joint_row
 
 MEASURED = ("q", "v", "theta", "omega", "tau", "tau_applied", "tau_s")
 """Signals that a sensor effect can act on."""
@@ -45,6 +46,7 @@ def fitted(robot: Robot, joints: Mapping[str, Joint], entries: Iterable[Any]) ->
             _check(robot, joints, softened, effect)
         except InputError as error:
             raise error.at(key=f"effects[{i}]") from None
+    _check_pairs(effects)
     return tuple(effects)
 
 
@@ -54,6 +56,8 @@ def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect
         robot.tree.with_point_mass(frame, effect.mass)  # refuses one on the base
     elif isinstance(effect, SensorEffect):
         _check_channel(robot, effect)
+    elif isinstance(effect, JointEffect) and joint_row(robot, effect.joint) is not None:
+        _check_replaced(robot, effect)
     elif isinstance(effect, JointEffect):
         name = robot.joint_names[robot.joint_index(effect.joint)]
         if isinstance(effect, JointCoupling):
@@ -63,6 +67,15 @@ def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect
         elif not joints[name].elastic and name not in softened and _needs_spring(effect):
             remedy = f"give joints.{name} a finite stiffness, or the effect joint_elasticity"
             raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=name, remedy=remedy)
+
+
+def _check_replaced(robot: Robot, effect: JointEffect) -> None:
+    """On a joint that axes replace, only torques on the link act on it alone."""
+    if effect.stage == "link":
+        return
+    moved_by = " and ".join(axis for axis, entry in robot.axes.items() if effect.joint in entry)
+    remedy = f"name an axis that moves it, {moved_by}; end_stop, parallel_spring and position_torque may name the joint"
+    raise InputError(f"{effect.name} acts on axes", key="joint", value=effect.joint, remedy=remedy)
 
 
 def _needs_spring(effect: JointEffect) -> bool:
@@ -83,6 +96,18 @@ def _check_other(robot: Robot, effect: JointCoupling) -> None:
         robot.joint_index(effect.other)
     except InputError as error:
         raise InputError(error.problem, key="other", value=effect.other, remedy=error.remedy) from None
+
+
+def _check_pairs(effects: list[Effect]) -> None:
+    """A motor rubs on one other motor: what a chain of them that sticks carries would not be determined."""
+    dry = [(i, each) for i, each in enumerate(effects) if isinstance(each, JointCoupling) and each.level > 0.0]
+    for k, (i, second) in enumerate(dry):
+        for _, first in dry[:k]:
+            shared = {first.joint, first.other} & {second.joint, second.other}
+            if shared and not first.matches(second):
+                problem = f"{shared.pop()} has a dry coupling already"
+                remedy = "a joint may have one with dry friction, or several with the same joint, other and ratio"
+                raise InputError(problem, key=f"effects[{i}].level", value=second.level, remedy=remedy)
 
 
 def _check_channel(robot: Robot, effect: SensorEffect) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.effects import Effect, JointElasticity, ParameterError, Payload, SensorEffect
+from flexdyn.effects import Effect, JointCoupling, JointElasticity, ParameterError, Payload, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import GivenNumber
@@ -104,6 +104,8 @@ def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
         if isinstance(effect, ParameterError | JointElasticity | Payload | SensorEffect):
             continue
         for field in effect.parameters():
+            if isinstance(effect, JointCoupling) and field.name == "ratio":
+                continue  # of teeth and pulleys: exact
             place = f"effects[{i}]"
             tolerance = _tolerance(model, f"{place}.{field.name}")
             yield FileNumber(place, field.name, getattr(effect, field.name), tolerance, getattr(effect, "joint", None))

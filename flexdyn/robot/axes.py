@@ -59,7 +59,7 @@ def with_axes(robot: Robot, entries: Any, *, ignore_dynamics: bool = False) -> R
         joint_names=tuple(names),
         kinds=tuple(kinds),
         continuous=tuple(continuous),
-        # The joints' limits bound a region that is no box in the axes.
+        # The joints' limits bound a region that is no box in the axes: `coupled_limits` has those of positions.
         lower=_filled(robot.lower, places, -np.inf),
         upper=_filled(robot.upper, places, np.inf),
         velocity_limit=_filled(robot.velocity_limit, places, np.inf),
@@ -68,7 +68,35 @@ def with_axes(robot: Robot, entries: Any, *, ignore_dynamics: bool = False) -> R
         friction=_filled(robot.friction, places, 0.0),
         tree=replace(robot.tree, gain=gain),
         axes=axes,
+        coupled_limits=_limits(robot, places),
     )
+
+
+def _limits(robot: Robot, places: list[int]) -> dict[str, tuple[float, float]]:
+    """Joint -> (lower, upper) of joints that are limited."""
+    pairs = {robot.joint_names[j]: (float(robot.lower[j]), float(robot.upper[j])) for j in places}
+    return {joint: pair for joint, pair in pairs.items() if any(math.isfinite(value) for value in pair)}
+
+
+def joint_row(robot: Robot, joint: str) -> NDArray[np.float64] | None:
+    """How a joint that axes replace turns with the axes: ``q_joint = row p``, row (n,).
+
+    Args:
+        robot: with the axes.
+        joint: its name.
+
+    Returns:
+        None where the robot has a joint or an axis of this name, or no such joint at all.
+    """
+    replaced = list(dict.fromkeys(each for entry in robot.axes.values() for each in entry))
+    if joint in robot.joint_names or joint not in replaced:
+        return None
+    row = np.zeros(robot.n)
+    row[[robot.joint_index(axis) for axis in robot.axes]] = np.linalg.inv(_matrix(robot.axes, replaced))[
+        replaced.index(joint)
+    ]
+    row[np.abs(row) < np.finfo(float).eps * np.abs(row).max()] = 0.0
+    return row
 
 
 def _filled(values: NDArray[np.float64], places: list[int], value: float) -> NDArray[np.float64]:

@@ -51,6 +51,7 @@ class Robot(Public):
         damping: viscous coefficient of the URDF's <dynamics>, shape (n,) [N m s/rad or N s/m], followers' included.
         friction: Coulomb level of the URDF's <dynamics>, shape (n,) [N m or N], followers' included.
         axes: of coupled drives, in the place of the joints that they name: axis -> {joint: coefficient}.
+        coupled_limits: least and largest position of joints that axes replace, where the URDF limits them.
         followers: mimic joints: (leader, multiplier, offset), q_follower = multiplier q_leader + offset.
         tree: the arrays of the kinematic tree, followers included.
 
@@ -79,12 +80,13 @@ class Robot(Public):
     _links: tuple[Link, ...] = field(default=())
     _joints: tuple[RobotJoint, ...] = field(default=())
     axes: Axes = field(default_factory=dict)
+    coupled_limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Copy and lock arrays and tables."""
         for name in _ARRAYS:
             object.__setattr__(self, name, locked(getattr(self, name)))
-        for name in ("lock", "followers"):
+        for name in ("lock", "followers", "coupled_limits"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __reduce__(self) -> tuple[Any, ...]:

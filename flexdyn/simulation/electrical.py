@@ -7,9 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.effects import MemoryEffect
+from flexdyn.effects.motor import MotorWinding
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import acting_effects
 
 Array = NDArray[np.float64]
+ROUNDING = 1e-12
+"""Part of a limit that a current at it may be off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,9 +22,10 @@ class Electrical:
     """Of every joint's motor at the samples (samples, n); NaN where the joint has no DC motor.
 
     Attributes:
-        voltage: at the motor's terminals [V]: as asked for, but where the supply or the current's limit cuts it.
+        voltage: at the motor's terminals [V]: as asked for, but where the supply or the current's limit cuts it; with
+            inductance ``R i + L i' + kt omega``.
         current: [A].
-        power: voltage times current [W]; the rest of it beside `heat` is mechanical.
+        power: voltage times current [W]; the rest of it beside `heat` is mechanical, and with inductance magnetic.
         heat: R current^2 [W].
 
     Example:
@@ -52,13 +58,14 @@ def asked_voltage(model: FlexibleJointModel, tau: Array) -> Array:
     return volts
 
 
-def electrical(model: FlexibleJointModel, tau: Array, omega: Array) -> Electrical:
+def electrical(model: FlexibleJointModel, tau: Array, omega: Array, z: Array) -> Electrical:
     """Of motors that are asked for torques while they turn.
 
     Args:
         model: whose actuators.
         tau: torques asked for (samples, n) [N m or N].
         omega: rotor speeds, reflected (samples, n).
+        z: internal states of the plant (samples, number of them): of currents with inductance among them.
     """
     volts, true = asked_voltage(model, tau), model.resolved()
     current, heat = np.full_like(tau, np.nan), np.full_like(tau, np.nan)
@@ -66,9 +73,21 @@ def electrical(model: FlexibleJointModel, tau: Array, omega: Array) -> Electrica
         if joint.actuator is None:
             continue
         motor = joint.actuator.dc_motor
-        induced = joint.gear_ratio * motor.torque_constant * omega[:, j]
-        free = (volts[:, j] - induced) / motor.resistance
-        current[:, j] = np.clip(free, -motor.current_limit, motor.current_limit)
+        kt = joint.gear_ratio * motor.torque_constant
+        free = (volts[:, j] - kt * omega[:, j]) / motor.resistance
+        if motor.inductance == 0.0:
+            current[:, j] = np.clip(free, -motor.current_limit, motor.current_limit)
+            volts[:, j] = motor.resistance * current[:, j] + kt * omega[:, j]
+        else:
+            current[:, j] = z[:, winding_states(true)[true.joint_names[j]]] / kt
+            held = np.abs(current[:, j]) >= motor.current_limit * (1.0 - ROUNDING)
+            held &= free * current[:, j] >= current[:, j] ** 2
+            volts[held, j] = motor.resistance * current[held, j] + kt * omega[held, j]
         heat[:, j] = motor.resistance * current[:, j] ** 2
-        volts[:, j] = motor.resistance * current[:, j] + induced
     return Electrical(volts, current, volts * current, heat)
+
+
+def winding_states(model: FlexibleJointModel) -> dict[str, int]:
+    """Joint of every motor with inductance -> place of its current's torque among the internal states."""
+    kept = [effect for effect in acting_effects(model) if isinstance(effect, MemoryEffect | MotorWinding)]
+    return {effect.joint: place for place, effect in enumerate(kept) if isinstance(effect, MotorWinding)}

@@ -28,18 +28,20 @@ class EnergyWarning(UserWarning):
 class Energy(Public):
     """Where the energy of a motion is and went, sample by sample [J], each (samples,) unless said.
 
-    ``mechanical - initial = supplied + external - sum of dissipated + residual``.
+    ``mechanical + magnetic - initial = supplied + external - sum of dissipated + residual``.
 
     Attributes:
         kinetic: of the links and rotors.
         spring: held by springs of all kinds: transmissions, bristles, hysteresis, parallel springs, counterbalances.
         gravity: of the links, from the height of the base.
-        supplied: by each motor since the start, tau_applied omega integrated (samples, n).
+        supplied: by each motor since the start, tau_applied omega integrated (samples, n); of a motor with inductance
+            also what its winding took in, L i i'.
         external: by wrenches since the start.
         dissipated: since the start, by ``effect.joint.side``; ``damping.JOINT`` is the joint's own. An end stop's entry
             holds what its spring still stores.
-        initial: mechanical energy at the start of the run, which the first sample need not be [J].
+        initial: mechanical and magnetic energy at the start of the run, which the first sample need not be [J].
         tolerance: that the residual should stay below [J].
+        magnetic: 1/2 L i^2 in the windings of motors with inductance.
 
     Example:
         >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
@@ -57,6 +59,7 @@ class Energy(Public):
     dissipated: Mapping[str, Array]
     initial: float
     tolerance: float
+    magnetic: Array
 
     def __repr__(self) -> str:
         """What went where over the whole run [J], in a line."""
@@ -66,7 +69,8 @@ class Energy(Public):
 
     def __post_init__(self) -> None:
         """Lock every array."""
-        for array in (self.kinetic, self.spring, self.gravity, self.supplied, self.external, *self.dissipated.values()):
+        stored = (self.kinetic, self.spring, self.gravity, self.magnetic)
+        for array in (*stored, self.supplied, self.external, *self.dissipated.values()):
             array.setflags(write=False)
         object.__setattr__(self, "dissipated", MappingProxyType(dict(self.dissipated)))
 
@@ -85,7 +89,7 @@ class Energy(Public):
         """What the ledger leaves unexplained: the integration's error."""
         came = self.supplied.sum(axis=1) + self.external
         went = np.sum(list(self.dissipated.values()), axis=0) if self.dissipated else 0.0
-        return np.asarray(self.mechanical - self.initial - came + went)
+        return np.asarray(self.mechanical + self.magnetic - self.initial - came + went)
 
     @property
     def closes(self) -> bool:

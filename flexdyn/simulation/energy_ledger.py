@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn import _core
 from flexdyn.effects import Effect
+from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import lower_wrenches
@@ -116,6 +117,8 @@ def _energy(run: Moved, plant: _core.Plant, sums: Array) -> Energy:
     _, gravity = LinkSide(model).energy(states[:, :n], states[:, half : half + n])
     kinetic, spring = _kinetic(plant, states, states[:, half : 2 * half]), np.empty(len(states))
     plant.stored_energy(states, spring)
+    magnetic = np.empty(len(states))
+    plant.magnetic_energy(states, magnetic)
     dissipated: dict[str, Array] = {}
     for j in np.flatnonzero(elastic & (model.damping > 0)):
         dissipated[f"damping.{model.joint_names[j]}"] = sums[:, n + 1 + j].copy()
@@ -124,11 +127,12 @@ def _energy(run: Moved, plant: _core.Plant, sums: Array) -> Energy:
         if _has_entry(effect):
             label = _label(effect)
             dissipated[label] = dissipated.get(label, 0.0) + lost
-    parts = [kinetic, spring, gravity]
+    parts = [kinetic, spring, gravity, magnetic]
     tolerance = _tolerance(run, parts, sums)
     initial = float(sum(part[0] for part in parts))
-    kinetic, spring, gravity = (part[1:].copy() for part in parts)
-    return Energy(kinetic, spring, gravity, sums[:, :n].copy(), sums[:, n].copy(), dissipated, initial, tolerance)
+    kinetic, spring, gravity, magnetic = (part[1:].copy() for part in parts)
+    supplied, external = sums[:, :n].copy(), sums[:, n].copy()
+    return Energy(kinetic, spring, gravity, supplied, external, dissipated, initial, tolerance, magnetic)
 
 
 def _kinetic(plant: _core.Plant, states: Array, speeds: Array, chunk: int = 1000) -> Array:
@@ -151,7 +155,8 @@ def _has_entry(effect: Effect) -> bool:
 
 
 def _label(effect: Effect) -> str:
-    return ".".join(str(getattr(effect, key)) for key in ("name", "joint", "side"))
+    name = "joint_coupling" if isinstance(effect, CouplingFriction) else effect.name
+    return ".".join((name, *(str(getattr(effect, key)) for key in ("joint", "side"))))
 
 
 def _tolerance(run: Moved, parts: list[Array], sums: Array) -> float:

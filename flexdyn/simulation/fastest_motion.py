@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.effects import Effect
 from flexdyn.effects.memory import MemoryEffect
+from flexdyn.effects.motor import MotorWinding
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import acting_effects, build_links, core_law, rotor_spin
 
@@ -111,4 +112,4 @@ class _Parts:
 
 def _remembers(effect: Effect) -> bool:
     """Whether the law has an internal state."""
-    return isinstance(effect, MemoryEffect)
+    return isinstance(effect, MemoryEffect | MotorWinding)

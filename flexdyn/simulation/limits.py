@@ -14,6 +14,7 @@ from flexdyn.effects import Effect, EndStop, TorqueSpeedLimit
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot import Robot
+from flexdyn.robot.axes import joint_row
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -93,7 +94,23 @@ def exceeded(robot: Robot, t: Array, q: Array, v: Array, tau: Array) -> tuple[Ex
                 most = int(np.argmax(past))
                 since = float(t[np.argmax(beyond)])
                 found.append(Exceeded(joint, kind, limit, float(past[most]), since, float(t[most]), unit))
-    return tuple(found)
+    return (*found, *_coupled_excesses(robot, t, q))
+
+
+def _coupled_excesses(robot: Robot, t: Array, q: Array) -> Iterator[Exceeded]:
+    """Positions beyond their limit of joints that axes move."""
+    for joint, limits in robot.coupled_limits.items():
+        row = joint_row(robot, joint)
+        if row is None:  # an axis has its name
+            continue
+        position, unit = q @ row, robot.angle_unit(int(np.flatnonzero(row)[0]))
+        for limit, sign in zip(limits, (-1.0, 1.0), strict=True):
+            past = sign * (position - limit)
+            beyond = past > SLACK * max(1.0, abs(limit))
+            if beyond.any():
+                most = int(np.argmax(past))
+                since = float(t[np.argmax(beyond)])
+                yield Exceeded(joint, "position", limit, float(past[most]), since, float(t[most]), unit)
 
 
 def _excesses(
@@ -138,13 +155,23 @@ def enforce_limits(
         if value is not None and not 0.0 < as_number(value) < math.inf:
             raise InputError("a number above 0 is needed", key=key, value=value)
     added: list[Effect] = []
-    inertia = np.diag(LinkSide(model).mass_matrix(_first(model)))
+    M = LinkSide(model).mass_matrix(_first(model))
+
+    def stop(joint: str, limits: tuple[float, float], fastest: float, inertia: float) -> None:
+        if _has(model, EndStop, joint):
+            return
+        K = (fastest / TRAVEL) ** 2 * inertia if stiffness is None else stiffness
+        D = 2.0 * STOP_DAMPING_RATIO * math.sqrt(K * inertia) if damping is None else damping
+        added.append(EndStop(joint, side="link", lower=limits[0], upper=limits[1], stiffness=K, damping=D))
+
+    for joint, limits in model.robot.coupled_limits.items():
+        row = joint_row(model.robot, joint)
+        if row is not None:  # no axis has its name
+            stop(joint, limits, 1.0, 1.0 / float(row @ np.linalg.solve(M, row)))
     for j, joint in enumerate(model.joint_names):
-        if _ranged(model.robot, j) and not _has(model, EndStop, joint):
-            K = (_fastest(model.robot, j) / TRAVEL) ** 2 * float(inertia[j]) if stiffness is None else stiffness
-            D = 2.0 * STOP_DAMPING_RATIO * math.sqrt(K * float(inertia[j])) if damping is None else damping
-            lower, upper = float(model.robot.lower[j]), float(model.robot.upper[j])
-            added.append(EndStop(joint, side="link", lower=lower, upper=upper, stiffness=K, damping=D))
+        if _ranged(model.robot, j):
+            limits = (float(model.robot.lower[j]), float(model.robot.upper[j]))
+            stop(joint, limits, _fastest(model.robot, j), float(M[j, j]))
         effort = float(model.robot.effort_limit[j])
         if 0.0 < effort < math.inf and not _has(model, TorqueSpeedLimit, joint):
             speed = NO_LINE * max(1.0, _fastest(model.robot, j))

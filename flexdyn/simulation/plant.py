@@ -11,11 +11,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
-from flexdyn.effects import Effect, JointCoupling, JointEffect, Payload, TorqueConstantError
+from flexdyn.effects import (
+    Effect,
+    JointCoupling,
+    JointEffect,
+    Payload,
+    TorqueConstantError,
+)
+from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot
+from flexdyn.robot.axes import joint_row
 from flexdyn.robot.tree import Tree
 
 Array = NDArray[np.float64]
@@ -217,6 +225,9 @@ def acting_effects(model: FlexibleJointModel) -> list[Effect]:
     Actuator effects stand in the order in which they act; a neutral effect does not stand there at all.
     """
     acting = [effect for effect in model.all_effects if not effect.is_neutral and effect.stage not in OTHER_STAGES]
+    acting = [
+        part for effect in acting for part in (effect.parts() if isinstance(effect, JointCoupling) else (effect,))
+    ]
     acting = _gains_added(acting)
     return sorted(acting, key=lambda effect: effect.order)
 
@@ -239,13 +250,15 @@ def core_law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
     """
     if not isinstance(effect, JointEffect):
         raise InputError("an effect in the plant acts on a joint", key=effect.name, remedy="derive it from JointEffect")
-    joint, side = model.index(effect.joint), str(effect.side)
+    side, row = str(effect.side), joint_row(model.robot, effect.joint)
+    joint = model.index(effect.joint) if row is None else int(np.flatnonzero(row)[0])
     if effect.is_python:
         _check_stage(effect)
         return _core.python_law(effect.stage, joint, side, _caller(effect))
-    other = model.index(effect.other) if isinstance(effect, JointCoupling) else -1
+    other = model.index(effect.other) if isinstance(effect, JointCoupling | CouplingFriction) else -1
+    values = (effect.coefficient,) if isinstance(effect, JointCoupling) else effect.values
     try:
-        return _core_law(effect.name, joint, side, effect.values, other)
+        return _core_law(effect.name, joint, side, values, other, () if row is None else tuple(row.tolist()))
     except ValueError:
         remedy = "write its law in Python: override torque(self, x, u, *, t, tau)"
         raise InputError("the core has no law of this name", key=effect.name, remedy=remedy) from None

@@ -121,7 +121,7 @@ class Run(Public):
     @cached_property
     def electrical(self) -> Electrical:
         """Volts, amperes, power and heat of the motors under voltage, at the samples."""
-        return electrical(self.model, self.tau, self.omega)
+        return electrical(self.model, self.tau, self.omega, self.z)
 
     @cached_property
     def energy(self) -> Energy:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.effects import Effect, JointCoupling
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.solvers import (
@@ -61,7 +62,7 @@ def choose_solver(
     width = getattr(solver, "smoothing", None)
     if width is None and not isinstance(solver, RungeKutta4):
         return solver, tuple(notes)
-    dry = [effect for effect in model.all_effects if effect.stage == "dry" and not effect.is_neutral]
+    dry = [effect for effect in model.all_effects if _is_dry(effect) and not effect.is_neutral]
     if dry and width is None:
         remedy = "use DormandPrince, or give RungeKutta4 a smoothing in rad/s"
         problem = f"RungeKutta4 takes smooth laws only, and the model has {dry[0].name}"
@@ -69,6 +70,10 @@ def choose_solver(
     if dry:
         notes.append(f"dry friction is smoothed over {width:g} rad/s: a loaded joint creeps instead of sticking")
     return solver, tuple(notes)
+
+
+def _is_dry(effect: Effect) -> bool:
+    return effect.stage == "dry" or (isinstance(effect, JointCoupling) and effect.level > 0.0)
 
 
 def switch_notes(notes: tuple[str, ...], solver: Solver) -> tuple[str, ...]:

@@ -190,3 +190,16 @@ def test_a_picture_that_cannot_be_drawn(flexdyn: Runner, options: tuple[str, ...
     assert outcome.err.startswith(words)
     assert outcome.err.count("\n") == 1
     assert [path.name for path in Path().iterdir()] == ["run.npz"]
+
+
+def test_motors_under_voltage_are_told(flexdyn: Runner, tmp_path: Path) -> None:
+    """Their numbers with units, those that are there, in the table and as JSON."""
+    motor = {"torque_constant": 0.05, "resistance": 1.2, "supply": 24.0, "inductance": 2e-4}
+    arm = fd.load_model("scara_two_link").replace(joints={"elbow": {"actuator": {"dc_motor": motor}}})
+    fd.save_model(arm, tmp_path / "arm.yaml")
+    shown = flexdyn("info", tmp_path / "arm.yaml")
+    assert "Motors under voltage" in shown.out
+    assert all(word in shown.out for word in ("0.05 N m/A", "1.2 ohm", "24 V", "0.0002 H"))
+    document = flexdyn("info", tmp_path / "arm.yaml", "--json").json
+    assert [joint["actuator"] for joint in document["joints"]] == [None, {"dc_motor": motor}]
+    assert "Motors under voltage" not in flexdyn("info", "ur5").out

@@ -45,7 +45,7 @@ TABLE: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
     ("parallel_spring", LINK, {"stiffness": "N m/rad", "rest": ANGLE}),
     ("position_torque", LINK, {"cos_1": LEVEL, "sin_1": LEVEL, "cos_2": LEVEL, "sin_2": LEVEL}),
     ("end_stop", LINK, {"lower": ANGLE, "upper": ANGLE, "stiffness": "N m/rad", "damping": VISCOUS}),
-    ("joint_coupling", MOTOR, {"coefficient": VISCOUS}),
+    ("joint_coupling", MOTOR, {"coefficient": VISCOUS, "level": LEVEL, "ratio": ONE}),
     ("parameter_error", (), {"factor": ONE}),
     ("channel_lag", SENSOR, {"delay": "s"}),
     ("encoder_eccentricity", SENSOR, {"amplitude": ANGLE, "harmonic": ONE, "phase": ANGLE}),
@@ -55,6 +55,9 @@ TABLE: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
 DEFAULTS = {
     ("stribeck_friction", "exponent"): 1.0,
     ("presliding_friction", "damping"): 0.0,
+    ("joint_coupling", "coefficient"): 0.0,
+    ("joint_coupling", "level"): 0.0,
+    ("joint_coupling", "ratio"): 1.0,
     ("encoder_eccentricity", "harmonic"): 1.0,
 }
 AT_LEAST_ZERO = [

@@ -64,7 +64,7 @@ LAWS: dict[str, Law] = {
         -e.cos_1 * np.cos(x) - e.sin_1 * np.sin(x) - e.cos_2 * np.cos(2 * x) - e.sin_2 * np.sin(2 * x)
     ),
     "end_stop": lambda e, t, x, u, tau: pressed(e, x, u),
-    "joint_coupling": lambda e, t, x, u, tau: e.coefficient * u,
+    "joint_coupling": lambda e, t, x, u, tau: e.coefficient * u + e.level * np.sign(-e.ratio * u),
 }
 ODD = [
     "viscous_friction",

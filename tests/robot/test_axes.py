@@ -102,7 +102,7 @@ def test_a_file_with_wrong_axes_is_named(tmp_path: Path) -> None:
 def test_joints_that_axes_move_have_no_drive_of_their_own(tmp_path: Path) -> None:
     """The line says which axes move them."""
     wrist = arm(tmp_path).with_axes(WRIST)
-    with pytest.raises(fd.InputError, match="no such joint, got 'roll'; it is moved by left and right"):
+    with pytest.raises(fd.InputError, match="acts on axes, got 'roll'; name an axis that moves it, left and right"):
         fd.FlexibleJointModel(wrist, effects=[fd.effects.CoulombFriction("roll", side="link", level=1.0)])
     with pytest.raises(fd.InputError, match="the robot has axes already"):
         wrist.with_axes({"base": {"base": 1.0}})

@@ -12,6 +12,7 @@ from flexdyn.diagnose.decision.background import Progress, beside
 from flexdyn.diagnose.decision.bar import shown
 from flexdyn.diagnose.decision.blocks import checked_blocks, without_blocks
 from flexdyn.diagnose.decision.held_out import recorded_noise
+from flexdyn.diagnose.decision.refused import check_diagnosable
 from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
@@ -77,6 +78,7 @@ def diagnose(
         >>> [(finding.suspect.effect, finding.suspect.joint) for finding in answer.findings]
         [('coulomb_friction', 'elbow')]
     """
+    check_diagnosable(model)
     fit, check = (as_recordings(given, key) for given, key in ((fit, "fit"), (check, "check")))
     if blocks := checked_blocks(hold_out):
         fit, apart = without_blocks(fit, blocks)

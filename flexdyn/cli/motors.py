@@ -1,0 +1,39 @@
+"""The table of motors under voltage that `flexdyn info` shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flexdyn.cli.output import number, table
+
+UNITS = {"torque_constant": "N m/A", "resistance": "ohm", "supply": "V", "current_limit": "A", "inductance": "H"}
+"""Of a DC motor's numbers."""
+
+
+def motors(joints: Sequence[Mapping[str, Any]]) -> Any:
+    """Numbers of every DC motor and its firmware; None where no joint has one.
+
+    Args:
+        joints: of the document of `flexdyn info`.
+    """
+    driven = [(joint["name"], joint["actuator"]) for joint in joints if joint["actuator"] is not None]
+    columns = ("joint", *(f"{name.replace('_', ' ')}" for name in UNITS), "firmware")
+    rows = [
+        (
+            name,
+            *(
+                f"{number(drive['dc_motor'][key])} {unit}" if key in drive["dc_motor"] else "-"
+                for key, unit in UNITS.items()
+            ),
+            _firmware(drive.get("firmware")),
+        )
+        for name, drive in driven
+    ]
+    return table("Motors under voltage, on the motor's side", columns, rows) if rows else None
+
+
+def _firmware(settings: Mapping[str, Any] | None) -> str:
+    if settings is None:
+        return "-"
+    return ", ".join(f"{key} {number(settings[key])}" for key in ("kp", "ki", "kd", "rate"))

@@ -1,0 +1,97 @@
+"""Effects between the motors of two joints: drag and dry friction of parts that both of them move."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+class JointCoupling(JointEffect):
+    """The rotor of one joint drags on that of another: differential wrists, belts over a common shaft.
+
+    ``f_motor = coefficient omega`` of joint `other`, on the left side of the rotor's equation of `joint`. This part is
+    not friction: it may supply power. With a `level` the parts that rub between both motors have dry friction of their
+    relative velocity ``u = omega - ratio omega_other``: ``level Sgn(u)`` on the rotor of `joint` and ``-ratio`` times
+    that on the rotor of `other`. It is set-valued: what it holds moves as one, u = 0 to the last bit.
+
+    Args:
+        joint: its name.
+        other: the joint whose rotor turns.
+        coefficient: [N m s/rad]; of either sign.
+        level: of dry friction between both [N m].
+        ratio: velocity of the rotor of `joint` over that of `other` at which nothing rubs [1]; of either sign.
+    """
+
+    sides = ("motor",)
+    stage = "friction"
+    law = "coefficient*omega of joint other + level*Sgn(omega - ratio*omega of joint other)"
+    neutral = {"coefficient": 0.0, "level": 0.0}
+    shown = {"coefficient": 0.5}
+    prevalence = "often"
+
+    coefficient: float = parameter("N m s/rad", default=0.0)
+    level: float = parameter("N m", lower=0.0, default=0.0)
+    ratio: float = parameter("1", default=1.0)
+    other: str = dataclasses.field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check the numbers, and that there are two joints."""
+        super().__post_init__()
+        if not isinstance(self.other, str) or not self.other:
+            raise InputError("a joint's name is needed", key=f"{self.name}.other", value=self.other)
+        if self.other == self.joint:
+            remedy = "name another joint, or use viscous_friction"
+            raise InputError(
+                "a joint does not couple to itself", key=f"{self.name}.other", value=self.other, remedy=remedy
+            )
+        if self.ratio == 0.0:
+            remedy = "at 0 the other motor does not take part: use coulomb_friction"
+            raise InputError("a ratio other than 0 is needed", key=f"{self.name}.ratio", value=0.0, remedy=remedy)
+
+    def parts(self) -> tuple[JointEffect, ...]:
+        """Its laws in the plant: the drag, the dry friction, or both."""
+        if self.level == 0.0:
+            return (self,)
+        dry = CouplingFriction(self.joint, side=self.side, other=self.other, level=self.level, ratio=self.ratio)
+        return (dry,) if self.coefficient == 0.0 else (self.replace(level=0.0), dry)
+
+    def matches(self, second: JointCoupling) -> bool:
+        """Whether the dry friction of both is of one relative velocity, so that the levels add up."""
+        return (self.joint, self.other, self.ratio) == (second.joint, second.other, second.ratio)
+
+    @classmethod
+    def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
+        return super()._example_place(joint, other) | {"other": other}
+
+    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
+        # Pointwise the core knows one joint alone: u is the other's velocity, with this one at rest.
+        return self.coefficient * u + self.level * np.sign(-self.ratio * u)
+
+
+class CouplingFriction(JointEffect, abstract=True):
+    """The dry part of a `JointCoupling`, as the plant has it.
+
+    Args:
+        joint: its name.
+        other: the joint whose rotor rubs on it.
+        level: [N m].
+        ratio: [1].
+    """
+
+    name = "dry_coupling"
+    sides = ("motor",)
+    stage = "dry"
+    law = "level*Sgn(omega - ratio*omega of joint other)"
+    neutral = {"level": 0.0}
+
+    level: float = parameter("N m", lower=0.0)
+    ratio: float = parameter("1")
+    other: str = dataclasses.field(kw_only=True)
