@@ -28,3 +28,19 @@ def fuzz_table(results: Mapping[str, Any]) -> str:
         for row in (*rows, every)
     ]
     return markdown_table(head, body)
+
+
+def growth_table(results: Mapping[str, Any]) -> str:
+    """Random arms on which the solvers part: what a tiny turn of the first joint becomes, and the solvers beside it."""
+    head = ["seed", "joints", "solvers apart at default tolerances", "1e-12 rad at the start, multiplied by"]
+    head += ["known until, s", "1e-10 rad at the start, then", "solvers at tight tolerances, then"]
+    body = [
+        [
+            *(str(each[key]) for key in ("seed", "joints")),
+            *(f"{each[key]:.1e}" for key in ("default", "factor")),
+            f"{each['lost']:.2f}",
+            *(f"{each[key]:.1e}" for key in ("turned", "solvers")),
+        ]
+        for each in results["models"]
+    ]
+    return markdown_table(head, body)
