@@ -151,7 +151,8 @@ def main() -> int:
         print(bound)
     if args.output is not None:
         content = {"surveys": results, "bounds": [bound.to_dict() for bound in bounds]}
-        write_results(args.output, "python benchmarks/random_runs.py", content)
+        command = f"python benchmarks/random_runs.py --count {args.count} --extreme {args.extreme}"
+        write_results(args.output, command, content)
     return int(not all(bound.passed for bound in bounds))
 
 

@@ -14,7 +14,7 @@ from flexdyn.simulation.solver_choice import budget, core_settings
 from flexdyn.simulation.solvers import Rosenbrock
 
 Array = NDArray[np.float64]
-STEPS = 2000  # some hundredths of a second of computing; a spent budget took a hundred times that
+TRIAL_STEPS = 2000  # some hundredths of a second of computing; a spent budget took a hundred times that
 RESERVE = 2.0  # times as many steps as the trial foretells must be within the budget
 
 
@@ -33,7 +33,7 @@ def rosenbrock_gets_through(model: FlexibleJointModel, x: Array, tau: Array, dur
     solver, plant = Rosenbrock(), build_plant(model)
     out = [np.empty((1, model.n)) for _ in SIGNALS] + [np.empty((1, plant.internal_states))]
     command = make_drive(model, [float(torque) for torque in tau], duration).command
-    settings = core_settings(solver, max_steps=STEPS)
+    settings = core_settings(solver, max_steps=TRIAL_STEPS)
     try:
         tried = _core.simulate(
             _core.job(plant, command, [], x, duration, settings, np.array([duration]), out, None), None
