@@ -44,3 +44,17 @@ def growth_table(results: Mapping[str, Any]) -> str:
         for each in results["models"]
     ]
     return markdown_table(head, body)
+
+
+def slowest_table(results: Mapping[str, Any]) -> str:
+    """The dearest files within the limits of every reader, and what a megabyte more would cost."""
+    head = ["reader", "file", "size, MB", "time, s", "a MB more, s"]
+    body = [
+        [
+            *(str(row[key]) for key in ("reader", "file")),
+            *(f"{row[key]:.2f}" for key in ("megabytes", "seconds")),
+            f"limit of {row['limit']}" if row["limit"] else f"{row['seconds'] / row['megabytes']:.2g}",
+        ]
+        for row in results["rows"]
+    ]
+    return markdown_table(head, body, text=2)
