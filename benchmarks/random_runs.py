@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from measure import Bound, write_results
 from random_models import Array, Problem, drawn
-from result_tables import markdown_table
+from trust_tables import random_runs_table
 
 import flexdyn as fd
 
@@ -102,30 +102,6 @@ def _enter(row: dict[str, Any], each: Outcome, found: dict[str, Outcome]) -> Non
     row["rescued"] += bool(proposed) and found[proposed].error is None
 
 
-def tables(results: dict[str, Any]) -> str:
-    """Of the surveys, as Markdown."""
-    head = ["models", "solver", "runs", "ended", "budget spent", "other error", "proposed solver ended", "worst CPU, s"]
-    body = []
-    for which, found in results.items():
-        for name, row in found["rows"].items():
-            numbers = [row[key] for key in ("models", "ended", "budget spent", "other error", "rescued")]
-            body.append([which, name, *map(str, numbers), f"{row['seconds']:.1f}"])
-    lines = [markdown_table(head, body, text=2), ""]
-    for which, found in results.items():
-        far = [pair for pair in found["differ"] if pair[1] > 1e-3]
-        said = ", ".join(f"{seed}: {size:.2g}" for seed, size in far[:12]) or "none"
-        lines.append(
-            f"{which}: of {len(found['differ'])} models that both ended, DormandPrince and Rosenbrock differ by more"
-            f" than 1e-3 of the motion on {len(far)} (seed: difference): {said}"
-        )
-        half, most = found["fixed_step"]
-        lines.append(
-            f"{which}: TimeStepping at its default step is {half:.2g} of the motion from Rosenbrock (median;"
-            f" nine of ten below {most:.2g})"
-        )
-    return "\n".join(lines)
-
-
 def main() -> int:
     """Survey, print, write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -136,7 +112,7 @@ def main() -> int:
     warnings.simplefilter("ignore")  # limits of robots, which these have none of
     surveys = (("ordinary", args.count), ("extreme", args.extreme))
     results = {name: survey(count, extreme=name == "extreme") for name, count in surveys if count}
-    print(tables(results))
+    print(random_runs_table({"surveys": results}))
     every = [row for found in results.values() for row in found["rows"].values()]
     bounds = [
         Bound("longest run, s of CPU", max(row["seconds"] for row in every), LONGEST),

@@ -58,3 +58,32 @@ def slowest_table(results: Mapping[str, Any]) -> str:
         for row in results["rows"]
     ]
     return markdown_table(head, body, text=2)
+
+
+def long_runs_table(results: Mapping[str, Any]) -> str:
+    """Memory and time of much work, early on and at its end."""
+    head = ["work", "how much", "memory after 20 %, MB", "at the end, MB", "of it the run's own data, MB"]
+    head += ["CPU a unit after 20 %, ms", "at the end, ms"]
+    body = [
+        [row["name"], row["units"], *(f"{each:.1f}" for each in (*row["memory"], row["kept"]))]
+        + [f"{1e3 * each:.3g}" for each in row["cost"]]
+        for row in results["rows"]
+    ]
+    return markdown_table(head, body, text=2)
+
+
+def random_runs_table(results: Mapping[str, Any]) -> str:
+    """Random models through every solver, and how far the solvers are apart."""
+    head = ["models", "solver", "runs", "ended", "budget spent", "other error", "proposed solver ended", "worst CPU, s"]
+    body, apart = [], []
+    for which, found in results["surveys"].items():
+        for name, row in found["rows"].items():
+            numbers = [row[key] for key in ("models", "ended", "budget spent", "other error", "rescued")]
+            body.append([which, name, *map(str, numbers), f"{row['seconds']:.1f}"])
+        far = [pair for pair in found["differ"] if pair[1] > 1e-3]
+        said = ", ".join(f"{seed}: {size:.2g}" for seed, size in far[:12]) or "none"
+        steps = (f"{each:.2g}" for each in found["fixed_step"])
+        apart.append([which, str(len(found["differ"])), str(len(far)), said, *steps])
+    beside = ["models", "DormandPrince and Rosenbrock ended", "apart by 1e-3 of the motion", "seed: difference"]
+    beside += ["TimeStepping from Rosenbrock, median", "nine of ten below"]
+    return markdown_table(head, body, text=2) + "\n\n" + markdown_table(beside, apart)
