@@ -20,10 +20,11 @@ import warnings
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from measure import Bound, write_results
-from result_tables import markdown_table
+from trust_tables import long_runs_table
 
 import flexdyn as fd
 
@@ -159,17 +160,6 @@ def rows(share: float) -> list[Row]:
     return [first, models(int(10_000 * share)), short_runs(int(100_000 * share)), *pages(run)]
 
 
-def table(found: list[Row]) -> str:
-    """As Markdown."""
-    head = ["work", "how much", "memory after 20 %, MB", "at the end, MB", "of it the run's own data, MB"]
-    head += ["CPU a unit after 20 %, ms", "at the end, ms"]
-    body = []
-    for row in found:
-        numbers = [f"{value:.1f}" for value in (*row.memory, row.kept)] + [f"{1e3 * value:.3g}" for value in row.cost]
-        body.append([row.name, row.units, *numbers])
-    return markdown_table(head, body, text=2)
-
-
 def main() -> int:
     """Work, print, write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -178,12 +168,13 @@ def main() -> int:
     args = parser.parse_args()
     warnings.simplefilter("ignore")  # limits of the robot
     found = rows(args.share)
-    print(table(found))
+    content: dict[str, Any] = {"rows": [asdict(row) for row in found]}
+    print(long_runs_table(content))
     bounds = [bound for row in found for bound in row.bounds]
     for bound in bounds:
         print(bound)
     if args.output is not None:
-        content = {"rows": [asdict(row) for row in found], "bounds": [bound.to_dict() for bound in bounds]}
+        content["bounds"] = [bound.to_dict() for bound in bounds]
         write_results(args.output, "python benchmarks/long_runs.py", content)
     return int(not all(bound.passed for bound in bounds))
 

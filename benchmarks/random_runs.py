@@ -2,9 +2,9 @@
 
     python benchmarks/random_runs.py [--count 400] [--extreme 82] [-o FILE.json]
 
-Prints how many runs ended, how many spent their budget of steps and what the error proposed, whether that did it, and
-how far DormandPrince and Rosenbrock are from each other where both ended. Exit code 1 if a run took longer than any
-budget allows, or if one said nothing of where it stood.
+Prints how many runs ended, how many spent their budget of steps, whether the solver that the error proposes ended, and
+how far DormandPrince and Rosenbrock, and TimeStepping and Rosenbrock, are from each other where both ended. Exit code 1
+if a run took longer than any budget allows, if one said nothing of where it stood, or if a proposal did not end.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from measure import Bound, write_results
 from random_models import Array, Problem, drawn
-from result_tables import markdown_table
+from trust_tables import random_runs_table
 
 import flexdyn as fd
 
@@ -71,6 +71,7 @@ def survey(count: int, *, extreme: bool) -> dict[str, Any]:
         keys = ("models", "ended", "budget spent", "other error", "rescued")
         rows[name_of(solver)] = dict.fromkeys(keys, 0) | {"seconds": 0.0, "silent": 0, "switched": 0}
     differ: list[tuple[int, float]] = []
+    fixed: list[float] = []
     for seed in range(count):
         problem = drawn(seed, extreme=extreme)
         found = {name_of(solver): outcome(problem, solver) for solver in SOLVERS}
@@ -81,8 +82,10 @@ def survey(count: int, *, extreme: bool) -> dict[str, Any]:
         one, other = found["DormandPrince"].q, found["Rosenbrock"].q
         if one is not None and other is not None:
             differ.append((seed, apart(one, other)))
+        if found["TimeStepping"].q is not None and other is not None:
+            fixed.append(apart(found["TimeStepping"].q, other))
     differ.sort(key=lambda pair: -pair[1])
-    return {"rows": rows, "differ": differ}
+    return {"rows": rows, "differ": differ, "fixed_step": [float(part) for part in np.percentile(fixed, [50, 90])]}
 
 
 def _enter(row: dict[str, Any], each: Outcome, found: dict[str, Outcome]) -> None:
@@ -99,25 +102,6 @@ def _enter(row: dict[str, Any], each: Outcome, found: dict[str, Outcome]) -> Non
     row["rescued"] += bool(proposed) and found[proposed].error is None
 
 
-def tables(results: dict[str, Any]) -> str:
-    """Of the surveys, as Markdown."""
-    head = ["models", "solver", "runs", "ended", "budget spent", "other error", "proposed solver ended", "worst CPU, s"]
-    body = []
-    for which, found in results.items():
-        for name, row in found["rows"].items():
-            numbers = [row[key] for key in ("models", "ended", "budget spent", "other error", "rescued")]
-            body.append([which, name, *map(str, numbers), f"{row['seconds']:.1f}"])
-    lines = [markdown_table(head, body, text=2), ""]
-    for which, found in results.items():
-        far = [pair for pair in found["differ"] if pair[1] > 1e-3]
-        said = ", ".join(f"{seed}: {size:.2g}" for seed, size in far[:12]) or "none"
-        lines.append(
-            f"{which}: of {len(found['differ'])} models that both ended, DormandPrince and Rosenbrock differ by more"
-            f" than 1e-3 of the motion on {len(far)} (seed: difference): {said}"
-        )
-    return "\n".join(lines)
-
-
 def main() -> int:
     """Survey, print, write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -126,19 +110,25 @@ def main() -> int:
     parser.add_argument("-o", "--output", type=Path)
     args = parser.parse_args()
     warnings.simplefilter("ignore")  # limits of robots, which these have none of
-    results: dict[str, Any] = {"ordinary": survey(args.count, extreme=False)}
-    results["extreme"] = survey(args.extreme, extreme=True)
-    print(tables(results))
+    surveys = (("ordinary", args.count), ("extreme", args.extreme))
+    results = {name: survey(count, extreme=name == "extreme") for name, count in surveys if count}
+    print(random_runs_table({"surveys": results}))
     every = [row for found in results.values() for row in found["rows"].values()]
     bounds = [
         Bound("longest run, s of CPU", max(row["seconds"] for row in every), LONGEST),
         Bound("budgets spent without a word on the fastest motion", sum(row["silent"] for row in every), 0),
+        Bound(
+            "stopped runs whose proposed solver did not end",
+            sum(row["models"] - row["ended"] - row["rescued"] for row in every),
+            0,
+        ),
     ]
     for bound in bounds:
         print(bound)
     if args.output is not None:
         content = {"surveys": results, "bounds": [bound.to_dict() for bound in bounds]}
-        write_results(args.output, "python benchmarks/random_runs.py", content)
+        command = f"python benchmarks/random_runs.py --count {args.count} --extreme {args.extreme}"
+        write_results(args.output, command, content)
     return int(not all(bound.passed for bound in bounds))
 
 

@@ -1,6 +1,6 @@
 """Try hostile inputs on every reader, the command line and the border of the core, and print what became of them.
 
-python scripts/fuzz.py --inputs 200000 --seed 1
+python scripts/fuzz.py -o benchmarks/results/fuzz.json
 python scripts/fuzz.py --inputs 5000 --only HDF5 --only URDF
 """
 
@@ -11,13 +11,18 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import flexdyn  # noqa: F401 - the installed one: the folder of the same name beside the tests has no core
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from tests.fuzz.harness import Tally, run
-from tests.fuzz.table import table
-from tests.fuzz.targets import TARGETS
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
+
+from measure import Bound, write_results  # noqa: E402
+from trust_tables import FAULTS, fuzz_table  # noqa: E402
+
+from tests.fuzz.harness import Tally, run  # noqa: E402
+from tests.fuzz.targets import TARGETS  # noqa: E402
 
 
 def main() -> int:
@@ -31,6 +36,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", action="append", choices=[target.name for target in TARGETS])
     parser.add_argument("--folder", type=Path, help="to work in; what ended in a fault stays in its folder faults")
+    parser.add_argument("-o", "--output", type=Path, help="a file for the results")
     given = parser.parse_args()
     targets = [target for target in TARGETS if not given.only or target.name in given.only]
     share = sum(target.share for target in targets)
@@ -44,7 +50,14 @@ def main() -> int:
         print(f"{target.name}: {took}, {tally.bad} faults, slowest {tally.slowest_input}", file=sys.stderr, flush=True)
         for where, count in tally.faults.most_common():
             print(f"    {count or '':>6} {where}", file=sys.stderr, flush=True)
-    print(table(tallies))
+    content: dict[str, Any] = {"seed": given.seed, "readers": [tally.to_dict() for tally in tallies]}
+    print(fuzz_table(content))
+    if given.output is not None:
+        counted = {kind: sum(row[kind] for row in content["readers"]) for kind in FAULTS}
+        content["bounds"] = [
+            Bound(f"inputs that end in a {kind}", count, 0).to_dict() for kind, count in counted.items()
+        ]
+        write_results(given.output, f"python scripts/fuzz.py --inputs {given.inputs} --seed {given.seed}", content)
     if any(tally.bad for tally in tallies):
         print(f"the inputs that ended in a fault are in {folder / 'faults'}", file=sys.stderr)
     return int(any(tally.bad for tally in tallies))

@@ -38,6 +38,13 @@ from result_tables import (  # noqa: E402
     measured_table,
     peers_table,
 )
+from trust_tables import (  # noqa: E402
+    fuzz_table,
+    growth_table,
+    long_runs_table,
+    random_runs_table,
+    slowest_table,
+)
 
 MARKER = re.compile(r"<!-- (/?)table:(\w+) -->")
 
@@ -70,6 +77,31 @@ def measured_names() -> str:
 def libraries() -> str:
     """Libraries beside our own code."""
     return libraries_table(_results("libraries"))
+
+
+def fuzz() -> str:
+    """What became of 200,000 hostile inputs."""
+    return fuzz_table(_results("fuzz"))
+
+
+def slowest_files() -> str:
+    """The dearest files within the limits."""
+    return slowest_table(_results("slowest_files"))
+
+
+def long_runs() -> str:
+    """Memory and time over an hour of simulated time, 10,000 models, 100,000 runs."""
+    return long_runs_table(_results("long_runs"))
+
+
+def random_runs() -> str:
+    """Models drawn at random through every solver."""
+    return random_runs_table(_results("random_runs"))
+
+
+def random_growth() -> str:
+    """Chaotic ones of these models."""
+    return growth_table(_results("random_growth"))
 
 
 _NO_SIDE = {"inertia": "link", "model": "any"}
@@ -140,10 +172,15 @@ TABLES: dict[str, Callable[[], str]] = {
     "effects": effects,
     "effect_checks": effect_checks,
     "formats": formats,
+    "fuzz": fuzz,
     "libraries": libraries,
+    "long_runs": long_runs,
     "measured": measured,
     "measured_names": measured_names,
+    "random_growth": random_growth,
+    "random_runs": random_runs,
     "robots": robots,
+    "slowest_files": slowest_files,
 }
 
 

@@ -4,6 +4,7 @@
 #   scripts/sanitize.sh address      memory: out of bounds, used after it was given back
 #   scripts/sanitize.sh undefined    overflow of integers, bad shifts, null references, misaligned pointers
 #   scripts/sanitize.sh thread       data races, with simulate_many and threads of Python
+#   scripts/sanitize.sh all          address and undefined in one build, then thread: an hour on two cores
 #
 # More arguments go to pytest in place of the tests below. FLEXDYN_PYTHON: another Python than .venv/bin/python.
 # FLEXDYN_BUILD: a folder that keeps the build for the next time. Exit code 1: something was found.
@@ -13,14 +14,24 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 kind=${1:-}
 [ $# -gt 0 ] && shift
+if [ "$kind" = all ]; then
+  failed=0
+  for each in address,undefined thread; do
+    (
+      [ -z "${FLEXDYN_BUILD:-}" ] || export FLEXDYN_BUILD="$FLEXDYN_BUILD/$each"
+      bash scripts/sanitize.sh "$each" "$@"
+    ) || failed=1
+  done
+  exit "$failed"
+fi
 python=${FLEXDYN_PYTHON:-$PWD/.venv/bin/python}
 threads=(tests/simulation/test_simulate_many.py tests/simulation/test_threads.py tests/batch/test_together.py
   tests/simulation/test_simulate_many_threads.py)
 core=(tests/simulation tests/solvers tests/physics)
 case $kind in
-address | undefined) tests=("${core[@]}" tests/batch/test_together.py) ;;
+address | undefined | address,undefined) tests=("${core[@]}" tests/batch/test_together.py) ;;
 thread) tests=("${threads[@]}" tests/solvers/test_together.py tests/simulation/test_users_laws.py) ;;
-*) fail "say which sanitizer: $0 address, undefined or thread" ;;
+*) fail "say which sanitizer: $0 address, undefined, thread or all" ;;
 esac
 [ $# -gt 0 ] && tests=("$@")
 [ -x "$python" ] || fail "there is no $python: run scripts/test.sh first, or set FLEXDYN_PYTHON"
@@ -38,10 +49,11 @@ fi
 compiler=${CXX:-c++}
 library() { "$compiler" -print-file-name="$1"; }
 case $kind in
-address)
+address*)
   preload="$(library libasan.so):$(library libstdc++.so)"
   # Leaks are left out: CPython and NumPy keep what they allocated until the process ends.
   export ASAN_OPTIONS="detect_leaks=0:halt_on_error=1:abort_on_error=1:strict_init_order=1"
+  export UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
   ;;
 undefined)
   preload=""

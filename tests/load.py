@@ -1,8 +1,13 @@
-"""How loaded the machine is: bounds of time are held as they are on a free one, and wider beside other work."""
+"""How loaded the machine is: bounds of time are held as they are on a free one, and wider beside other work; a load."""
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 SPENT = 0.1
 """Processor time of one look [s]."""
@@ -19,3 +24,16 @@ def slowed() -> float:
         pass
     ratio = (time.monotonic() - began) / SPENT
     return 1.0 if ratio < FREE else MARGIN * ratio
+
+
+@contextmanager
+def busy_machine() -> Iterator[None]:
+    """Twice as many processes as there are processors, each of which computes all the time."""
+    words = [sys.executable, "-S", "-c", "while True: pass"]
+    others = [subprocess.Popen(words) for _ in range(2 * len(os.sched_getaffinity(0)))]
+    try:
+        yield
+    finally:
+        for other in others:
+            other.kill()
+            other.wait()

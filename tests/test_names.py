@@ -21,6 +21,8 @@ LISTED = ("inference", "simulated")
 BUDGETS = {
     "HARMONICS_AT_ONCE": "memory",
     "SPARE_COLUMNS": "memory",
+    "COLUMN_COPIES": "memory",
+    "MEMORY_SHARE": "memory",
     "MOST_ORDER": "a model of noise that only the studies use",
 }
 """Constants of those folders that change no result."""

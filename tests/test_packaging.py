@@ -69,6 +69,23 @@ def test_a_wheel_for_every_python_that_is_promised(project: dict[str, Any]) -> N
     assert f">=3.{promised[0]}" == project["project"]["requires-python"]
 
 
+def test_the_release_tries_every_python_without_a_compiler(project: dict[str, Any]) -> None:
+    """The workflow names the Pythons that are promised, builds on four machines, and publishes last, tags alone."""
+    content = YAML(typ="safe").load((ROOT / ".ci" / "release.yml").read_text(encoding="utf-8"))
+    jobs = content["jobs"]
+    builds = project["tool"]["cibuildwheel"]["build"]
+    promised = ["3." + name.removeprefix("cp3").removesuffix("-*") for name in builds]
+    assert jobs["without_compiler"]["strategy"]["matrix"]["python"] == promised
+    built = jobs["wheels"]["strategy"]["matrix"]["machine"]
+    assert [machine.split("-")[0] for machine in built] == ["ubuntu", "ubuntu", "macos", "macos"]
+    assert set(jobs["without_compiler"]["strategy"]["matrix"]["machine"]) <= set(built)
+    for name, job in jobs.items():
+        needed = job.get("needs", [])
+        assert {needed} <= jobs.keys() if isinstance(needed, str) else set(needed) <= jobs.keys(), name
+    assert jobs["publish"]["if"] == "github.ref_type == 'tag'"
+    assert (ROOT / "scripts" / "wheel_check.py").is_file()
+
+
 def test_the_core_needs_no_other_package() -> None:
     """A Python that sees no installed package loads it: it is linked to no library of Pinocchio's or NumPy's."""
     words = [sys.executable, "-I", "-S", "-c", ALONE, str(_core.__file__)]

@@ -54,10 +54,15 @@ TABLES = [
     "effects",
     "effect_checks",
     "formats",
+    "fuzz",
     "libraries",
+    "long_runs",
     "measured",
     "measured_names",
+    "random_growth",
+    "random_runs",
     "robots",
+    "slowest_files",
 ]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from flexdyn.records.units import PRISMATIC
 
 DONE = "ok"
 NOT_DONE = "not done"
+_LONGEST_ARRAY = 200  # bytes
 _FILL = {"string": NOT_DONE, "float64": np.nan, "int64": 0}
 
 
@@ -29,7 +31,7 @@ class StoreArray:
         shape: in runs, samples, joints.
         piece: shape of each of the pieces that it is cut into, all alike: a chunk of runs, or all of a coordinate.
         dtype: as the Zarr format calls it: ``float64``, ``int64`` or ``string``.
-        attrs: kind, units, long_name.
+        attrs: kind, units, long_name; ``name`` where the array's own is another, see `array_name`.
         values: of a coordinate, which is written at once; None: chunk by chunk.
     """
 
@@ -65,10 +67,10 @@ def layouts(cases: Cases) -> Iterator[StoreArray]:
         yield StoreArray(signal, ("run", "time", "joint"), runs + rest, chunk + rest, "float64", attrs)
     for path in study.vary:
         attrs = {"kind": "parameter", "units": cases.places[path].unit, "long_name": path}
-        yield StoreArray(array_name(path), ("run",), runs, chunk, "float64", attrs)
+        yield _column(path, runs, chunk, attrs)
     for metric in cases.metrics:
         attrs = {"kind": "metric", "units": metric.unit, "long_name": metric.description}
-        yield StoreArray(array_name(metric.name), ("run",), runs, chunk, "float64", attrs)
+        yield _column(metric.name, runs, chunk, attrs)
     attrs = {"kind": "status", "long_name": f"{DONE}, or why the run or a metric of it failed"}
     yield StoreArray("status", ("run",), runs, chunk, "string", attrs)
 
@@ -77,10 +79,21 @@ def _coordinate(name: str, dtype: str, attrs: Mapping[str, str], values: NDArray
     return StoreArray(name, (name,), values.shape, values.shape, dtype, attrs, values)
 
 
-def array_name(path: str) -> str:
-    """The name of the array for a number or metric: a slash would make a group of it.
+def _column(name: str, runs: tuple[int, ...], chunk: tuple[int, ...], attrs: Mapping[str, str]) -> StoreArray:
+    """One number a run."""
+    stored = array_name(name)
+    told = attrs if stored == name else attrs | {"name": name}
+    return StoreArray(stored, ("run",), runs, chunk, "float64", told)
+
+
+def array_name(name: str) -> str:
+    """The array of a number or metric: Zarr makes groups of slashes, and file systems take some 250 bytes.
 
     Args:
-        path: of a number, or a metric's name.
+        name: path of a number, or a metric's name.
     """
-    return path.replace("%", "%25").replace("/", "%2F")
+    safe = name.replace("%", "%25").replace("/", "%2F").replace("\\", "%5C")
+    if len(safe.encode()) <= _LONGEST_ARRAY:
+        return safe
+    begin = safe.encode()[: _LONGEST_ARRAY // 2].decode(errors="ignore")
+    return f"{begin}%{sha256(name.encode()).hexdigest()[:32]}"

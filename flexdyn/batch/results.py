@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,7 @@ from flexdyn.batch.layout import DONE, NOT_DONE
 from flexdyn.batch.store import open_store
 from flexdyn.batch.study import Study
 from flexdyn.batch.summary import Summary, metric_summary, parameter_summary, reasons_of
-from flexdyn.errors import InputError, MissingExtra
+from flexdyn.errors import InputError, MissingExtra, visible
 from flexdyn.io.notebook import Public, card, table
 
 if TYPE_CHECKING:
@@ -59,7 +58,7 @@ class Results(Public):
         """Where, how many runs, how many of them failed or wait, in a line."""
         waiting = f", {self.pending} not done" if self.pending else ""
         runs = f"{len(self.status)} runs, {len(self.failed)} failed{waiting}"
-        return f"<Results of {self.study.name} in {self.path}: {runs}>"
+        return visible(f"<Results of {self.study.name} in {self.path}: {runs}>")
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how many runs, what varies, every metric."""
@@ -233,7 +232,8 @@ class Results(Public):
             found = xarray.open_zarr(self.path, chunks=chunks, consolidated=True)
         except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:
             raise self._damaged("the metadata", error) from None
-        return found.rename({name: unquote(str(name)) for name in found.data_vars if "%" in str(name)})
+        told = {stored: each.attrs.get("name") for stored, each in found.data_vars.items()}
+        return found.rename({stored: name for stored, name in told.items() if name is not None})
 
     def _read(self, array: Any) -> NDArray[Any]:
         """Numbers of an array.

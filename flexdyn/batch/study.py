@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 from typing import Any, Self
 
 from flexdyn.batch.distributions import Distribution, Grid, distribution
-from flexdyn.errors import shown
+from flexdyn.errors import shown, visible
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.io.yaml import dump_yaml, parse_yaml
 
@@ -58,7 +58,9 @@ class Study(Public):
 
     def __repr__(self) -> str:
         """What it makes, in a line."""
-        return f"<Study of {self.name}: {self.count} runs of {self.duration:g} s, {len(self.vary)} numbers vary>"
+        return visible(
+            f"<Study of {self.name}: {self.count} runs of {self.duration:g} s, {len(self.vary)} numbers vary>"
+        )
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how many runs, and how each number varies."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.comparison.difference import common_rows, difference, root_mean_square
 from flexdyn.comparison.motion_sources import MotionSource, as_sources, unit_in
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, did_you_mean, visible
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.signals.gaps import in_gaps
 
@@ -85,7 +85,7 @@ class Comparison(Public):
     def __repr__(self) -> str:
         """Which two, over which time, in a line."""
         span = f"{self.samples} samples from {self.start:g} to {self.end:g} s"
-        return f"<Comparison of {self.second} with {self.first}: {len(self.rows)} channels, {span}>"
+        return visible(f"<Comparison of {self.second} with {self.first}: {len(self.rows)} channels, {span}>")
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the errors of every channel."""

@@ -19,7 +19,7 @@ from flexdyn.effects import (
     ViscousFriction,
 )
 from flexdyn.effects.motor import MotorLaw
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, visible
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.effect_checks import fitted
 from flexdyn.model.given_number import GivenNumber, refusal
@@ -141,7 +141,9 @@ class FlexibleJointModel(Public):
     def __repr__(self) -> str:
         """What it holds, in a line."""
         elastic = int(self.elastic.sum())
-        return f"<FlexibleJointModel {self.name}: {self.n} joints, {elastic} elastic, {len(self.all_effects)} effects>"
+        return visible(
+            f"<FlexibleJointModel {self.name}: {self.n} joints, {elastic} elastic, {len(self.all_effects)} effects>"
+        )
 
     def _repr_html_(self) -> str:
         """What a notebook shows: drives and effects."""

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, visible
 from flexdyn.io.notebook import Public
 from flexdyn.plots.panel import Key, Panel
 
@@ -142,7 +142,7 @@ class Picture(Public):
 
     def __repr__(self) -> str:
         """Title and panels, in a line."""
-        return f"<Picture {self.title}: {len(self.panels)} panels; .show(), .save(path)>"
+        return visible(f"<Picture {self.title}: {len(self.panels)} panels; .show(), .save(path)>")
 
     def _repr_mimebundle_(self, *arguments: Any, **settings: Any) -> Any:
         """What a notebook shows; like the pages, without a button that uploads the data."""

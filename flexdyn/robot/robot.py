@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, did_you_mean, visible
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.axes import Axes, with_axes
 from flexdyn.robot.joints import RobotJoint
@@ -96,7 +96,7 @@ class Robot(Public):
 
     def __repr__(self) -> str:
         """Name and joints."""
-        return f"<Robot {self.name}: {self.n} joints {', '.join(self.joint_names)}>"
+        return visible(f"<Robot {self.name}: {self.n} joints {', '.join(self.joint_names)}>")
 
     def _repr_html_(self) -> str:
         """What a notebook shows: joints and their limits."""

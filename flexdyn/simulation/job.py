@@ -58,7 +58,7 @@ class Job:
             SimulationError: the integration could not go on.
         """
         if report["reason"]:
-            raise stopped(report, self.solver, self.model, self.out["tau"])
+            raise stopped(report, self.solver, self.model, self.out["tau"], self.duration)
         solver, switched = self.solver, float(report["switched"])
         if math.isfinite(switched) and not isinstance(solver, DormandPrinceThenRosenbrock):
             solver = DormandPrinceThenRosenbrock(until=switched)

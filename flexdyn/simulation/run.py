@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.effects import SensorEffect, measure
+from flexdyn.errors import visible
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
@@ -86,7 +87,7 @@ class Run(Public):
     def __repr__(self) -> str:
         """What it holds, in a line."""
         steps = f"{type(self.solver).__name__}, {self.stats.get('steps', 0)} steps"
-        return f"<Run {self.model.name}: {self.t[-1]:g} s, {len(self.t)} samples, {steps}>"
+        return visible(f"<Run {self.model.name}: {self.t[-1]:g} s, {len(self.t)} samples, {steps}>")
 
     def _repr_html_(self) -> str:
         """What a notebook shows: solver, where joints began and ended, and how far each signal went."""

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from flexdyn.errors import SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.fastest_motion import Fastest, fastest_motion
+from flexdyn.simulation.fastest_motion import fastest_motion
 from flexdyn.simulation.solver_choice import STIFF
 from flexdyn.simulation.solvers import RungeKutta4, Solver
+from flexdyn.simulation.trial import rosenbrock_gets_through
 
 SPENT = "more steps than allowed"
 STABLE = 2.5  # step times rate up to which the classical method is stable, whatever the phase
@@ -21,7 +22,7 @@ EVENTFUL = 0.2  # events a step: the steps are short for their sake
 
 
 def stopped(
-    report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel, tau: NDArray[np.float64]
+    report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel, tau: NDArray[np.float64], duration: float
 ) -> SimulationError:
     """The error of a run that could not go on.
 
@@ -30,6 +31,7 @@ def stopped(
         solver: of the run.
         model: that moved.
         tau: torques at its samples (samples, n), as far as it came.
+        duration: that was asked for [s].
     """
     t, reason, state = float(report["t"]), str(report["reason"]), np.array(report["x"])
     asked = tau[max(0, int(report["written"]) - 1)] if report["written"] else np.zeros(model.n)
@@ -41,7 +43,10 @@ def stopped(
     often = endless or int(report["events"]) > EVENTFUL * max(1, int(report["steps"]))
     # At a fixed step a motion runs away because the step is too large.
     runaway = "" if isinstance(solver, RungeKutta4) else _runaway(model, state)
-    remedy = runaway or _remedy(name, solver, fastest, short=short, often=often)
+    # Where nothing is fast, or events make the steps short, Rosenbrock has to take them too.
+    stiff = name == "DormandPrince" and fastest is not None and fastest.rate > STIFF and not often and not runaway
+    implicit = stiff and rosenbrock_gets_through(model, state, asked, duration)
+    remedy = runaway or _remedy(solver, short=short, often=often, implicit=implicit)
     why = f"{reason} ({tried} tried, {int(report['events'])} events)" if reason == SPENT else reason
     where = "" if fastest is None else f"; {fastest}"
     return SimulationError(
@@ -67,14 +72,20 @@ def _runaway(model: FlexibleJointModel, state: NDArray[np.float64]) -> str:
     return f"{joint} runs away at {speeds.max():.3g} {unit}/s: check the gains of its controller and its numbers"
 
 
-def _remedy(name: str, solver: Solver, fastest: Fastest | None, *, short: bool, often: bool) -> str:
+def _remedy(solver: Solver, *, short: bool, often: bool, implicit: bool) -> str:
+    """What to do about it.
+
+    Args:
+        solver: of the run.
+        short: its steps are too many.
+        often: for the sake of events.
+        implicit: Rosenbrock was seen to get on with longer ones.
+    """
     if isinstance(solver, RungeKutta4):
         return "take a smaller step"
     if not short:
         return "check the model's numbers and first state"
-    stepping = "TimeStepping, whose steps are fixed"
-    if often:
-        return f"take {stepping}: it does not look for single events"
-    if name == "DormandPrince" and fastest is not None and fastest.rate > STIFF:
+    if implicit:
         return "take Rosenbrock or auto, whose steps need not follow that"
-    return f"take {stepping}, or give the solver a greater max_steps"
+    stepping = "take TimeStepping, whose steps are fixed: halve them until the motion stays the same"
+    return f"{stepping}; it does not look for single events" if often else f"{stepping}; or give a greater max_steps"

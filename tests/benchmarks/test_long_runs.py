@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import asdict
 
 import pytest
 
@@ -20,4 +21,5 @@ def test_memory_stays_flat() -> None:
         memory, _ = row.bounds
         assert memory.passed, str(memory)
         assert min(row.memory) > 10.0
-    assert long_runs.table(found).count("\n") == len(found) + 1
+    table = long_runs.long_runs_table({"rows": [asdict(row) for row in found]})
+    assert table.count("\n") == len(found) + 1

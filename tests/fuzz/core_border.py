@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 import flexdyn as fd
+from flexdyn.effects import Effect
 
 LENGTHS = (0, 1, *(2,) * 12, 3, 7)
 KINDS = ("f8", "f8", "f8", ">f8", "f4", "i1", "u8", "c16", "bool", "O", "U3", "M8[s]", "g")
@@ -72,8 +73,8 @@ def arm() -> fd.FlexibleJointModel:
 
 
 def model(rng: random.Random) -> fd.FlexibleJointModel:
-    """The arm with joints from none to extremely stiff."""
-    if rng.random() < 0.3:
+    """The arm with joints from none to extremely stiff, and effects of any size."""
+    if rng.random() < 0.2:
         return arm()
     joint = {
         "rotor_inertia": number(rng, 1e-9, 1e-3, 0.1, 1e6),
@@ -81,42 +82,60 @@ def model(rng: random.Random) -> fd.FlexibleJointModel:
         "damping": number(rng, 0.0, 1.0, 1e6),
         "gear_ratio": number(rng, 1.0, 100.0),
     }
-    effects = []
-    if rng.random() < 0.3:
-        level = number(rng, 0.0, 0.1, 1e6)
-        effects = [fd.effects.CoulombFriction("elbow", side=rng.choice(("link", "motor")), level=level)]
-    return fd.FlexibleJointModel(arm().robot, {"*": joint}, effects)
+    return fd.FlexibleJointModel(arm().robot, {"*": joint}, [effect(rng) for _ in range(rng.choice((0, 0, 1, 1, 3)))])
 
 
-def run_of(rng: random.Random) -> tuple[fd.FlexibleJointModel, Any, float]:
-    """A model, a solver, and how long it may be asked to run: no more than some thousand steps."""
-    arm, step = model(rng), number(rng, *STEPS)
-    duration = rng.choice((step, 3 * step, 1000 * step, 0.5 * step, number(rng, step)))
-    kind = rng.choice(("TimeStepping", "RungeKutta4", "DormandPrince"))
-    if kind == "DormandPrince":
-        # Its steps follow the fastest rate of the model, by the spring or by the damper.
-        rates = [max((j.stiffness / j.rotor_inertia) ** 0.5, j.damping / j.rotor_inertia) for j in elastic(arm)]
-        return arm, fd.solvers.DormandPrince(rtol=number(rng, 1e-6, 1e-3)), min(duration, 100 / max([1e3, *rates]))
-    return arm, getattr(fd.solvers, kind)(step=step), duration if duration <= 5000 * step else 1000 * step
+def effect(rng: random.Random) -> Effect:
+    """One of the catalogue, each of its numbers as it is shown, or that times any power of ten, or none that fits."""
+    kind = rng.choice([kind for kind in fd.effects.catalogue().values() if kind.__module__.startswith("flexdyn.")])
+    joints = ["shoulder", "elbow"]
+    rng.shuffle(joints)
+    shown = kind.example(*joints)
+    changed: dict[str, Any] = {}
+    for parameter in kind.parameters():
+        usual = getattr(shown, parameter.name)
+        if rng.random() < 0.5:
+            changed[parameter.name] = number(rng, usual, usual * 10.0 ** rng.uniform(-9.0, 9.0), 0.0)
+    if len(kind.sides) > 1:
+        changed["side"] = rng.choice(kind.sides)
+    return shown.replace(**changed)
 
 
-def calm(values: Any) -> Any:
-    """What was drawn, no number of it larger than 3."""
-    return np.clip(values, -3.0, 3.0) if isinstance(values, np.ndarray) and values.dtype.kind == "f" else values
+def solver(rng: random.Random) -> tuple[Any, float]:
+    """A solver with settings that may fit, and how long it may be asked to run.
+
+    A fixed step comes to its end however small it is: such runs are no longer than some thousand steps. Those that
+    choose their steps have a budget of them, so that they may be asked for any time.
+    """
+    kind = rng.choice(("TimeStepping", "RungeKutta4", "DormandPrince", "Rosenbrock", "auto"))
+    if kind in ("TimeStepping", "RungeKutta4"):
+        step = number(rng, *STEPS)
+        duration = rng.choice((step, 3 * step, 1000 * step, 0.5 * step, number(rng, step)))
+        width = {"smoothing": number(rng, 1e-3, 1.0)} if kind == "RungeKutta4" and rng.random() < 0.7 else {}
+        return getattr(fd.solvers, kind)(step=step, **width), duration if duration <= 5000 * step else 1000 * step
+    if kind == "auto" or rng.random() < 0.05:
+        return kind, min(number(rng, *STEPS), 1.0)
+    # A budget of 1e15 steps is what was asked for, and no hang.
+    settings: dict[str, Any] = {"max_steps": rng.choice((10.0, 1e4, 1e4, 1e4, number(rng, 300.0) % 1e4))}
+    settings |= {"rtol": number(rng, 1e-12, 1e-6, 1e-3), "atol": number(rng, 1e-14, 1e-8)}
+    settings |= {"max_step": number(rng, *STEPS)} if rng.random() < 0.2 else {}
+    settings |= {"smoothing": number(rng, 1e-9, 1e-3)} if rng.random() < 0.2 else {}
+    return getattr(fd.solvers, kind)(**settings), number(rng, *STEPS)
 
 
-def elastic(arm: fd.FlexibleJointModel) -> list[fd.Joint]:
-    """The joints that are not rigid."""
-    return [joint for joint in arm.joints.values() if joint.rotor_inertia and np.isfinite(joint.stiffness)]
+def large(rng: random.Random, values: Any) -> Any:
+    """What was drawn, sometimes times any power of ten."""
+    if rng.random() < 0.6 or not isinstance(values, np.ndarray) or values.dtype.kind != "f":
+        return values
+    with np.errstate(all="ignore"):
+        return values * 10.0 ** rng.uniform(-15.0, 15.0)
 
 
 def simulated(rng: random.Random) -> None:
     """One run from hostile first states under a hostile command."""
-    arm, settings, duration = run_of(rng)
-    starts = {name: array(rng) for name in ("q0", "v0", "theta0", "omega0") if rng.random() < 0.3}
-    if isinstance(settings, fd.solvers.DormandPrince):  # how fast it starts tells how many steps it takes
-        starts = {"q0": calm(starts["q0"])} if "q0" in starts else {}
-    command = array(rng) if rng.random() < 0.5 else None
+    arm, (settings, duration) = model(rng), solver(rng)
+    starts = {name: large(rng, array(rng)) for name in ("q0", "v0", "theta0", "omega0") if rng.random() < 0.3}
+    command = large(rng, array(rng)) if rng.random() < 0.5 else None
     rate = number(rng, 1000.0, 1.0) if duration < 0.1 else 10.0
     times = array(rng) if rng.random() < 0.1 else None
     run = fd.simulate(arm, command, duration, settings, rate=rate, times=times, **starts)
@@ -124,12 +143,15 @@ def simulated(rng: random.Random) -> None:
 
 
 def many(rng: random.Random) -> None:
-    """Several runs at once, some of them refused."""
-    first, settings, duration = run_of(rng)
-    runs = fd.simulate_many([first, arm()], array(rng), duration, settings, q0=calm(array(rng)), threads=1)
+    """Several runs at once, some of them refused or stopped."""
+    first, (settings, duration) = model(rng), solver(rng)
+    starts = large(rng, array(rng))
+    runs = fd.simulate_many([first, arm()], array(rng), duration, settings, q0=starts, threads=1, rate=10.0)
     for each in runs:
         if isinstance(each, fd.Run):
             finite(each.q, each.theta)
+        else:
+            assert str(each).isprintable(), "an error of more than one line"
 
 
 def recorded(rng: random.Random) -> None:

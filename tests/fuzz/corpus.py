@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 
@@ -130,11 +132,37 @@ def tables(folder: Path) -> list[bytes]:
     ]
 
 
+MATLAB_HEAD = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, Created on: Mon Jan  1 00:00:00 2024 HDF5 schema 1.00 ."
+PACKED: tuple[dict[str, Any], ...] = ({}, {"chunks": (2,), "compression": "gzip", "shuffle": True})
+
+
+def hdf5(folder: Path) -> list[bytes]:
+    """As flexdyn writes them, and as most programs do: in the oldest form, which has no checksums to find damage by."""
+    files = written((SMALL, WIDE), ".h5", folder)
+    for packed in PACKED:
+        with h5py.File(folder / "oldest.h5", "w", libver="earliest") as file:
+            file.create_dataset("t", data=T, **packed)
+            file.create_dataset("q/elbow", data=T, **packed).attrs["unit"] = "rad"
+            file.create_dataset("tau/elbow", data=-T, **packed)
+        files += [(folder / "oldest.h5").read_bytes()] * 2
+    return files
+
+
 def mat73(folder: Path) -> list[bytes]:
-    """MAT-files of version 7.3, which is written where a variable is too large for version 5."""
+    """MAT-files of version 7.3, which is written where a variable is too large for version 5; and MATLAB's own form."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(mat_file, "LARGEST_V5", 0)
-        return written((SMALL, WIDE), ".mat", folder)
+        files = written((SMALL, WIDE), ".mat", folder)
+    for packed in PACKED:
+        with h5py.File(folder / "oldest.mat", "w", libver="earliest", userblock_size=512) as file:
+            for name, values in (("t", T), ("q/elbow", T), ("tau/elbow", -T)):
+                file.create_dataset(name, data=values[None], **{**packed, **({"chunks": (1, 2)} if packed else {})})
+                file[name].attrs["MATLAB_class"] = np.bytes_("double")
+            for name in ("q", "tau"):
+                file[name].attrs["MATLAB_class"] = np.bytes_("struct")
+        data = (folder / "oldest.mat").read_bytes()
+        files += [MATLAB_HEAD.ljust(124) + b"\0\2IM" + data[128:]] * 2
+    return files
 
 
 def bags(folder: Path, *, kinds: tuple[str, ...]) -> list[bytes]:

@@ -61,6 +61,16 @@ class Tally:
         """Inputs that were neither read nor refused by one line."""
         return self.inputs - self.outcomes["read"] - self.outcomes["refused"]
 
+    def to_dict(self) -> dict[str, Any]:
+        """As the result file writes it.
+
+        The slowest input in seconds of computing, by the clock where another process reads; the most bytes that a
+        process held, the program itself included.
+        """
+        kinds = ("read", "refused", "crash", "hang", "traceback", "line")
+        outcomes = {kind: self.outcomes[kind] for kind in kinds}
+        return {"name": self.name, "inputs": self.inputs} | outcomes | {"seconds": self.slowest, "bytes": self.memory}
+
 
 def input_of(target: Target, seeds: list[bytes], seed: int, number: int) -> bytes:
     """The input of a number: the same on every machine."""

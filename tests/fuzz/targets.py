@@ -85,7 +85,7 @@ def _written(suffix: str) -> Callable[[Path], list[bytes]]:
 TARGETS = (
     _reader("CSV", ".csv", corpus.tables, 34, any_text),
     _reader("NPZ", ".npz", _written(".npz"), 12, any_archive),
-    _reader("HDF5", ".h5", _written(".h5"), 2),
+    _reader("HDF5", ".h5", corpus.hdf5, 2),
     _reader("Parquet", ".parquet", _written(".parquet"), 10),
     _reader("MAT 5", ".mat", _written(".mat"), 24),
     _reader("MAT 7.3", ".mat", corpus.mat73, 1.2),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import warnings
@@ -12,7 +13,6 @@ import pytest
 from flexdyn.errors import InputError
 from tests.fuzz import harness
 from tests.fuzz.harness import run
-from tests.fuzz.table import table
 from tests.fuzz.targets import TARGETS, Target
 
 ROOT = Path(__file__).parents[2]
@@ -21,10 +21,14 @@ ROOT = Path(__file__).parents[2]
 def test_a_short_run_finds_nothing(tmp_path: Path) -> None:
     """Some hundred inputs over all targets: each is read, or refused by one line."""
     command = [sys.executable, str(ROOT / "scripts" / "fuzz.py"), "--inputs", "600", "--seed", "5"]
+    command += ["-o", str(tmp_path / "fuzz.json")]
     done = subprocess.run([*command, "--folder", str(tmp_path)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     rows = [line.split("|")[1].strip() for line in done.stdout.splitlines()[2:]]
     assert rows == [*(target.name for target in TARGETS), "all"]
+    written = json.loads((tmp_path / "fuzz.json").read_text(encoding="utf-8"))
+    assert sum(row["inputs"] for row in written["readers"]) == pytest.approx(600, abs=10)
+    assert all(bound["passed"] for bound in written["bounds"])
 
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
@@ -79,4 +83,5 @@ def test_the_harness_notices_every_fault(tmp_path: Path, monkeypatch: pytest.Mon
     assert (tally.inputs, tally.bad) == (10, 7)
     kept = sorted(path.read_text() for path in (tmp_path / "faults").iterdir())
     assert kept == ["0", "1", "2", "3", "4", "5", "7"]
-    assert "| all faults | 10 | 2 | 1 | 2 | 1 | 2 | 2 |" in table([tally])
+    counted = {"inputs": 10, "read": 2, "refused": 1, "crash": 2, "hang": 1, "traceback": 2, "line": 2}
+    assert {key: tally.to_dict()[key] for key in counted} == counted

@@ -167,3 +167,14 @@ def test_fixed_steps_take_no_max_steps(solver: Any) -> None:
     """One line that says so."""
     with pytest.raises(fd.InputError, match="max_steps"):
         fd.solvers.make_solver(type(solver).__name__, step=1e-3, max_steps=10)
+
+
+def test_a_vibration_that_swings_on_is_followed_by_every_adaptive_solver() -> None:
+    """A rotor let go beside its link on a spring without damping: Rosenbrock is not proposed, and what is ends."""
+    model = model_of(Arm((1e9, 200.0), (0.0, 0.3), (1e-3, 0.1)))
+    with pytest.raises(fd.SimulationError, match="take TimeStepping") as spent:
+        fd.simulate(model, None, 1.0, DormandPrince(max_steps=2000), theta0=[0.01, 1.0], **MOVING)
+    assert "Rosenbrock" not in str(spent.value)
+    with pytest.raises(fd.SimulationError, match="more steps than allowed"):
+        fd.simulate(model, None, 1.0, Rosenbrock(max_steps=20_000), theta0=[0.01, 1.0], **MOVING)
+    assert fd.simulate(model, None, 1.0, TimeStepping(), theta0=[0.01, 1.0], **MOVING).t[-1] == pytest.approx(1.0)

@@ -22,6 +22,7 @@ from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.inference.memory import check_memory
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import WHOLE_NUMBER_LOG_ODDS, Space, Structure
@@ -102,7 +103,9 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         columns = Library(
             at, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise, mask, first
         )
-        first = first or columns
+        if first is None:
+            check_memory(listed, mask.size, sum(float(along.t[-1] - along.t[0]) for along in at.motions))
+            first = columns
         space = Space(columns, work.whiten(at.residual), seen)
         know(space=space)
         stands = frozenset(

@@ -10,6 +10,7 @@ from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import gap_sentence
 from flexdyn.diagnose.report.verdicts import verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, where_phrase
+from flexdyn.errors import visible
 from flexdyn.io.notebook import card, table
 
 
@@ -37,7 +38,7 @@ def diagnosis_line(diagnosis: Diagnosis) -> str:
     found = [f"{each.suspect.effect} at {each.suspect.joint or 'the arm'}" for each in diagnosis.findings]
     more = f", and {len(found) - 3} more" if len(found) > 3 else ""
     names = f": {', '.join(found[:3])}{more}" if found else ""
-    return f"<Diagnosis of {diagnosis.model.name}, {diagnosis.verdict}{names}>"
+    return visible(f"<Diagnosis of {diagnosis.model.name}, {diagnosis.verdict}{names}>")
 
 
 def _findings(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:

@@ -1,0 +1,112 @@
+"""Where DormandPrince and Rosenbrock part over several seconds: is one of them wrong, or is the arm chaotic?
+
+    python benchmarks/random_growth.py [--count 60] [--seconds 3] [-o FILE.json]
+
+Of the random models whose runs by the two solvers differ by more than 1e-3 at their default tolerances, each is run
+again at tight ones, and once more with its first joint turned by 1e-12 and by 1e-10 rad. An error of integration grows
+as such a turn does. If the solvers differ by no more than the larger turn makes of the same solver, at any time before
+the turn has grown to `LOST`, then neither is wrong: the arm multiplies whatever differs. Exit code 1 otherwise.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from measure import Bound, write_results
+from random_models import Array, Problem, drawn
+from random_runs import apart
+from trust_tables import growth_table
+
+import flexdyn as fd
+
+TIGHT = (
+    fd.solvers.DormandPrince(rtol=1e-12, atol=1e-14, max_steps=1e7),
+    fd.solvers.Rosenbrock(rtol=1e-10, atol=1e-12, max_steps=1e7),
+)
+TURNS = (1e-12, 1e-10)  # rad or m: what 1e-12 becomes is told, 1e-10 is the bound
+LOST = 1e-2  # of the motion: beyond it differences no longer grow in proportion
+PARTED = 1e-3  # of the motion
+
+
+def moved(problem: Problem, solver: fd.solvers.Solver, turn: float = 0.0) -> tuple[Array, Array]:
+    """Times (samples,) and positions of links and rotors (samples, 2 n), the first joint turned at the start."""
+    q0 = np.array(problem.start["q0"], dtype=float)
+    q0[0] += turn
+    run = Problem(problem.model, problem.command, problem.start | {"q0": q0}, problem.duration).run(solver, rate=500.0)
+    return run.t, np.hstack([run.q, run.theta])
+
+
+def growth(seed: int, seconds: float) -> dict[str, Any]:
+    """How a small turn grows in a model, and the solvers' difference beside it."""
+    problem = drawn(seed, duration=seconds)
+    t, truth = moved(problem, TIGHT[0])
+    size = np.abs(truth - truth[0]).max()
+
+    def so_far(other: Array) -> Array:
+        return np.maximum.accumulate(np.abs(other - truth).max(axis=1) / size)
+
+    small, large = (so_far(moved(problem, TIGHT[0], turn)[1]) for turn in TURNS)
+    solvers = so_far(moved(problem, TIGHT[1])[1])
+    before = large < LOST
+    end = int(np.count_nonzero(before)) - 1  # what was seen so far never falls
+    return {
+        "seed": seed,
+        "joints": problem.model.n,
+        "default": apart(
+            *(problem.run(kind(), rate=100.0).q for kind in (fd.solvers.DormandPrince, fd.solvers.Rosenbrock))
+        ),
+        "factor": float(small[-1] * size / TURNS[0]),
+        "lost": float(t[end]),
+        "turned": float(large[end]),
+        "solvers": float(solvers[end]),
+        "ratio": float((solvers[before] / np.maximum(large[before], TURNS[1] / size)).max()),
+    }
+
+
+def parting(count: int, seconds: float) -> list[int]:
+    """The seeds whose runs part at default tolerances."""
+    found = []
+    for seed in range(count):
+        problem = drawn(seed, duration=seconds)
+        try:
+            one, other = (
+                problem.run(kind(), rate=100.0).q for kind in (fd.solvers.DormandPrince, fd.solvers.Rosenbrock)
+            )
+        except fd.SimulationError:
+            continue
+        if apart(one, other) > PARTED:
+            found.append(seed)
+    return found
+
+
+def main() -> int:
+    """Look for such arms, print, write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=60, help="models to look at")
+    parser.add_argument("--seconds", type=float, default=3.0, help="of each run")
+    parser.add_argument("-o", "--output", type=Path)
+    args = parser.parse_args()
+    warnings.simplefilter("ignore")  # limits of robots, which these have none of
+    models = [growth(seed, args.seconds) for seed in parting(args.count, args.seconds)]
+    content = {"count": args.count, "seconds": args.seconds, "models": models}
+    print(growth_table(content))
+    bound = Bound(
+        "solvers apart / a turn of 1e-10 at the start", max((each["ratio"] for each in models), default=0.0), 1.0
+    )
+    print(bound)
+    if args.output is not None:
+        write_results(
+            args.output,
+            f"python benchmarks/random_growth.py --count {args.count} --seconds {args.seconds:g}",
+            content | {"bounds": [bound.to_dict()]},
+        )
+    return int(not bound.passed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
