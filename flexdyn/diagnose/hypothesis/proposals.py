@@ -73,9 +73,15 @@ def _swinging(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
         place,
         make=make,
         units=lambda point: [(build(point, 1.0, phase), 1.0) for phase in (0.0, math.pi / 2, math.pi)],
-        grid=tuple((h,) for h in (SLOW_HARMONICS if extent.turns else (extent.ratio, 2.0 * extent.ratio))),
+        grid=tuple((h,) for h in _seen(SLOW_HARMONICS if extent.turns else (extent.ratio, 2.0 * extent.ratio), extent)),
         axes=("harmonic",),
     )
+
+
+def _seen(harmonics: Sequence[float], extent: MotionExtent) -> tuple[float, ...]:
+    """Harmonics that a joint which slides can show: of a wave that it follows for less than a radian it sees a constant
+    and a slope, and other laws are known by these."""
+    return tuple(h for h in harmonics if extent.turns or h * extent.span >= 1.0)
 
 
 def _presliding(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
@@ -96,7 +102,7 @@ def _presliding(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
 def _transmission(joint: str, extent: MotionExtent, gaps: Sequence[float]) -> Iterator[Proposal]:
     across = {"joint": joint, "side": "transmission"}
     yield given({"effect": "backlash", **across}, ("half_gap",), [(gap,) for gap in gaps])
-    turns = (1.0, 2.0, 3.0, 4.0, extent.ratio, 2.0 * extent.ratio, 4.0 * extent.ratio)
+    turns = _seen((1.0, 2.0, 3.0, 4.0, extent.ratio, 2.0 * extent.ratio, 4.0 * extent.ratio), extent)
     yield wave({"effect": "kinematic_error", **across}, turns, 1e-6)
 
 
@@ -113,7 +119,7 @@ def _elasticity(joint: str) -> Proposal:
 def _actuator(joint: str, extent: MotionExtent) -> Iterator[Proposal]:
     motor = {"joint": joint, "side": "motor"}
     slow = SLOW_HARMONICS if extent.turns else ()
-    turns = (*slow, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0)))
+    turns = _seen((*slow, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0))), extent)
     yield wave({"effect": "torque_ripple", **motor}, turns, extent.torque)
 
 
@@ -167,7 +173,7 @@ def _sensors(equations: Equations, j: int, extent: MotionExtent) -> Iterator[Pro
         place = {"channel": f"{signal}.{joint}"}
         yield linear({"effect": "channel_lag", **place}, "delay", unit=1e-4)
         turns = (1.0, 2.0) if signal == "q" else (1.0, 2.0, extent.ratio, 2.0 * extent.ratio)
-        yield wave({"effect": "encoder_eccentricity", **place}, turns, 1e-6)
+        yield wave({"effect": "encoder_eccentricity", **place}, _seen(turns, extent), 1e-6)
         if both or any(model.gravity):  # one encoder alone: gravity's shape tells, inertias would hide a gain
             yield linear({"effect": "sensor_gain", **place}, "gain", unit=1e-4)
             yield linear({"effect": "sensor_offset", **place}, "offset", unit=1e-5)
