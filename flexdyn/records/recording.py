@@ -38,8 +38,8 @@ class Recording(Public):
         t: time [s], (samples,), strictly increasing, two samples or more.
         channels: arrays (samples,) by channel name; copied. Signals have the units of `SIGNALS`.
         meta: anything JSON can hold, copied and locked; ``meta["units"]`` names units by channel where they are not
-            those of a revolute joint, such as ``{"q.slide": "m"}``; ``meta["prescribed"]`` names the joints whose motion
-            a test rig prescribes (`prescribed`).
+            those of a revolute joint, such as ``{"q.slide": "m"}``; ``meta["prescribed"]`` names the joints whose
+            motion a test rig prescribes.
         name: a label for plots and messages.
 
     Raises:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -140,7 +141,7 @@ class ModelsCompared(Public):
 
 
 def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> ModelsCompared:
-    """Say which numbers of several models of one arm moved by more than their uncertainty, and which effects came or went.
+    """Say which numbers of one arm's models moved by more than their uncertainty, and which effects came or went.
 
     Values are compared by a chi-squared test of the hypothesis that they are one number (Cochran's Q). They are
     uncertain by the standard deviations of the diagnosis, or by the tolerance of a model file that no diagnosis wrote.
@@ -190,7 +191,11 @@ def _labels(models: Sequence[Given]) -> list[str]:
         letter = chr(ord("A") + k) if k < 26 else str(k + 1)
         name = "" if path is None else path.parent.name if path.name == "model.yaml" else path.stem or path.name
         found.append(name or letter)
-    return found if len(set(found)) == len(found) else [chr(ord("A") + k) if k < 26 else str(k + 1) for k in range(len(found))]
+    return (
+        found
+        if len(set(found)) == len(found)
+        else [chr(ord("A") + k) if k < 26 else str(k + 1) for k in range(len(found))]
+    )
 
 
 def _number(name: str, sides: Sequence[Side]) -> NumberOverModels:
@@ -234,7 +239,7 @@ def _effect(name: str, sides: Sequence[Side]) -> EffectOverModels:
 
 
 def _course(there: Sequence[bool]) -> Course:
-    changes = [one != other for one, other in zip(there, there[1:], strict=False)]
+    changes = [one != other for one, other in itertools.pairwise(there)]
     if all(there):
         return "in all"
     if sum(changes) == 1:

@@ -33,9 +33,9 @@ class Equations:
     """The equations of a model along measured motions.
 
     Rows of all recordings follow one another, time by time, and at each time stand the equations in the order of
-    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total; the motor's alone
-    where the motor is moved by a test rig and the link behind it is simulated, not measured; on a rigid joint
-    with both encoders also theta = q, from the start on and whatever a model makes of the joint later [rad or m].
+    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total; the motor's
+    alone where a test rig moves the motor and the link behind it is simulated, not measured; on a rigid joint with
+    both encoders also theta = q, from the start on and whatever a model makes of the joint later [rad or m].
 
     Attributes:
         model: whose equations they are.

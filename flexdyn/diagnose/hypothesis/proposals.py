@@ -79,8 +79,10 @@ def _swinging(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
 
 
 def _seen(harmonics: Sequence[float], extent: MotionExtent) -> tuple[float, ...]:
-    """Harmonics that a joint which slides can show: of a wave that it follows for less than a radian it sees a constant
-    and a slope, and other laws are known by these."""
+    """Harmonics that a joint which slides can show.
+
+    Of a wave that it follows for less than a radian it sees a constant and a slope, which are other laws.
+    """
     return tuple(h for h in harmonics if extent.turns or h * extent.span >= 1.0)
 
 

@@ -49,7 +49,18 @@ from flexdyn.records.repairs import repairs_of
 from flexdyn.records.table import check_name
 from flexdyn.records.units import SIGNALS
 
-TOP_KEYS = ("flexdyn_map", "source", "time", "joints", "channels", "computed", "couplings", "prescribed", "others", "repair")
+TOP_KEYS = (
+    "flexdyn_map",
+    "source",
+    "time",
+    "joints",
+    "channels",
+    "computed",
+    "couplings",
+    "prescribed",
+    "others",
+    "repair",
+)
 CHANNEL_KEYS = tuple("from" if item.name == "source" else item.name for item in fields(Channel) if item.name != "name")
 JOINT_KEYS = ("gear_ratio", "torque_constant", "counts_per_turn", "prismatic")
 
@@ -162,7 +173,9 @@ def _prescribed(joints: Any, channels: tuple[Channel, ...], *, keep: bool) -> tu
     known = tuple(dict.fromkeys(channel.joint for channel in channels if channel.signal))
     for joint in joints:
         if joint not in known and not keep:
-            raise InputError("no channel of this joint", key="prescribed", value=joint, remedy=did_you_mean(joint, known))
+            raise InputError(
+                "no channel of this joint", key="prescribed", value=joint, remedy=did_you_mean(joint, known)
+            )
     return tuple(joints)
 
 
