@@ -24,7 +24,7 @@ HEAVY = 1e16
 moves it by less than 1e-9 m in ten seconds, and 16 digits still tell its motion."""
 RTOL, ATOL = 1e-6, 1e-9
 """Of the simulation; differences over a thousandth of a number are then right to 1e-5."""
-MOST_EVALUATIONS = 2_000_000
+EVALUATIONS_PER_SECOND = 2_000_000
 """Evaluations of the equations for each second, after which a simulation has failed [1/s]."""
 
 
@@ -61,7 +61,7 @@ def links_behind(model: FlexibleJointModel, joints: Sequence[int], t: Array, cou
     x0 = np.ascontiguousarray(np.pad(x0, (0, plant.state_size - len(x0))))
     stiff = fastest_rate(plant, x0) > STIFF
     solver = Rosenbrock(rtol=RTOL, atol=ATOL) if stiff else DormandPrince(rtol=RTOL, atol=ATOL)
-    settings = core_settings(solver, math.ceil(MOST_EVALUATIONS * max(times[-1], 1.0)))
+    settings = core_settings(solver, math.ceil(EVALUATIONS_PER_SECOND * max(times[-1], 1.0)))
     out = np.full((len(SIGNALS), len(t), model.n), np.nan)
     z = np.full((len(t), plant.internal_states), np.nan)
     job = _core.job(plant, command, [], x0, float(times[-1]), settings, times, [*out, z], None)

@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 import flexdyn as fd
 
 Array = NDArray[np.float64]
-URDF = """<robot name="rig"><link name="frame"/>
-<link name="mass"><inertial><mass value="4"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+URDF = """<robot name="rig"><link name="frame"/><link name="mass"><inertial>
+<mass value="4"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="slide" type="prismatic"><parent link="frame"/><child link="mass"/><axis xyz="1 0 0"/>
 <limit lower="-1" upper="1" effort="1e9" velocity="9"/></joint></robot>"""
 MASS, ROTOR, STIFFNESS, DAMPING = 4.0, 2.0, 4e4, 80.0
@@ -27,7 +27,7 @@ def axis(tmp_path_factory: pytest.TempPathFactory) -> fd.FlexibleJointModel:
     file = tmp_path_factory.mktemp("rig") / "rig.urdf"
     file.write_text(URDF, encoding="utf-8")
     drive = {"rotor_inertia": ROTOR, "stiffness": STIFFNESS, "damping": DAMPING}
-    return fd.FlexibleJointModel(str(file), joints={"slide": drive}, tolerance=0.02)
+    return fd.FlexibleJointModel(fd.load_robot(file), joints={"slide": drive}, tolerance=0.02)
 
 
 def rig(t: Array, theta: Array, force: Array | None = None, signal: str = "theta") -> fd.Recording:
@@ -69,7 +69,8 @@ def test_play_lets_go_over_its_whole_width(axis: fd.FlexibleJointModel) -> None:
     ]
     t = np.linspace(0.0, 8.0, 4001)
     theta = 0.02 * np.sin(0.5 * np.pi * t)
-    found = fd.prescribed_forces(axis.replace(effects=laws), rig(t, theta))
+    worn = axis.replace(joints={"slide": {"damping": 1.0}}, effects=laws)  # which acts across the gap as well
+    found = fd.prescribed_forces(worn, rig(t, theta))
     at = np.interp(found.t, t, theta)
     force = found["tau.slide"] - (MASS + ROTOR) * np.gradient(np.gradient(at, found.t), found.t)
     back = (found.t > 5.0) & (found.t < 7.0)  # from 20 mm to -20 mm
@@ -138,7 +139,8 @@ def test_a_recording_keeps_what_its_rig_prescribes() -> None:
     """Through cuts, other rates, pickles and files side by side."""
     t = np.linspace(0.0, 1.0, 201)
     seen = rig(t, np.sin(t))
-    for other in (seen.trim(0.2, 0.8), seen.decimate(2), seen.resample(rate=50.0), pickle.loads(pickle.dumps(seen))):
+    sent = pickle.loads(pickle.dumps(seen))  # noqa: S301 - made here
+    for other in (seen.trim(0.2, 0.8), seen.decimate(2), seen.resample(rate=50.0), sent):
         assert other.prescribed == ("slide",)
     beside = fd.Recording(t, {"q.other": t}).beside(seen)
     assert beside.prescribed == ("slide",)
@@ -151,7 +153,7 @@ def test_a_channel_map_says_it(tmp_path: Path) -> None:
     made = fd.ChannelMap.from_dict(content)
     assert fd.read_recording(tmp_path / "log.csv", map=made).prescribed == ("slide",)
     assert fd.ChannelMap.from_dict(made.to_dict()) == made
-    with pytest.raises(fd.InputError, match=r"no channel of this joint .*slid.* did you mean 'slide'"):
+    with pytest.raises(fd.InputError, match="no channel of this joint, got 'slid'; did you mean 'slide'"):
         fd.ChannelMap.from_dict(content | {"prescribed": ["slid"]})
     with pytest.raises(fd.InputError, match="a list of joints is needed"):
         fd.ChannelMap.from_dict(content | {"prescribed": "slide"})

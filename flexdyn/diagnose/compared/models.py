@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from flexdyn.diagnose.compared.sides import Given, Side, side_of
+from flexdyn.diagnose.compared.compared_model import Given, ComparedModel, compared_model
 from flexdyn.diagnose.report.digits import probability_text, value_text
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
@@ -166,18 +166,18 @@ def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> Model
     if labels and (len(labels) != len(models) or len(set(labels)) != len(labels)):
         remedy = f"give {len(models)} different ones, or none"
         raise InputError("a label for each model is needed", key="labels", value=list(labels), remedy=remedy)
-    sides = [side_of(*each) for each in zip(models, labels or _labels(models), strict=True)]
-    for side in sides[1:]:
-        if side.joints != sides[0].joints:
-            remedy = f"{sides[0].label} has {', '.join(sides[0].joints)}"
+    models_ = [compared_model(*each) for each in zip(models, labels or _labels(models), strict=True)]
+    for side in models_[1:]:
+        if side.joints != models_[0].joints:
+            remedy = f"{models_[0].label} has {', '.join(models_[0].joints)}"
             raise InputError("models of different arms", key=side.label, value=", ".join(side.joints), remedy=remedy)
-    names = dict.fromkeys(name for side in sides for name in side.numbers)
-    numbers = [_number(name, sides) for name in names]
-    effects = [_effect(name, sides) for name in dict.fromkeys(name for side in sides for name in side.effects)]
+    names = dict.fromkeys(name for side in models_ for name in side.numbers)
+    numbers = [_number(name, models_) for name in names]
+    effects = [_effect(name, models_) for name in dict.fromkeys(name for side in models_ for name in side.effects)]
     order = {"moved": 0, "stayed": 1, "not told": 2}
     shared = [each for each in numbers if sum(x is not None for x in each.values) > 1]
     return ModelsCompared(
-        tuple(side.label for side in sides),
+        tuple(side.label for side in models_),
         tuple(sorted(shared, key=lambda each: order[each.verdict])),
         tuple(sorted(effects, key=lambda each: each.course == "in all")),
     )
@@ -198,8 +198,8 @@ def _labels(models: Sequence[Given]) -> list[str]:
     )
 
 
-def _number(name: str, sides: Sequence[Side]) -> NumberOverModels:
-    values = tuple(side.numbers.get(name) for side in sides)
+def _number(name: str, models_: Sequence[ComparedModel]) -> NumberOverModels:
+    values = tuple(side.numbers.get(name) for side in models_)
     there = [each for each in values if each is not None]
     probability, verdict = _same(there)
     return NumberOverModels(name, there[0].unit, values, verdict, probability)
@@ -232,9 +232,9 @@ def _same(values: Sequence[Number]) -> tuple[float, Verdict]:
     return probability, "stayed" if least <= SMALL_CHANGE * abs(mean) else "not told"
 
 
-def _effect(name: str, sides: Sequence[Side]) -> EffectOverModels:
-    there = tuple(name in side.effects for side in sides)
-    odds = tuple(side.effects.get(name, side.absent.get(name, math.nan)) for side in sides)
+def _effect(name: str, models_: Sequence[ComparedModel]) -> EffectOverModels:
+    there = tuple(name in side.effects for side in models_)
+    odds = tuple(side.effects.get(name, side.absent.get(name, math.nan)) for side in models_)
     return EffectOverModels(name, there, odds, _course(there))
 
 

@@ -100,8 +100,8 @@ def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[DataPa
     at = plain.equations.of(found.hypothesis.seen())
     forces = None
     if are_prescribed(parts):
-        models = [plain.equations, *(plain.equations.of(each.seen()) for each in (given, tolerated)), at]
-        forces, calibrated = _forces(plain, models, (given, tolerated))
+        between = [plain.equations.of(each.seen()) for each in (given, tolerated)]
+        forces, calibrated = _forces(plain, [plain.equations, *between, at], (given, tolerated))
     places = [_places(plain, each) for each in (plain.equations.of(calibrated.seen()), at)]
     return OnFit(calibrated, made, at, over, forces, places[0], places[1])
 
@@ -174,9 +174,9 @@ def on_test(
         over = Shots(*shots([here.given, first.calibrated.seen(), here.seen()], windows))
     forces = None
     if are_prescribed(parts):
-        models = [rows.given, rows.given.of(first.calibrated.seen()), rows.after]
-        white = [rows.whiten(at.residual).reshape(rows.seen.shape)[rows.seen] for at in models]
-        before, calibrated, after = errors_of(models)
+        each = [rows.given, rows.given.of(first.calibrated.seen()), rows.after]
+        white = [rows.whiten(at.residual).reshape(rows.seen.shape)[rows.seen] for at in each]
+        before, calibrated, after = errors_of(each)
         forces = Forces(white[0], white[1], white[2], (before, calibrated, after))
     depends_on = dependence(first.left)
     gone = gains(rows, first.calibrated, found, named)

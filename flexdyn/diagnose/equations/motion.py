@@ -207,8 +207,9 @@ def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, 
         return q
     course = q.copy()
     course[:, joints] = theta[:, joints]
+    first = np.where(np.isfinite(q[0]), q[0], theta[0])
     found = q.copy()
-    found[:, joints] = links_behind(model, joints, t, course, q[0])[:, joints]
+    found[:, joints] = links_behind(model, joints, t, course, first)[:, joints]
     return found
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.play import half_gaps
 from flexdyn.diagnose.hypothesis.proposal import MotionExtent, Point, Proposal, at, declared, given, linear, wave
-from flexdyn.effects import Effect, JointEffect, JointElasticity, catalogue
+from flexdyn.effects import Effect, JointEffect, JointElasticity, TorqueOffset, catalogue
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
@@ -39,7 +39,19 @@ def proposals(equations: Equations) -> list[Proposal]:
         found += _couplings(joint, names)
         found += _sensors(equations, j, extent)
     tip = {"effect": "payload", "frame": equations.true.robot.tip}
-    return [*found, linear(tip, "mass", unit=1e-3)]
+    return [each for each in (*found, linear(tip, "mass", unit=1e-3)) if each.grid and _may_be(equations, each)]
+
+
+def _may_be(equations: Equations, proposal: Proposal) -> bool:
+    """Whether an effect can be where a test rig prescribes the motion.
+
+    Nothing is asked of a motor there: the force is what a sensor says, which may have an offset, and no actuator stands
+    between the two.
+    """
+    true, kind = equations.true, catalogue()[proposal.place["effect"]]
+    if proposal.joint not in true.joint_names or not equations.data[0].forced[true.index(proposal.joint)]:
+        return True
+    return kind.stage != "actuator" or kind is TorqueOffset
 
 
 def _declared(place: Mapping[str, str], extent: MotionExtent, true: FlexibleJointModel) -> Iterator[Proposal]:

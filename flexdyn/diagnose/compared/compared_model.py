@@ -25,7 +25,7 @@ REPORT, MODEL = "report.json", "model.yaml"
 
 
 @dataclass(frozen=True)
-class Side:
+class ComparedModel:
     """One of the models.
 
     Attributes:
@@ -43,7 +43,7 @@ class Side:
     absent: Mapping[str, float]
 
 
-def side_of(given: Given, label: str) -> Side:
+def compared_model(given: Given, label: str) -> ComparedModel:
     """A model, a diagnosis, or the file or folder of either.
 
     Args:
@@ -87,14 +87,14 @@ def _read(report: Path) -> dict[str, Any]:
     return found
 
 
-def _of_model(model: FlexibleJointModel, label: str) -> Side:
+def _of_model(model: FlexibleJointModel, label: str) -> ComparedModel:
     """A model by itself: its numbers are as uncertain as its tolerance says."""
     relative = {_phrase(model, n.of, n.parameter): n.tolerance for n in file_numbers(model)}
     effects = {_place(each): 1.0 for each in _acting(model)}
-    return Side(label, tuple(model.joint_names), _numbers(model, relative, {}), effects, {})
+    return ComparedModel(label, tuple(model.joint_names), _numbers(model, relative, {}), effects, {})
 
 
-def _of_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> Side:
+def _of_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
     """A corrected model with what the report of its diagnosis says."""
     relative, factors = {}, {}
     for entry in report["calibration"]:
@@ -114,7 +114,7 @@ def _of_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str)
     effects = {where: named.get(where, certain) for where, certain in there.items()}
     compared = {_told(each): _float(each["probability"]) for each in report["considered"]}
     absent = {where: p for where, p in compared.items() if where not in effects}
-    return Side(label, tuple(model.joint_names), _numbers(model, relative, factors), effects, absent)
+    return ComparedModel(label, tuple(model.joint_names), _numbers(model, relative, factors), effects, absent)
 
 
 def _numbers(
