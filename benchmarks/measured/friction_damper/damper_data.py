@@ -17,8 +17,10 @@ TENSIONS = (20, 35, 80)
 """Of the band [lb]."""
 SLOW = "0.5Hz_20lb"
 """The file at half the frequency; it takes no part in any fit."""
-READ, FIT, LATER, SLOW_SPAN = (0.0, 5.0), (2.0, 5.0), (5.0, 8.0), (3.0, 13.0)
-"""Times that a diagnosis reads, of the full cycles among them, of the later ones, of those of the slow file [s]."""
+READ, FIT, LATER, SLOW_SPAN = (0.75, 5.0), (2.0, 5.0), (5.0, 8.0), (3.0, 13.0)
+"""Times that a diagnosis reads, of the full cycles among them, of the later ones, of those of the slow file [s].
+
+Before 0.75 s the brake has not slipped in either direction, and nobody knows where in its gap the drum stands."""
 DECIMATED = 2
 """Of 1024 samples in a second a diagnosis reads 512: what simulates a link takes half the time."""
 CUTOFF = 80.0
@@ -64,6 +66,43 @@ def without_bench(record: fd.Recording, mass: float) -> fd.Recording:
     )
 
 
+def distance(record: fd.Recording) -> tuple[Array, NDArray[np.intp]]:
+    """Distance since the last reversal (samples,) [m], and the samples of the reversals beyond 15 mm within `FIT`."""
+    x = signal.filtfilt(*signal.butter(4, CUTOFF, fs=record.rate), record["theta.damper"])
+    u = np.gradient(x)
+    turns = np.concatenate([[True], u[1:] * u[:-1] < 0.0])
+    last = np.maximum.accumulate(np.where(turns, np.arange(len(x)), 0))
+    wide = turns & (np.abs(x) > 0.015) & (record.t >= FIT[0]) & (record.t < FIT[1])
+    return np.abs(x - x[last]), np.flatnonzero(wide)
+
+
+def read_off(record: fd.Recording) -> tuple[float, float]:
+    """What one reads off the force: the slope after a reversal [N/m], and its size while it slides [N].
+
+    The slope is the mean of straight lines through the force between 80 and 30 % of what it was at the reversal; the
+    other is the median size of the force more than 25 mm behind one.
+    """
+    since, turns = distance(record)
+    force = record["tau.damper"]
+    slopes = []
+    for k in turns:
+        share = force[k:] / force[k]
+        first, end = (int(np.argmax(share < level)) for level in (0.8, 0.3))
+        rows = slice(k + first, k + end)
+        slopes.append(abs(np.polyfit(since[rows], force[rows], 1)[0]))
+    slides = (record.t >= FIT[0]) & (record.t < FIT[1]) & (since > 0.025)
+    return float(np.mean(slopes)), float(np.median(np.abs(force[slides])))
+
+
+def plain_model(record: fd.Recording) -> fd.FlexibleJointModel:
+    """The damper as one would describe it before its diagnosis, with the two numbers that one reads off."""
+    slope, level = read_off(record)
+    model = fd.load_model(HERE / "plain.yaml")
+    (friction,) = model.effects
+    levels = friction.replace(level_positive=level, level_negative=level)
+    return model.replace(joints={"damper": {"stiffness": slope}}, effects=[levels])
+
+
 def computed_force(model: fd.FlexibleJointModel, record: fd.Recording, mass: float) -> Array:
     """Force of a model and of the bench's mass at the record's times (samples,) [N]; NaN at its ends."""
     found = fd.prescribed_forces(model, record)
@@ -79,7 +118,7 @@ def error(record: fd.Recording, force: Array, span: tuple[float, float]) -> floa
 
 
 def errors(models: Mapping[str, fd.FlexibleJointModel], records: Mapping[str, fd.Recording], mass: float) -> Errors:
-    """Of the models by name of their 1 Hz file: full cycles of the fit, later ones, and the slow file if there is one."""
+    """Of the models by name of their 1 Hz file: full cycles of the fit, later ones, the slow file if there is one."""
     found: Errors = {}
     for name, model in models.items():
         force = computed_force(model, records[name], mass)

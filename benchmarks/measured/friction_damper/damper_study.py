@@ -15,7 +15,6 @@ from typing import Any
 
 from damper_data import (
     DECIMATED,
-    HERE,
     LATER,
     READ,
     SLOW,
@@ -23,6 +22,7 @@ from damper_data import (
     bench_mass,
     computed_force,
     errors,
+    plain_model,
     read_records,
     without_bench,
 )
@@ -43,8 +43,9 @@ MOST = {"1Hz_20lb": 0.17, "1Hz_35lb": 0.12, "1Hz_80lb": 0.11}
 def diagnosed(record: fd.Recording, mass: float) -> fd.Diagnosis:
     """The ordinary diagnosis of one file; its published name says that the device may have backlash."""
     clean = without_bench(record, mass)
+    model = plain_model(clean)
     seen, later = (clean.trim(*span).decimate(DECIMATED) for span in (READ, LATER))
-    return fd.diagnose(fd.load_model(HERE / "plain.yaml"), [seen], [later], expect=["backlash"], progress=False)
+    return fd.diagnose(model, [seen], [later], expect=["backlash"], progress=False)
 
 
 def study(folder: Path) -> Study:

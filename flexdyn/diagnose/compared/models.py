@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from flexdyn.diagnose.compared.compared_model import Given, ComparedModel, compared_model
+from flexdyn.diagnose.compared.compared_model import ComparedModel, Given, compared_model
 from flexdyn.diagnose.report.digits import probability_text, value_text
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
