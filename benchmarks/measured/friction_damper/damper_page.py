@@ -38,8 +38,8 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
         "A band brake of steel with backlash, driven by a hydraulic actuator with a sine of 25 mm at 1 Hz; 20, 35 "
         "and 80 lb pull at its band (ARTS Lab, University of South Carolina, and Lehigh University, 2022; data by "
         "D. Coble and others, CC BY-SA 4.0). Each file is diagnosed by `fd.diagnose` as it is, with `prescribed: "
-        "[damper]` in the channel map, from its first 5 s, with the full cycles from 2 to 5 s. Cycles from 5 to 8 s, whose amplitude fades, and the file "
-        "at 0.5 Hz took no part."
+        "[damper]` in the channel map, from its first 5 s, with the full cycles from 2 to 5 s. Cycles from 5 to 8 s, "
+        "whose amplitude fades, and the file at 0.5 Hz took no part."
     )
     parts = [head, checks, *_named(made), *_errors(made), *_compared(made), *_left(made), *_limits()]
     (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
@@ -77,7 +77,8 @@ def _errors(made: Study) -> Iterator[str]:
         f"*The bench's mass.* Above 15 Hz the force follows the acceleration of the actuator with {made.mass:.0f} kg "
         "(least squares over the cycles from 2 to 5 s of the three 1 Hz files; the correlation is 0.7 to 0.8, above "
         "30 Hz 0.9). There is no such force at 0.5 or 1 Hz. A force that was corrected for the inertia of the "
-        "commanded sine alone would look like this. It is taken off before the diagnosis and added to what the models compute. "
+        "commanded sine alone would look like this. It is taken off before the diagnosis and added to what the models "
+        "compute. "
         "An accelerometer on the actuator would tell it by itself."
     )
     yield "![measured and computed force](force.png)"
