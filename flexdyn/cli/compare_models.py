@@ -14,6 +14,7 @@ from flexdyn.diagnose.compared.models import compare_models as compare
 
 LEGEND = {
     "+-": "standard error; of a model that no diagnosis wrote, its tolerance",
+    "by chance": "probability that equal numbers with these errors differ so much",
     "moved": "by more than chance and these uncertainties make (three standard deviations)",
     "stayed": "it did not, and a change by a quarter would have been seen",
     "not told": "too uncertain to say",
@@ -40,8 +41,9 @@ def compare_models(
 
 def report(found: ModelsCompared) -> list[Any]:
     """What is printed."""
-    numbers, effects = (("number", *found.labels, ""), ("effect", *found.labels, ""))
-    parts: list[Any] = [table("Numbers", numbers, found.number_rows(), right=found.labels, legend=LEGEND)]
+    numbers, effects = found.heads
+    right = (*found.labels, "by chance")
+    parts: list[Any] = [table("Numbers", numbers, found.number_rows(), right=right, legend=LEGEND)]
     if found.effects:
         parts.append(table("Effects", effects, found.effect_rows()))
     return parts

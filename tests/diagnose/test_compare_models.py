@@ -65,7 +65,7 @@ def test_effects_come_and_go() -> None:
     assert level.ratio == pytest.approx(1.4)
     assert fd.compare_models(models[::-1][1:]).effects[0].course in ("appeared", "vanished")
     text = str(found).splitlines()
-    assert text[0].split() == ["number", "new", "worn", "repaired"]
+    assert text[0].split() == ["number", "new", "worn", "repaired", "by", "chance"]
     assert "moved" in text[1]
 
 

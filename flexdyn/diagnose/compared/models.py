@@ -109,9 +109,14 @@ class ModelsCompared(Public):
         }
 
     def number_rows(self) -> list[list[str]]:
-        """A row a number: its name, a value a model, and what became of it."""
+        """A row a number: its name, a value a model, how often chance differs so much, and what became of it."""
         return [
-            [_with_unit(each), *("-" if x is None else _estimate(x) for x in each.values), each.verdict]
+            [
+                _with_unit(each),
+                *("-" if x is None else _estimate(x) for x in each.values),
+                "-" if math.isnan(each.probability) else probability_text(each.probability),
+                each.verdict,
+            ]
             for each in self.numbers
         ]
 
@@ -122,6 +127,11 @@ class ModelsCompared(Public):
             for each in self.effects
         ]
 
+    @property
+    def heads(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Heads of `number_rows` and of `effect_rows`."""
+        return ("number", *self.labels, "by chance", ""), ("effect", *self.labels, "")
+
     def __repr__(self) -> str:
         """How many moved and how many stayed, in a line."""
         changed = sum(each.course != "in all" for each in self.effects)
@@ -130,14 +140,13 @@ class ModelsCompared(Public):
 
     def __str__(self) -> str:
         """The tables as text."""
-        rows = [["number", *self.labels, ""], *self.number_rows(), ["effect", *self.labels, ""], *self.effect_rows()]
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        return "\n".join("  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows)
+        numbers, effects = self.heads
+        return "\n".join([*_lined([numbers, *self.number_rows()]), *_lined([effects, *self.effect_rows()])])
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        numbers = table(("number", *self.labels, ""), self.number_rows())
-        return card(repr(self)[1:-1], {}, numbers, table(("effect", *self.labels, ""), self.effect_rows()))
+        numbers, effects = self.heads
+        return card(repr(self)[1:-1], {}, table(numbers, self.number_rows()), table(effects, self.effect_rows()))
 
 
 def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> ModelsCompared:
@@ -245,6 +254,12 @@ def _course(there: Sequence[bool]) -> Course:
     if sum(changes) == 1:
         return "appeared" if there[-1] else "vanished"
     return "in some"
+
+
+def _lined(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of a table as lines."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
 
 
 def _with_unit(number: NumberOverModels) -> str:
