@@ -21,8 +21,6 @@ READ, FIT, LATER, SLOW_SPAN = (0.75, 5.0), (2.0, 5.0), (5.0, 8.0), (3.0, 13.0)
 """Times that a diagnosis reads, of the full cycles among them, of the later ones, of those of the slow file [s].
 
 Before 0.75 s the brake has not slipped in either direction, and nobody knows where in its gap the drum stands."""
-DECIMATED = 2
-"""Of 1024 samples in a second a diagnosis reads 512: what simulates a link takes half the time."""
 CUTOFF = 80.0
 """Of the filter of the position, fourth order, forwards and backwards [Hz]: 1.5 um are 1.5 m/s^2 at 1 kHz."""
 RING = 15.0

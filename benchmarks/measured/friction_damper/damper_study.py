@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from damper_data import (
-    DECIMATED,
     LATER,
     READ,
     SLOW,
@@ -44,7 +43,7 @@ def diagnosed(record: fd.Recording, mass: float) -> fd.Diagnosis:
     """The ordinary diagnosis of one file; its published name says that the device may have backlash."""
     clean = without_bench(record, mass)
     model = plain_model(clean)
-    seen, later = (clean.trim(*span).decimate(DECIMATED) for span in (READ, LATER))
+    seen, later = (clean.trim(*span) for span in (READ, LATER))
     return fd.diagnose(model, [seen], [later], expect=["backlash"], progress=False)
 
 

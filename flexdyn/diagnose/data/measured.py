@@ -81,8 +81,9 @@ def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
     t = recording.t - recording.t[0]
     dt = float(t[-1]) / (len(t) - 1)
     forced = np.array([joint in recording.prescribed for joint in names])
-    there = (has["q"], has["theta"], has["tau_s"], forced)
-    return Measured(recording.name, t, dt, columns["q"], columns["theta"], columns["tau"], columns["tau_s"], *there)
+    encoders = (has["q"], has["theta"], has["tau_s"])
+    signals = (columns["q"], columns["theta"], columns["tau"], columns["tau_s"])
+    return Measured(recording.name, t, dt, *signals, *encoders, forced)
 
 
 def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
