@@ -28,7 +28,7 @@ from flexdyn.comparison.compare import ChannelError, Comparison, compare
 from flexdyn.control.commands import PD, Controller, FrameWrench, Samples, State
 from flexdyn.control.firmware import Firmware
 from flexdyn.control.servo import Servo
-from flexdyn.diagnose import Diagnosis, diagnose
+from flexdyn.diagnose import Diagnosis, ModelsCompared, compare_models, diagnose, prescribed_forces
 from flexdyn.errors import FlexdynError, InputError, MissingExtra, SimulationError
 from flexdyn.model.actuator import Actuator, DCMotor
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -88,6 +88,7 @@ __all__ = [
     "LinearModel",
     "LinkSide",
     "MissingExtra",
+    "ModelsCompared",
     "Modes",
     "Noise",
     "PathFrequencies",
@@ -106,6 +107,7 @@ __all__ = [
     "SteadyPoint",
     "base_parameters",
     "compare",
+    "compare_models",
     "derivatives",
     "diagnose",
     "effects",
@@ -121,6 +123,7 @@ __all__ = [
     "modes",
     "play",
     "plot",
+    "prescribed_forces",
     "read_map",
     "read_recording",
     "robot_names",

@@ -69,6 +69,7 @@ STAGES = {
     "experiment": (*EQUATIONS, "shooting", "simulated", "report"),
     "decision": (*EQUATIONS, "shooting", "inference", "simulated", "experiment", "report"),
     "report": (),
+    "compared": ("report",),
 }
 """Folders of `flexdyn.diagnose`, and which others each may know: what compares knows no test data and no report."""
 

@@ -41,6 +41,7 @@ def build() -> Any:
     """The click command of the whole program."""
     from flexdyn.cli.batch import batch
     from flexdyn.cli.compare import compare
+    from flexdyn.cli.compare_models import compare_models
     from flexdyn.cli.diagnose import DiagnoseCommand, diagnose
     from flexdyn.cli.doctor import doctor
     from flexdyn.cli.effects import effects
@@ -62,7 +63,7 @@ def build() -> Any:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_program)
-    for command in (info, new, effects, simulate, play, plot, compare, batch, paper, example, doctor):
+    for command in (info, new, effects, simulate, play, plot, compare, compare_models, batch, paper, example, doctor):
         app.command()(command)
     app.command(cls=DiagnoseCommand)(diagnose)
     if completion.asked():

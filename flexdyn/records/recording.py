@@ -38,7 +38,8 @@ class Recording(Public):
         t: time [s], (samples,), strictly increasing, two samples or more.
         channels: arrays (samples,) by channel name; copied. Signals have the units of `SIGNALS`.
         meta: anything JSON can hold, copied and locked; ``meta["units"]`` names units by channel where they are not
-            those of a revolute joint, such as ``{"q.slide": "m"}``.
+            those of a revolute joint, such as ``{"q.slide": "m"}``; ``meta["prescribed"]`` names the joints whose
+            motion a test rig prescribes.
         name: a label for plots and messages.
 
     Raises:
@@ -96,6 +97,7 @@ class Recording(Public):
         t, channels = checked(columns, rows, copy=copy)
         known = locked(meta)
         _check_units(known.get("units", {}), channels)
+        _check_prescribed(known.get("prescribed", ()), channels)
         for attribute, value in (("t", t), ("channels", MappingProxyType(channels)), ("meta", known), ("name", name)):
             object.__setattr__(self, attribute, value)
 
@@ -175,6 +177,11 @@ class Recording(Public):
     def signals(self) -> tuple[str, ...]:
         """Signals that some joint has, in order of first appearance."""
         return tuple(dict.fromkeys(parts[0] for parts in map(split_name, self.channels) if parts))
+
+    @property
+    def prescribed(self) -> tuple[str, ...]:
+        """Joints whose motion a test rig prescribes: their ``tau`` is the force or torque that the rig needs for it."""
+        return tuple(self.meta.get("prescribed", ()))
 
     @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
@@ -353,6 +360,16 @@ def _check_units(units: Any, channels: Mapping[str, FloatArray]) -> None:
         if channel not in channels:
             raise InputError("no such channel", key=f"meta.units.{channel}", remedy=did_you_mean(channel, channels))
         check_unit(channel, unit)
+
+
+def _check_prescribed(joints: Any, channels: Mapping[str, FloatArray]) -> None:
+    if not isinstance(joints, tuple) or not all(isinstance(joint, str) for joint in joints):
+        raise InputError("a list of joints is needed", key="meta.prescribed", value=joints, remedy='such as ["slide"]')
+    known = {parts[1] for parts in map(split_name, channels) if parts}
+    for joint in joints:
+        if joint not in known:
+            remedy = did_you_mean(joint, known)
+            raise InputError("no channel of this joint", key="meta.prescribed", value=joint, remedy=remedy)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -95,7 +95,7 @@ def test_the_json_is_what_the_contract_says(made: Callable[[], Diagnosis], tmp_p
     for gap in document["gap"].values():
         assert gap is None or _is(gap, GAP)
     for entry in document["errors"].values():
-        _is(entry, {"torque": dict, "position": dict, "gap": (dict, type(None))})
+        _is(entry, {"torque": dict, "position": dict, "force": (dict, type(None)), "gap": (dict, type(None))})
         for name, kinds in ERROR.items():
             _is(entry[name], kinds)
     for key, kinds in ENTRIES.items():

@@ -1,9 +1,8 @@
-"""The friction damper: its records, and the force that a model needs for a prescribed motion."""
+"""The friction damper: its records, and what the bench adds to their force."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -18,32 +17,14 @@ TENSIONS = (20, 35, 80)
 """Of the band [lb]."""
 SLOW = "0.5Hz_20lb"
 """The file at half the frequency; it takes no part in any fit."""
-FIT, LATER, SLOW_SPAN = (2.0, 5.0), (5.0, 8.0), (3.0, 13.0)
-"""Times of the cycles that are fitted, of the later ones, and of those of the slow file [s]."""
+READ, FIT, LATER, SLOW_SPAN = (0.75, 5.0), (2.0, 5.0), (5.0, 8.0), (3.0, 13.0)
+"""Times that a diagnosis reads, of the full cycles among them, of the later ones, of those of the slow file [s].
+
+Before 0.75 s the brake has not slipped in either direction, and nobody knows where in its gap the drum stands."""
 CUTOFF = 80.0
 """Of the filter of the position, fourth order, forwards and backwards [Hz]: 1.5 um are 1.5 m/s^2 at 1 kHz."""
 RING = 15.0
-"""Above it the accelerations act on the mass of the bench [Hz]; see `Bench.mass`."""
-HEAVY = 1e10
-"""Of the rotor that a force of 15 kN does not disturb [kg]."""
-FOLLOWS = 60.0
-"""Of the controller that keeps the rotor on the record [rad/s]."""
-
-
-@dataclass(frozen=True)
-class Bench:
-    """What stands between the damper and the sensors.
-
-    Attributes:
-        mass: force per acceleration above `RING` [kg]. It is no inertia: there is no such force at 1 Hz. A hydraulic
-            actuator that yields under the force makes the same.
-        offset: of the force [N].
-        lead: by how much the recorded force is ahead of the recorded position [s].
-    """
-
-    mass: float
-    offset: float
-    lead: float
+"""Above it the accelerations act on the mass of the bench [Hz]; see `bench_mass`."""
 
 
 def read_records(folder: Path) -> dict[str, fd.Recording]:
@@ -52,65 +33,97 @@ def read_records(folder: Path) -> dict[str, fd.Recording]:
     return {name: fd.read_recording(folder / f"brfd_{name}.csv", map=HERE / "map.yaml", name=name) for name in names}
 
 
-def needed_force(model: fd.FlexibleJointModel, bench: Bench, t: Array, position: Array) -> Array:
-    """Force of the damper under a prescribed motion of its motor side; no measured force is read.
+def ringing(record: fd.Recording) -> Array:
+    """Acceleration of the actuator above `RING` (samples,) [m/s^2]."""
+    rate = record.rate
+    x = signal.filtfilt(*signal.butter(4, CUTOFF, fs=rate), record["theta.damper"])
+    a = np.gradient(np.gradient(x, record.t), record.t)
+    return np.asarray(signal.filtfilt(*signal.butter(2, RING, "high", fs=rate), a))
 
-    The motion is given, so nothing is left to integrate there: the model gets a rotor so heavy that no force of the
-    damper changes its motion, and a controller takes it along the record. What the transmission carries is the force.
 
-    Args:
-        model: elastic, with its effects.
-        bench: that it is measured on.
-        t: times (samples,) [s].
-        position: of the actuator (samples,) [m].
+def bench_mass(records: Iterable[fd.Recording]) -> float:
+    """Force per acceleration above `RING` [kg], one for all files, by least squares over their cycles of `FIT`.
 
-    Returns:
-        forces (samples,) [N].
+    It is no inertia of the damper: there is no such force at 0.5 and 1 Hz. The published force seems to be corrected
+    for the inertia that the rig's moving parts have in the sine that was commanded, and not for that of their ringing.
     """
-    rate = 1.0 / float(np.diff(t).mean())
-    q = signal.filtfilt(*signal.butter(4, CUTOFF, fs=rate), position)
-    v = np.gradient(q, t)
-    a = np.gradient(v, t)
-    joint = {"rotor_inertia": HEAVY}
-    pushed = fd.PD(
-        fd.Samples(t, q[:, None], "cubic"),
-        kp=HEAVY * FOLLOWS**2,
-        kd=2.0 * HEAVY * FOLLOWS,
-        rate=rate,
-        feedforward=fd.Samples(t, HEAVY * a[:, None], "hold"),
+    up = down = 0.0
+    for record in records:
+        rows = (record.t >= FIT[0]) & (record.t < FIT[1])
+        high = signal.filtfilt(*signal.butter(2, RING, "high", fs=record.rate), record["tau.damper"])
+        a = ringing(record)
+        up, down = up + float(high[rows] @ a[rows]), down + float(a[rows] @ a[rows])
+    return up / down
+
+
+def without_bench(record: fd.Recording, mass: float) -> fd.Recording:
+    """The record with the force of the bench's mass taken off."""
+    force = record["tau.damper"] - mass * ringing(record)
+    return fd.Recording(
+        record.t, {"theta.damper": record["theta.damper"], "tau.damper": force}, meta=record.meta, name=record.name
     )
-    inside = [each for each in model.effects if each.name != "presliding_friction"]
-    heavy = model.replace(joints={"damper": joint}, effects=inside)
-    run = fd.simulate(heavy, pushed, q0=[float(q[0])], v0=[float(v[0])], duration=float(t[-1] - t[0]), rate=rate)
-    force = run.tau_s[: len(t), 0]
-    for each in model.effects:
-        if isinstance(each, fd.effects.PreslidingFriction):
-            force = force + each.along(q, v)
-    ring = signal.filtfilt(*signal.butter(2, RING, "high", fs=rate), a)
-    measured: Array = np.interp(t + bench.lead, t, force + bench.mass * ring + bench.offset)
-    return measured
 
 
-def error(measured: Array, force: Array, t: Array, span: tuple[float, float]) -> float:
-    """Norm of the difference over that of the measured force, in a span of time [1]."""
-    rows = (t >= span[0]) & (t < span[1])
+def distance(record: fd.Recording) -> tuple[Array, NDArray[np.intp]]:
+    """Distance since the last reversal (samples,) [m], and the samples of the reversals beyond 15 mm within `FIT`."""
+    x = signal.filtfilt(*signal.butter(4, CUTOFF, fs=record.rate), record["theta.damper"])
+    u = np.gradient(x)
+    turns = np.concatenate([[True], u[1:] * u[:-1] < 0.0])
+    last = np.maximum.accumulate(np.where(turns, np.arange(len(x)), 0))
+    wide = turns & (np.abs(x) > 0.015) & (record.t >= FIT[0]) & (record.t < FIT[1])
+    return np.abs(x - x[last]), np.flatnonzero(wide)
+
+
+def read_off(record: fd.Recording) -> tuple[float, float]:
+    """What one reads off the force: the slope after a reversal [N/m], and its size while it slides [N].
+
+    The slope is the mean of straight lines through the force between 80 and 30 % of what it was at the reversal; the
+    other is the median size of the force more than 25 mm behind one.
+    """
+    since, turns = distance(record)
+    force = record["tau.damper"]
+    slopes = []
+    for k in turns:
+        share = force[k:] / force[k]
+        first, end = (int(np.argmax(share < level)) for level in (0.8, 0.3))
+        rows = slice(k + first, k + end)
+        slopes.append(abs(np.polyfit(since[rows], force[rows], 1)[0]))
+    slides = (record.t >= FIT[0]) & (record.t < FIT[1]) & (since > 0.025)
+    return float(np.mean(slopes)), float(np.median(np.abs(force[slides])))
+
+
+def plain_model(record: fd.Recording) -> fd.FlexibleJointModel:
+    """The damper as one would describe it before its diagnosis, with the two numbers that one reads off."""
+    slope, level = read_off(record)
+    model = fd.load_model(HERE / "plain.yaml")
+    (friction,) = model.effects
+    levels = friction.replace(level_positive=level, level_negative=level)
+    return model.replace(joints={"damper": {"stiffness": slope}}, effects=[levels])
+
+
+def computed_force(model: fd.FlexibleJointModel, record: fd.Recording, mass: float) -> Array:
+    """Force of a model and of the bench's mass at the record's times (samples,) [N]; NaN at its ends."""
+    found = fd.prescribed_forces(model, record)
+    force = np.interp(record.t, found.t, found["tau.damper"], left=np.nan, right=np.nan)
+    return np.asarray(force + mass * ringing(record))
+
+
+def error(record: fd.Recording, force: Array, span: tuple[float, float]) -> float:
+    """Norm of computed less recorded force over that of the recorded one, in a span of time [1]."""
+    rows = (record.t >= span[0]) & (record.t < span[1]) & np.isfinite(force)
+    measured = record["tau.damper"]
     return float(np.linalg.norm((measured - force)[rows]) / np.linalg.norm(measured[rows]))
 
 
-def errors(models: Mapping[str, tuple[fd.FlexibleJointModel, Bench]], records: Mapping[str, fd.Recording]) -> Errors:
-    """Of the models by name of their 1 Hz file: fitted cycles, later ones, and the slow file where there is one."""
+def errors(models: Mapping[str, fd.FlexibleJointModel], records: Mapping[str, fd.Recording], mass: float) -> Errors:
+    """Of the models by name of their 1 Hz file: full cycles of the fit, later ones, the slow file if there is one."""
     found: Errors = {}
-    for name, (model, bench) in models.items():
-        record = records[name]
-        force = needed_force(model, bench, record.t, record["q.damper"])
-        found[name] = {
-            "fitted cycles": error(record["tau.damper"], force, record.t, FIT),
-            "later cycles": error(record["tau.damper"], force, record.t, LATER),
-        }
+    for name, model in models.items():
+        force = computed_force(model, records[name], mass)
+        found[name] = {key: error(records[name], force, span) for key, span in (("fit", FIT), ("later cycles", LATER))}
         if name.endswith(SLOW.rpartition("_")[2]):
             slow = records[SLOW]
-            force = needed_force(model, bench, slow.t, slow["q.damper"])
-            found[name]["0.5 Hz"] = error(slow["tau.damper"], force, slow.t, SLOW_SPAN)
+            found[name]["0.5 Hz"] = error(slow, computed_force(model, slow, mass), SLOW_SPAN)
     return found
 
 

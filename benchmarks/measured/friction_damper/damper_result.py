@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from damper_compared import Compared
 from damper_data import Array, Errors
 
 import flexdyn as fd
@@ -16,20 +15,20 @@ class Study:
     """All that the page shows.
 
     Attributes:
-        diagnoses: of the rigid axis without friction, by file.
-        errors: of the fitted models.
-        slow_errors: of the same models without the force on accelerations above 15 Hz.
-        less: errors of the fitted cycles where one part is left out, by part and file [1].
-        compared: every number over the tensions.
+        diagnoses: by 1 Hz file.
+        mass: of the bench, of all files [kg].
+        errors: of the corrected models.
+        errors_without: of the same models without the bench's mass.
+        compared: the corrected models over the tensions.
         records: by file.
-        forces: of the fitted models over the whole 1 Hz files [N].
+        forces: computed by the corrected models over the whole 1 Hz files [N].
     """
 
     diagnoses: Mapping[str, fd.Diagnosis]
+    mass: float
     errors: Errors
-    slow_errors: Errors
-    less: Mapping[str, Mapping[str, float]]
-    compared: Sequence[Compared]
+    errors_without: Errors
+    compared: fd.ModelsCompared
     records: Mapping[str, fd.Recording]
     forces: Mapping[str, Array]
 

@@ -2,21 +2,29 @@
 
     python benchmarks/measured/friction_damper/damper_study.py -o benchmarks/results/friction_damper.json
 
-Names come from a diagnosis of three cycles of each 1 Hz file. The numbers in ``fitted.json`` come from
-`damper_fit.py`, which reads the same cycles. Later cycles and the 0.5 Hz file are read here, for the errors alone.
-Without the data folder it says so and does nothing.
+Each 1 Hz file is diagnosed by itself, its first 5 s with the full cycles from 2 to 5 s; the tool then compares the
+three corrected models. Later cycles and the 0.5 Hz file are read for errors and verdicts alone. Without the data
+folder it says so and does nothing.
 """
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import Any
 
-from damper_compared import compared
-from damper_data import FIT, HERE, LATER, SLOW, TENSIONS, Bench, error, errors, needed_force, read_records
-from damper_fit import model_of, point_of
+from damper_data import (
+    LATER,
+    READ,
+    SLOW,
+    TENSIONS,
+    bench_mass,
+    computed_force,
+    errors,
+    plain_model,
+    read_records,
+    without_bench,
+)
 from damper_page import write_page
 from damper_result import Study
 
@@ -28,40 +36,33 @@ from command import Outcome, command
 from measure import Bound
 
 MOST = {"1Hz_20lb": 0.17, "1Hz_35lb": 0.12, "1Hz_80lb": 0.11}
-"""Bounds of the force errors of cycles that took no part [1]; that of 35 lb is missed."""
-PARTS = ("backlash", "asymmetric_friction", "presliding_friction", "drum's mass")
-"""What is left out one by one, the other numbers as they are."""
+"""Bounds of the force errors of cycles that took no part [1]."""
 
 
-def fitted_numbers() -> dict[str, dict[str, float]]:
-    """Of the models, by file."""
-    found: dict[str, dict[str, float]] = json.loads((HERE / "fitted.json").read_text(encoding="utf-8"))
-    return found
+def diagnosed(record: fd.Recording, mass: float) -> fd.Diagnosis:
+    """The ordinary diagnosis of one file; its published name says that the device may have backlash."""
+    clean = without_bench(record, mass)
+    model = plain_model(clean)
+    seen, later = (clean.trim(*span) for span in (READ, LATER))
+    return fd.diagnose(model, [seen], [later], expect=["backlash"], progress=False)
 
 
 def study(folder: Path) -> Study:
     """Everything, from the folder of records."""
-    records, fits = read_records(folder), fitted_numbers()
-    plain = fd.load_model(HERE / "plain.yaml")
-    diagnoses = {
-        name: fd.diagnose(plain, [records[name].trim(*FIT)], [records[name].trim(*LATER)], progress=False)
-        for name in fits
-    }
-    models = {name: model_of(point_of(each)) for name, each in fits.items()}
-    forces = {name: needed_force(*each, records[name].t, records[name]["q.damper"]) for name, each in models.items()}
-    less = {part: {name: _less(part, *each, records[name]) for name, each in models.items()} for part in PARTS}
-    still = {name: (model, Bench(0.0, bench.offset, bench.lead)) for name, (model, bench) in models.items()}
+    records = read_records(folder)
+    fast = [f"1Hz_{each}lb" for each in TENSIONS]
+    mass = bench_mass(records[name] for name in fast)
+    diagnoses = {name: diagnosed(records[name], mass) for name in fast}
+    models = {name: each.model for name, each in diagnoses.items()}
     return Study(
-        diagnoses, errors(models, records), errors(still, records), less, compared(fits, records), records, forces
+        diagnoses,
+        mass,
+        errors(models, records, mass),
+        errors(models, records, 0.0),
+        fd.compare_models(list(diagnoses.values()), labels=[f"{each} lb" for each in TENSIONS]),
+        records,
+        {name: computed_force(model, records[name], mass) for name, model in models.items()},
     )
-
-
-def _less(part: str, model: fd.FlexibleJointModel, bench: Bench, record: fd.Recording) -> float:
-    """Error of the fitted cycles without a part of the model [1]."""
-    left_out = {"drum's mass": "payload"}.get(part, part)
-    kept = model.replace(effects=[each for each in model.effects if each.name != left_out])
-    seen = record.trim(0.0, FIT[1])
-    return error(seen["tau.damper"], needed_force(kept, bench, seen.t, seen["q.damper"]), seen.t, FIT)
 
 
 def bounds(made: Study) -> list[Bound]:
@@ -80,13 +81,10 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     return {
         "bounds": [each.to_dict() for each in held],
         "named": made.named(),
+        "bench_mass": made.mass,
         "errors": made.errors,
-        "errors_without_force_above_15_hz": made.slow_errors,
-        "less": {part: dict(each) for part, each in made.less.items()},
-        "numbers": {
-            each.name: {"values": dict(each.values), "stds": dict(each.stds), "moved": each.moved}
-            for each in made.compared
-        },
+        "errors_without_bench_mass": made.errors_without,
+        "compared": made.compared.to_dict(),
         "diagnoses": {name: each.to_dict() for name, each in made.diagnoses.items()},
     }
 

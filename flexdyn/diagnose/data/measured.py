@@ -30,6 +30,7 @@ class Measured:
         has_q: joints with a link encoder (n,).
         has_theta: joints with a motor encoder (n,).
         has_tau_s: joints with a torque sensor (n,).
+        forced: joints whose motion a test rig prescribes (n,).
     """
 
     name: str
@@ -42,6 +43,7 @@ class Measured:
     has_q: NDArray[np.bool_]
     has_theta: NDArray[np.bool_]
     has_tau_s: NDArray[np.bool_]
+    forced: NDArray[np.bool_]
 
     @property
     def both(self) -> NDArray[np.bool_]:
@@ -56,7 +58,8 @@ class Measured:
         """Samples from `first` up to and without `last`; time goes on counting from the start of the run."""
         cut = slice(first, last)
         columns = (self.q[cut], self.theta[cut], self.tau[cut], self.tau_s[cut])
-        return Measured(self.name, self.t[cut], self.dt, *columns, self.has_q, self.has_theta, self.has_tau_s)
+        there = (self.has_q, self.has_theta, self.has_tau_s, self.forced)
+        return Measured(self.name, self.t[cut], self.dt, *columns, *there)
 
 
 def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
@@ -77,7 +80,10 @@ def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
         columns[signal], has[signal] = column, there
     t = recording.t - recording.t[0]
     dt = float(t[-1]) / (len(t) - 1)
-    return Measured(recording.name, t, dt, **columns, has_q=has["q"], has_theta=has["theta"], has_tau_s=has["tau_s"])
+    forced = np.array([joint in recording.prescribed for joint in names])
+    encoders = (has["q"], has["theta"], has["tau_s"])
+    signals = (columns["q"], columns["theta"], columns["tau"], columns["tau_s"])
+    return Measured(recording.name, t, dt, *signals, *encoders, forced)
 
 
 def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
@@ -92,6 +98,10 @@ def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
         if not recording.has("q", joint) and not recording.has("theta", joint):
             remedy = f"record q.{joint} or theta.{joint}"
             raise InputError("no position of the joint was recorded", key=joint, remedy=remedy)
+        elastic = model.resolved().elastic[model.index(joint)]
+        if joint in recording.prescribed and elastic and not recording.has("theta", joint):
+            remedy = f"record its position as theta.{joint}, or give the joint a stiffness of .inf in the model"
+            raise InputError("the rig moves the motor's side of an elastic joint", key=f"q.{joint}", remedy=remedy)
 
 
 def uniform(recording: Recording) -> Recording:

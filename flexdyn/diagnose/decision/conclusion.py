@@ -9,7 +9,7 @@ from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noise
-from flexdyn.diagnose.decision.drawn import drawn, motions
+from flexdyn.diagnose.decision.drawn import drawn, force_loops, motions
 from flexdyn.diagnose.decision.experiments import with_experiments
 from flexdyn.diagnose.decision.figures import OnFit, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, names_told
@@ -82,6 +82,7 @@ def concluded(
         fit=statistics(found.fitted),
         shares=last.shares,
         trajectories=motions(plain, first, last, parts),
+        loops=force_loops(plain, first, last, parts),
         write_model=not first.worse,
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )

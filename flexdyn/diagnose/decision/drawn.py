@@ -9,6 +9,7 @@ import numpy as np
 
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.figures import OnFit, OnTest
+from flexdyn.diagnose.decision.forces import are_prescribed, loops
 from flexdyn.diagnose.decision.laws_seen import laws_seen
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import DataPart
@@ -17,8 +18,11 @@ from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import traces
 from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.report.force import ForceLoop
 from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.trajectory import Trajectory
+
+Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
 
 
 def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
@@ -67,9 +71,7 @@ def _dependence(cloud: ResidualTrace) -> float:
     return spread if np.isfinite(spread) else 0.0
 
 
-def motions(
-    plain: Workspace, first: OnFit, last: OnTest, parts: tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
-) -> tuple[Trajectory, ...]:
+def motions(plain: Workspace, first: OnFit, last: OnTest, parts: Parts) -> tuple[Trajectory, ...]:
     """Measured and simulated motion over the test data, then over the data of the fit.
 
     Args:
@@ -78,11 +80,28 @@ def motions(
         last: figures on the test data.
         parts: of the fit, and the test data.
     """
-    calibrated, rows = first.calibrated.seen(), last.rows
-    tested = (rows.given, rows.given.of(calibrated), rows.after)
-    fitted = (plain.equations, plain.equations.of(calibrated), first.after)
+    tested, fitted = _models(plain, first, last)
+    rows = last.rows
     seen = ~plain.whiten.mask.reshape(-1, len(plain.equations.kinds))
     return (
         *trajectories(tested, rows.seen, last.shots, parts[1]),
         *trajectories(fitted, seen, first.shots, parts[0]),
     )
+
+
+def force_loops(plain: Workspace, first: OnFit, last: OnTest, parts: Parts) -> tuple[ForceLoop, ...]:
+    """Force over position and speed where a rig prescribes the motion, as `motions` takes its arguments."""
+    tested, fitted = _models(plain, first, last)
+    return tuple(
+        loop
+        for models, spans in ((tested, parts[1]), (fitted, parts[0]))
+        if are_prescribed(spans)
+        for loop in loops(models, spans)
+    )
+
+
+def _models(plain: Workspace, first: OnFit, last: OnTest) -> tuple[tuple[Equations, ...], tuple[Equations, ...]]:
+    """Equations of the model as given, calibrated and corrected, over the test data and over the data of the fit."""
+    calibrated, rows = first.calibrated.seen(), last.rows
+    tested = (rows.given, rows.given.of(calibrated), rows.after)
+    return tested, (plain.equations, plain.equations.of(calibrated), first.after)

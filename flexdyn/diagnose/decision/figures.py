@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.decision.forces import Forces, are_prescribed, errors_of, recorded
 from flexdyn.diagnose.decision.gains import gains, shares
 from flexdyn.diagnose.decision.gaps import FIT_WINDOWS, Shots, shots, windows_of
 from flexdyn.diagnose.decision.held_out import HeldOut, held_out, rms
@@ -34,7 +35,8 @@ class OnFit:
         calibrated: the model with the file's numbers alone.
         made: its fit, maybe of other numbers: those as given may be nearer.
         after: equations of the corrected model.
-        shots: windows; None: the data are too short for one.
+        shots: windows; None: the data are too short for one, or a rig prescribes the motion.
+        forces: where it does; None elsewhere.
         where: the residual of the calibrated model appears.
         left: where that of the corrected model appears.
         stalled: a fit whose names are withheld, as it stopped short and is farther off than the start; None: there is
@@ -45,19 +47,22 @@ class OnFit:
     made: Fit
     after: Equations
     shots: Shots | None
+    forces: Forces | None
     where: tuple[ResidualPlace, ...]
     left: tuple[ResidualPlace, ...]
     stalled: Fit | None = None
 
     @property
     def gap(self) -> Gap | None:
-        """Of the windows."""
-        return None if self.shots is None else self.shots.gap
+        """Of the windows, or of the forces."""
+        over = self.shots or self.forces
+        return None if over is None else over.gap
 
     @property
     def worse(self) -> bool:
-        """Whether the corrected model's simulated positions are farther off than the given one's."""
-        return self.shots is not None and not self.shots.closer
+        """Whether the corrected model's simulated positions or forces are farther off than the given one's."""
+        over = self.shots or self.forces
+        return over is not None and not over.closer
 
     @property
     def farther(self) -> bool:
@@ -69,7 +74,8 @@ class OnFit:
         at = self.after.of(self.calibrated.seen())
         made = dataclasses.replace(self.made, hypothesis=self.calibrated)
         over = self.shots and dataclasses.replace(self.shots, after=self.shots.calibrated)
-        alone = dataclasses.replace(self, after=at, shots=over, left=self.where)
+        forces = self.forces and self.forces.alone()
+        alone = dataclasses.replace(self, after=at, shots=over, forces=forces, left=self.where)
         return dataclasses.replace(found, fitted=made, names=()), alone
 
 
@@ -92,8 +98,25 @@ def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[DataPa
         nearer = int(either[1].gap <= either[0].gap)
         over, calibrated = Shots(before, either[nearer], after), (given, tolerated)[nearer]
     at = plain.equations.of(found.hypothesis.seen())
+    forces = None
+    if are_prescribed(parts):
+        between = [plain.equations.of(each.seen()) for each in (given, tolerated)]
+        forces, calibrated = _forces(plain, [plain.equations, *between, at], (given, tolerated))
     places = [_places(plain, each) for each in (plain.equations.of(calibrated.seen()), at)]
-    return OnFit(calibrated, made, at, over, places[0], places[1])
+    return OnFit(calibrated, made, at, over, forces, places[0], places[1])
+
+
+def _forces(
+    plain: Workspace, models: Sequence[Equations], either: tuple[Hypothesis, Hypothesis]
+) -> tuple[Forces, Hypothesis]:
+    """Of the model as given, the nearer one of two calibrations and the corrected one; and that calibration."""
+    seen = ~plain.whiten.mask
+    white = [plain.white(at.residual)[: len(seen)][seen] for at in models]
+    errors = errors_of(models)
+    nearer = int(errors[2] <= errors[1])
+    kept = (0, 1 + nearer, 3)
+    rows = [white[k] for k in kept]
+    return Forces(rows[0], rows[1], rows[2], (errors[0], errors[kept[1]], errors[3])), either[nearer]
 
 
 def _places(plain: Workspace, at: Equations) -> tuple[ResidualPlace, ...]:
@@ -108,7 +131,8 @@ class OnTest:
 
     Attributes:
         rows: of the equations.
-        shots: windows; None: the data are too short for one.
+        shots: windows; None: the data are too short for one, or a rig prescribes the motion.
+        forces: where it does; None elsewhere.
         errors: by joint.
         left: what the corrected model leaves.
         gains: share of the gap that goes with each named candidate.
@@ -117,6 +141,7 @@ class OnTest:
 
     rows: HeldOut
     shots: Shots | None
+    forces: Forces | None
     errors: dict[str, JointError]
     left: tuple[Left, ...]
     gains: dict[int, float]
@@ -124,8 +149,9 @@ class OnTest:
 
     @property
     def gap(self) -> Gap | None:
-        """Of the windows."""
-        return None if self.shots is None else self.shots.gap
+        """Of the windows, or of the forces."""
+        over = self.shots or self.forces
+        return None if over is None else over.gap
 
 
 def on_test(
@@ -146,10 +172,16 @@ def on_test(
     over = None
     if windows is not None:
         over = Shots(*shots([here.given, first.calibrated.seen(), here.seen()], windows))
+    forces = None
+    if are_prescribed(parts):
+        each = [rows.given, rows.given.of(first.calibrated.seen()), rows.after]
+        white = [rows.whiten(at.residual).reshape(rows.seen.shape)[rows.seen] for at in each]
+        before, calibrated, after = errors_of(each)
+        forces = Forces(white[0], white[1], white[2], (before, calibrated, after))
     depends_on = dependence(first.left)
     gone = gains(rows, first.calibrated, found, named)
     parted = shares(rows, found, named, gone)
-    return OnTest(rows, over, _errors(rows, over, first.calibrated), left(rows, depends_on), gone, parted)
+    return OnTest(rows, over, forces, _errors(rows, over, first.calibrated), left(rows, depends_on), gone, parted)
 
 
 def _errors(rows: HeldOut, over: Shots | None, calibrated: Hypothesis) -> dict[str, JointError]:
@@ -172,5 +204,13 @@ def _errors(rows: HeldOut, over: Shots | None, calibrated: Hypothesis) -> dict[s
             rms(between.torque(j)[1]),
             apart[1],
             () if over is None else over.scaled(joint),
+            _force(rows.given, between.after, rows.after, j),
         )
     return found
+
+
+def _force(given: Equations, calibrated: Equations, after: Equations, j: int) -> tuple[float, ...]:
+    """Errors of a joint's force where its motion is prescribed, and the recorded force; else nothing."""
+    if not given.data[0].forced[j]:
+        return ()
+    return (*errors_of((given, calibrated, after), j), recorded(given, j))

@@ -89,7 +89,10 @@ def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Map
         for r in name.rivals
     )
     factor = masses.log_bayes_factor(c) if compared else math.nan
-    told = _experiment(suspect, rivals) if rivals else ""
+    told = ""
+    if rivals:
+        forced = bool(found.space.library.equations.data[0].forced.any())
+        told = _on_the_rig(suspect, rivals) if forced else _experiment(suspect, rivals)
     return Finding(suspect, name.probability, factor, gains.get(c, math.nan), rivals, told)
 
 
@@ -129,6 +132,17 @@ def calibration(found: Corrected, named: Sequence[Name]) -> tuple[Calibration, .
         Calibration(number.of, number.parameter, float(factor), std[number], number.tolerance)
         for number, factor in found.hypothesis.factors.items()
         if number not in told
+    )
+
+
+def _on_the_rig(suspect: Suspect, others: Sequence[Suspect]) -> str:
+    """The regimes of a test rig in which laws part: what can be set there is amplitude, speed and load."""
+    names = " or ".join(dict.fromkeys(each.effect.replace("_", " ") for each in (suspect, *others)))
+    joint = suspect.joint or "the arm"
+    return (
+        f"to tell {names} apart, record {joint} on the rig with amplitudes from a tenth of today's to the largest that "
+        "it allows, since laws that take up the motion before they slip differ most where it is small; at a tenth and "
+        "at twice the speed, since what depends on speed changes with it; and with another preload, if it can be set"
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.decision.forces import are_prescribed
 from flexdyn.diagnose.decision.held_out import rms
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -88,7 +89,7 @@ def nearer(before: Array, after: Array) -> bool:
 def windows_of(
     model: FlexibleJointModel, parts: Sequence[DataPart], noise: SampleNoise, most: int | None = None
 ) -> Windows | None:
-    """Windows of what is fitted or tested; None where the data are too short for one.
+    """Windows of what is fitted or tested; None where the data are too short for one, or a motion is prescribed.
 
     Args:
         model: as given.
@@ -96,6 +97,8 @@ def windows_of(
         noise: of the channels.
         most: number of windows; None: as many as there are.
     """
+    if are_prescribed(parts):
+        return None
     try:
         cut = Windows.of(model, [each.recording for each in parts], window_noise(noise))
     except InputError:

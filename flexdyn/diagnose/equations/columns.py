@@ -25,6 +25,10 @@ from flexdyn.errors import InputError
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
+TOLD = 1e-3
+"""Share of the largest torque that an effect must make for a simulation to tell it well [1]."""
+ENLARGEMENTS, LARGEST_ENLARGEMENT = 8, 1e4
+"""Times that an effect is taken larger, and by how much at most each time."""
 
 
 def stands_alone(equations: Equations, effect: JointEffect) -> bool:
@@ -32,6 +36,8 @@ def stands_alone(equations: Equations, effect: JointEffect) -> bool:
     if not adds_up(effect):
         return False
     j = equations.true.index(effect.joint)
+    if equations.replayed[j] and effect.side != "motor":
+        return False
     return not (equations.made_up[j] and (equations.sensed or is_loaded(equations, j)))
 
 
@@ -39,6 +45,36 @@ def is_loaded(equations: Equations, j: int) -> bool:
     """Whether a joint has friction that depends on what its transmission carries."""
     true = equations.true
     return any(isinstance(e, JointEffect) and e.takes_load and true.index(e.joint) == j for e in true.all_effects)
+
+
+def moves_links(equations: Equations, effect: Effect) -> bool:
+    """Whether an effect changes how links move that are simulated behind prescribed motors."""
+    if not equations.replayed.any():
+        return False
+    if isinstance(effect, SensorEffect):
+        return effect.signal != "tau"
+    if not isinstance(effect, JointEffect):
+        return True
+    return bool(equations.replayed[equations.true.index(effect.joint)]) and effect.side != "motor"
+
+
+def of_replay(equations: Equations, effect: Effect, scale: float) -> Array:
+    """Change of the residual (rows,) where the links are simulated with an effect more, over `scale`.
+
+    An effect that is so small that the simulation hardly tells it is taken larger, until it does `TOLD` of the torque.
+    """
+    size, change = 1.0, np.zeros_like(equations.residual)
+    least = TOLD * max(float(np.abs(each.tau).max()) for each in equations.motions)
+    zeros = [name for name, nothing in effect.neutral.items() if nothing == 0.0]
+    for _ in range(ENLARGEMENTS):
+        larger = effect.replace(**{name: size * getattr(effect, name) for name in zeros})
+        there = equations.of(equations.model.replace(effects=[*equations.model.effects, larger]))
+        change = there.residual - equations.residual
+        largest = float(np.abs(change).max())
+        if not zeros or not largest < least:
+            return change / (size * scale)
+        size *= float(np.clip(2.0 * least / max(largest, 1e-300), 10.0, LARGEST_ENLARGEMENT))
+    return np.zeros_like(change)
 
 
 def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> Array:
@@ -53,6 +89,8 @@ def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> 
 
 def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array:
     """Change of the residual (rows,) where the model has an effect more, over `scale`."""
+    if moves_links(equations, effect):
+        return of_replay(equations, effect, scale)
     if isinstance(effect, SensorEffect):
         return _of_sensor(equations, effect) / scale
     if isinstance(effect, Payload):
@@ -83,6 +121,9 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         step: of the difference, in the parameter's unit.
     """
     ahead = {name: getattr(effect, name) + step}
+    if moves_links(equations, effect):
+        effects = [effect.replace(**ahead) if e == effect else e for e in equations.model.effects]
+        return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
     if isinstance(effect, SensorEffect):
         return _of_sensor(equations, effect.replace(**ahead), effect) / step
     moved = effect.replace(**ahead)

@@ -77,7 +77,7 @@ def _kernels(equations: Equations) -> dict[str, list[Array]]:
     """Whole kernels from a channel's noise to a row, by order of the derivative: of positions, and of torques."""
     first, second = equations.filters.first.taps, equations.filters.second.taps[0]
     whole = [np.convolve(second, taps) for taps in first]
-    if equations.made_up.any():
+    if equations.made_up.any() or equations.replayed.any():
         whole = [np.convolve(kernel, first[0]) for kernel in whole]
         whole += [np.convolve(np.convolve(second, once), first[2]) for once in first[1:]]
         whole.append(np.convolve(np.convolve(equations.filters.second.taps[2], first[1]), first[2]))

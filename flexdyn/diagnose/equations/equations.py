@@ -14,7 +14,7 @@ from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
-from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
+from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, hidden_links, motion, smoothed
 from flexdyn.diagnose.equations.shared import same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.lazy import lazy
@@ -33,8 +33,9 @@ class Equations:
     """The equations of a model along measured motions.
 
     Rows of all recordings follow one another, time by time, and at each time stand the equations in the order of
-    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total; on a rigid joint
-    with both encoders also theta = q, from the start on and whatever a model makes of the joint later [rad or m].
+    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total; the motor's
+    alone where a test rig moves the motor and the link behind it is simulated, not measured; on a rigid joint with
+    both encoders also theta = q, from the start on and whatever a model makes of the joint later [rad or m].
 
     Attributes:
         model: whose equations they are.
@@ -61,7 +62,7 @@ class Equations:
         kinds: list[tuple[int, str]] = []
         for j in range(self.true.n):
             if not first.both[j]:
-                kinds.append((j, TOTAL))
+                kinds.append((j, MOTOR if self.replayed[j] else TOTAL))
             else:
                 kinds += [(j, MOTOR), (j, LINK)] if elastic[j] else [(j, TOTAL), (j, TRANSMISSION)]
             if first.has_tau_s[j]:
@@ -105,7 +106,7 @@ class Equations:
         """The same data under another model; motions are shared where the model does not touch them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
         other = replace(self, model=model, stiffness=own)
-        if not self.made_up.any() and same_signals(self.model, model):
+        if not (self.made_up.any() or self.replayed.any()) and same_signals(self.model, model):
             other.__dict__["smoothed"] = self.smoothed
             if same_links(self.model, model):
                 other.__dict__["links"] = self.links
@@ -135,8 +136,13 @@ class Equations:
 
     @lazy
     def made_up(self) -> NDArray[np.bool_]:
-        """Elastic joints with one of their two positions unmeasured (n,)."""
-        return np.asarray(self.true.elastic & ~self.data[0].both)
+        """Elastic joints with one of their two positions unmeasured, and made up from what was recorded (n,)."""
+        return np.asarray(self.true.elastic & ~self.data[0].both & ~self.replayed)
+
+    @lazy
+    def replayed(self) -> NDArray[np.bool_]:
+        """Joints whose motors are moved as recorded, and whose links are simulated behind them (n,)."""
+        return hidden_links(self.true, self.data[0])
 
     def needed(self, along: SmoothedMotion, j: int) -> Array:
         """Motor torque (samples,) that the model needs for a motion.
@@ -230,7 +236,7 @@ class Equations:
     def _smoothed(self, along: SmoothedMotion, x: Array, order: int) -> Array:
         y = self.filters.first.apply(x, order)
         spare = (len(y) - len(along.t)) // 2
-        if self.made_up.any():
+        if self.made_up.any() or self.replayed.any():
             return self.filters.first.apply(y, 0)
         return y[spare : len(y) - spare]
 

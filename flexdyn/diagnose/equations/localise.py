@@ -103,7 +103,9 @@ def _quantities(equations: Equations, along: SmoothedMotion, j: int, kind: str) 
     yield Quantity(f"{{}} {angle} after a reversal", _travelled(x[:, j], u[:, j]))
     yield Quantity(f"{name} {{}}", u[:, j], signed=True)
     carried = (
-        model.stiffness[j] * along.delta[:, j] if equations.kinds.count((j, LINK)) else along.inverse_dynamics[:, j]
+        model.stiffness[j] * along.delta[:, j]
+        if equations.kinds.count((j, LINK)) or equations.replayed[j]
+        else along.inverse_dynamics[:, j]
     )
     yield Quantity(f"abs(tau_s) {{}} {torque}", np.abs(carried))
     yield Quantity(f"q {{}} {angle}", along.q[:, j])

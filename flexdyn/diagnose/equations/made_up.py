@@ -68,9 +68,10 @@ def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
     springs = [effect for effect in acting if isinstance(effect, HardeningSpring | SpringHysteresis)]
     seen = carried / K
     for _ in range(STEEP_SPRING_ROUNDS if springs else 0):
-        now, ahead = (K * x + _more(springs, x) for x in (seen, (1.0 + STEEP_SPRING_STEP) * seen))
-        slope = np.clip((ahead - now) / np.where(seen == 0.0, np.inf, STEEP_SPRING_STEP * seen), K, STEEPEST_SPRING * K)
-        seen = seen + (carried - now) / slope
+        with np.errstate(over="ignore", invalid="ignore"):  # a law far from any spring: what is not finite is refused
+            now, ahead = (K * x + _more(springs, x) for x in (seen, (1.0 + STEEP_SPRING_STEP) * seen))
+            rise = (ahead - now) / np.where(seen == 0.0, np.inf, STEEP_SPRING_STEP * seen)
+            seen = seen + (carried - now) / np.clip(rise, K, STEEPEST_SPRING * K)
     gap = sum(effect.half_gap for effect in acting if isinstance(effect, Backlash))
     return np.asarray(seen + gap * np.sign(carried))
 

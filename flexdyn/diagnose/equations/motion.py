@@ -15,6 +15,7 @@ from flexdyn.diagnose.equations.made_up import made_up
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.prescribed import links_behind
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp] | slice
@@ -154,8 +155,8 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
         data: channels with sensor effects taken off.
         kernel: the first filter.
 
-    A joint with one encoder gets the other position from its own equation (`made_up`); the whole motion is then
-    filtered once more.
+    A joint with one encoder gets the other position from its own equation (`made_up`), or where its motion is
+    prescribed by simulation (`replayed`); the whole motion is then filtered once more.
     """
     q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, q)
@@ -165,6 +166,7 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
     tau_s = data.tau_s
     if (model.elastic & ~data.both).any():
         q, theta = made_up(model, links, q, theta, tau, data, kernel)
+        q = replayed(model, q, theta, data, t[kernel.half : len(t) - kernel.half])
         tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
         lost += kernel.half
     elif not data.both.all():  # as many samples as if a joint turned out to be elastic
@@ -187,6 +189,33 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
         data=data,
         lost=lost,
     )
+
+
+def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array) -> Array:
+    """Positions of the links (samples, n), those behind prescribed motors by simulation along the record.
+
+    Args:
+        model: resolved.
+        q: of the links; those behind such motors as the recorded force winds their springs, of which the first sample
+            is where the simulation begins.
+        theta: of the rotors.
+        data: the recording.
+        t: times since the start of the run (samples,) [s].
+    """
+    joints = np.flatnonzero(hidden_links(model, data)).tolist()
+    if not joints:
+        return q
+    course = q.copy()
+    course[:, joints] = theta[:, joints]
+    first = np.where(np.isfinite(q[0]), q[0], theta[0])
+    found = q.copy()
+    found[:, joints] = links_behind(model, joints, t, course, first)[:, joints]
+    return found
+
+
+def hidden_links(model: FlexibleJointModel, data: Measured) -> NDArray[np.bool_]:
+    """Elastic joints whose motors are moved as recorded and whose links nobody measures (n,)."""
+    return np.asarray(model.elastic & data.forced & data.has_theta & ~data.has_q)
 
 
 def centred(tau: Array) -> Array:

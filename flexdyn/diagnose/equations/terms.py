@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.diagnose.equations.motion import SmoothedMotion, hidden_links
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import (
     CommandDelay,
@@ -143,7 +143,7 @@ def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: Sm
     carried = motion.inverse_dynamics[:, j] - link
     if model.elastic[j]:
         both = spring_torque(model, acting, motion, j)
-        if motion.data.both[j]:
+        if motion.data.both[j] or hidden_links(model, motion.data)[j]:
             carried = both[:, 0]
         motor, link = motor - both[:, 1], link + both[:, 0]
     motor = motor - friction_torque(acting, model, motion, j, "motor", carried)

@@ -32,6 +32,8 @@ def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
     """
     found = np.empty((len(equations.residual), len(numbers)))
     links = [k for k, number in enumerate(numbers) if number.joint is None]
+    if equations.replayed.any():  # links that are simulated move otherwise
+        links = []
     if links:
         heavier = [LinkSide(_heavier(equations.true, numbers[k])) for k in links]
         found[:, links] = equations.of_links(heavier) / RELATIVE_NUMBER_STEP
@@ -56,11 +58,15 @@ def _heavier(true: FlexibleJointModel, number: FileNumber) -> FlexibleJointModel
 def _of_joint(equations: Equations, number: FileNumber) -> Array:
     """Derivative of the residual (rows,) by the factor of a joint's number."""
     true = equations.true
+    if number.joint is None:
+        return _replayed(equations, number)
     j = true.index(str(number.joint))
     effect = _true_effect(equations, number)
     if effect is not None and stands_alone(equations, effect):
         more = (1.0 + RELATIVE_NUMBER_STEP) * getattr(effect, number.parameter)
         return of_change(equations, effect, effect.replace(**{number.parameter: more})) / RELATIVE_NUMBER_STEP
+    if equations.replayed[j] and number.parameter != "rotor_inertia" and number.parameter not in OF_MOTOR:
+        return _replayed(equations, number)
     if number.joint == number.of and not (equations.made_up[j] or is_loaded(equations, j)) and true.elastic[j]:
         if number.parameter == "rotor_inertia":
             return equations.of_torque(j, lambda along: ("motor", -true.rotor_inertia[j] * along.alpha[:, j]))
@@ -74,6 +80,12 @@ def _of_joint(equations: Equations, number: FileNumber) -> Array:
     if number.parameter == "rotor_inertia" and not true.elastic[j]:
         return equations.of_links([LinkSide(moved)])[:, 0] / RELATIVE_NUMBER_STEP
     return (equations.of_joint(j, moved, moved.all_effects) - equations.own(j)) / RELATIVE_NUMBER_STEP
+
+
+def _replayed(equations: Equations, number: FileNumber) -> Array:
+    """Derivative of the residual (rows,) by the factor of a number that changes how simulated links move."""
+    model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + RELATIVE_NUMBER_STEP)])
+    return (equations.of(model).residual - equations.residual) / RELATIVE_NUMBER_STEP
 
 
 def _true_effect(equations: Equations, number: FileNumber) -> JointEffect | None:

@@ -27,7 +27,7 @@ def half_gaps(equations: Equations, j: int, deflection: float) -> list[float]:
         j: the joint.
         deflection: nearly the greatest [rad or m].
     """
-    if equations.made_up[j]:
+    if equations.made_up[j] or equations.replayed[j]:
         return [float(gap) for gap in deflection * np.geomspace(NARROWEST_PLAY, WIDEST_MADE_UP_PLAY, HALF_GAP_POINTS)]
     widest = max(_unwound(equations, j), SMALLEST_HALF_GAP * deflection)
     grid = deflection * np.geomspace(NARROWEST_PLAY, WIDEST_PLAY, HALF_GAP_POINTS)

@@ -88,6 +88,8 @@ class MotionExtent:
         needed = np.concatenate([equations.needed(along, j) for along in equations.motions])
         asked = max(float(np.abs(tau).max()), 1e-9)
         wound = float(np.percentile(np.abs(delta - np.median(delta)), 99.5)) if equations.true.elastic[j] else 0.0
+        if equations.replayed[j]:  # a model that lacks what loads the spring does not wind it
+            wound = max(wound, float(np.percentile(np.abs(tau), 99.5) / equations.true.stiffness[j]))
         return cls(
             speed=max(float(np.percentile(np.abs(omega), 99.0)), 1e-9),
             span=max(float(np.ptp(theta)), 1e-9),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.play import half_gaps
 from flexdyn.diagnose.hypothesis.proposal import MotionExtent, Point, Proposal, at, declared, given, linear, wave
-from flexdyn.effects import Effect, JointEffect, JointElasticity, catalogue
+from flexdyn.effects import Effect, JointEffect, JointElasticity, TorqueOffset, catalogue
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
@@ -39,7 +39,19 @@ def proposals(equations: Equations) -> list[Proposal]:
         found += _couplings(joint, names)
         found += _sensors(equations, j, extent)
     tip = {"effect": "payload", "frame": equations.true.robot.tip}
-    return [*found, linear(tip, "mass", unit=1e-3)]
+    return [each for each in (*found, linear(tip, "mass", unit=1e-3)) if each.grid and _may_be(equations, each)]
+
+
+def _may_be(equations: Equations, proposal: Proposal) -> bool:
+    """Whether an effect can be where a test rig prescribes the motion.
+
+    Nothing is asked of a motor there: the force is what a sensor says, which may have an offset, and no actuator stands
+    between the two.
+    """
+    true, kind = equations.true, catalogue()[proposal.place["effect"]]
+    if proposal.joint not in true.joint_names or not equations.data[0].forced[true.index(proposal.joint)]:
+        return True
+    return kind.stage != "actuator" or kind is TorqueOffset
 
 
 def _declared(place: Mapping[str, str], extent: MotionExtent, true: FlexibleJointModel) -> Iterator[Proposal]:
@@ -73,9 +85,17 @@ def _swinging(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
         place,
         make=make,
         units=lambda point: [(build(point, 1.0, phase), 1.0) for phase in (0.0, math.pi / 2, math.pi)],
-        grid=tuple((h,) for h in (SLOW_HARMONICS if extent.turns else (extent.ratio, 2.0 * extent.ratio))),
+        grid=tuple((h,) for h in _seen(SLOW_HARMONICS if extent.turns else (extent.ratio, 2.0 * extent.ratio), extent)),
         axes=("harmonic",),
     )
+
+
+def _seen(harmonics: Sequence[float], extent: MotionExtent) -> tuple[float, ...]:
+    """Harmonics that a joint which slides can show.
+
+    Of a wave that it follows for less than a radian it sees a constant and a slope, which are other laws.
+    """
+    return tuple(h for h in harmonics if extent.turns or h * extent.span >= 1.0)
 
 
 def _presliding(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
@@ -96,7 +116,7 @@ def _presliding(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
 def _transmission(joint: str, extent: MotionExtent, gaps: Sequence[float]) -> Iterator[Proposal]:
     across = {"joint": joint, "side": "transmission"}
     yield given({"effect": "backlash", **across}, ("half_gap",), [(gap,) for gap in gaps])
-    turns = (1.0, 2.0, 3.0, 4.0, extent.ratio, 2.0 * extent.ratio, 4.0 * extent.ratio)
+    turns = _seen((1.0, 2.0, 3.0, 4.0, extent.ratio, 2.0 * extent.ratio, 4.0 * extent.ratio), extent)
     yield wave({"effect": "kinematic_error", **across}, turns, 1e-6)
 
 
@@ -113,7 +133,7 @@ def _elasticity(joint: str) -> Proposal:
 def _actuator(joint: str, extent: MotionExtent) -> Iterator[Proposal]:
     motor = {"joint": joint, "side": "motor"}
     slow = SLOW_HARMONICS if extent.turns else ()
-    turns = (*slow, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0)))
+    turns = _seen((*slow, *(k * extent.ratio for k in (1.0, 2.0, 3.0, 6.0))), extent)
     yield wave({"effect": "torque_ripple", **motor}, turns, extent.torque)
 
 
@@ -167,7 +187,7 @@ def _sensors(equations: Equations, j: int, extent: MotionExtent) -> Iterator[Pro
         place = {"channel": f"{signal}.{joint}"}
         yield linear({"effect": "channel_lag", **place}, "delay", unit=1e-4)
         turns = (1.0, 2.0) if signal == "q" else (1.0, 2.0, extent.ratio, 2.0 * extent.ratio)
-        yield wave({"effect": "encoder_eccentricity", **place}, turns, 1e-6)
+        yield wave({"effect": "encoder_eccentricity", **place}, _seen(turns, extent), 1e-6)
         if both or any(model.gravity):  # one encoder alone: gravity's shape tells, inertias would hide a gain
             yield linear({"effect": "sensor_gain", **place}, "gain", unit=1e-4)
             yield linear({"effect": "sensor_offset", **place}, "offset", unit=1e-5)

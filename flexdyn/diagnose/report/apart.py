@@ -31,8 +31,12 @@ def gap(diagnosis: Diagnosis) -> str:
     numbers = [value for _, entry in groups for value in vars(entry).values() if math.isfinite(value)]
     scale = max(numbers, default=1.0) or 1.0
     shown = "".join(_gap_bars(title, entry, scale) for title, entry in groups)
+    forced = any(entry.force for entry in diagnosis.errors.values())
     said = (
-        "Root mean square of simulated minus measured positions over windows of 0.5 s, divided by what noise alone"
+        "A test rig prescribes the motion, so the gap is that of the forces: root mean square of what the equations"
+        " leave, divided by what noise alone makes there. A perfect model reaches the dashed line."
+        if forced
+        else "Root mean square of simulated minus measured positions over windows of 0.5 s, divided by what noise alone"
         " makes there: sensor noise, torque noise carried through the simulation, and the uncertain first state. A"
         " perfect model reaches the dashed line."
     )
@@ -79,6 +83,8 @@ def _error(joint: str, entry: JointError, scale: float) -> list[str]:
     )
     torque = _change(entry.torque_before, entry.torque_after, entry.torque_unit)
     position = _change(entry.position_before, entry.position_after, entry.position_unit)
+    if entry.force:
+        position = "prescribed"
     noise = f"{times(entry.gap[0])} &rarr; <b>{times(entry.gap[-1])}</b>" if entry.gap else "not simulated"
     return [escape(joint), torque, f'<div class="share">{shares}</div>', position, noise]
 

@@ -110,8 +110,18 @@ def _error(entry: JointError) -> dict[str, Any]:
             "after": entry.position_after,
             "unit": entry.position_unit,
         },
+        "force": _force(entry),
         "gap": dict(zip(("before", "calibrated", "after"), entry.gap, strict=True)) if entry.gap else None,
     }
+
+
+def _force(entry: JointError) -> dict[str, Any] | None:
+    """Error of the force of a prescribed motion."""
+    if not entry.force:
+        return None
+    before, calibrated, after, size = entry.force
+    share = {"share_before": before / size, "share_after": after / size} if size > 0.0 else {}
+    return {"before": before, "calibrated": calibrated, "after": after, "unit": entry.torque_unit, **share}
 
 
 def _source(entry: RecordingSpan) -> dict[str, Any]:

@@ -87,6 +87,8 @@ class JointError:
         position_calibrated: position error of the calibrated model.
         gap: the same positions in units of what noise alone makes there, as the gap has them: of the model as given,
             calibrated and corrected [1]; empty where nothing was simulated.
+        force: where a test rig prescribes the motion: error of the simulated force of the model as given, calibrated
+            and corrected, and the recorded force itself, in `torque_unit`; empty elsewhere.
     """
 
     torque_before: float
@@ -100,6 +102,7 @@ class JointError:
     torque_calibrated: float = math.nan
     position_calibrated: float = math.nan
     gap: tuple[float, ...] = ()
+    force: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from flexdyn.diagnose.report.apart import errors, gap, left, residuals, where
 from flexdyn.diagnose.report.calibrated import calibration
 from flexdyn.diagnose.report.compared import structures
 from flexdyn.diagnose.report.done import data, fit
+from flexdyn.diagnose.report.force import force_figure, forces
 from flexdyn.diagnose.report.found import findings
 from flexdyn.diagnose.report.head import head, tail
 from flexdyn.diagnose.report.material import notes, plans
@@ -28,6 +29,7 @@ PARTS = (
     head,
     gap,
     errors,
+    forces,
     motions,
     findings,
     shares,
@@ -91,6 +93,7 @@ def _figures(diagnosis: Diagnosis) -> dict[str, object]:
     """What the page's script draws, by the room that it stands in."""
     traces: dict[str, object] = {"motion": motion_figures(diagnosis)} if diagnosis.trajectories else {}
     traces |= {f"trace-{k}": residual_figure(trace) for k, trace in enumerate(diagnosis.residuals)}
+    traces |= {f"force-{k}": force_figure(loop) for k, loop in enumerate(diagnosis.loops)}
     plans = ((k, finding.plan) for k, finding in enumerate(diagnosis.findings))
     return traces | {f"plan-{k}": experiment_figure(plan) for k, plan in plans if plan is not None}
 

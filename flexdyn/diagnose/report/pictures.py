@@ -34,8 +34,8 @@ def residual_figure(trace: ResidualTrace) -> dict[str, Any]:
     """Data and layout for Plotly in the page: before below, after above it."""
     lines = bool((np.diff(trace.x) > 0.0).all())
     data = [
-        _points(trace.x, trace.before, "before", BEFORE, lines),
-        _points(trace.x, trace.after, "after", AFTER, lines),
+        curve(trace.x, trace.before, "before", BEFORE, lines),
+        curve(trace.x, trace.after, "after", AFTER, lines),
     ]
     for column, name, colour in ((1, "before", BEFORE), (2, "after", AFTER)):
         if len(trace.means) and not (len(trace.law) and column == 1):
@@ -60,7 +60,7 @@ def residual_figure(trace: ResidualTrace) -> dict[str, Any]:
         "showlegend": False,
         "hovermode": "closest",
     }
-    return {**_in_columns(data), "layout": layout, "config": CONFIG}
+    return {**in_columns(data), "layout": layout, "config": CONFIG}
 
 
 def _frame(trace: ResidualTrace) -> dict[str, Any]:
@@ -79,7 +79,7 @@ def _frame(trace: ResidualTrace) -> dict[str, Any]:
 
 def _stands_out(x: Array, y: Array, name: str, colour: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """A line that stands out from dots of its own colour."""
-    line = _points(x, y, name, colour, lines=True)
+    line = curve(x, y, name, colour, lines=True)
     return (
         line | {"line": {"color": "white", "width": 5.0}, "hoverinfo": "skip", "hovertemplate": None},
         line | {"line": {"color": colour, "width": 2.4}},
@@ -100,9 +100,9 @@ def experiment_figure(plan: Experiment) -> dict[str, Any]:
     }
     noise |= {"mode": "lines", "fill": "toself", "fillcolor": f"{BEFORE}55", "line": {"width": 0}, "hoverinfo": "skip"}
     data = [
-        _points(plan.t, plan.position, "motion", INK, lines=True),
+        curve(plan.t, plan.position, "motion", INK, lines=True),
         noise,
-        _points(plan.t, plan.left, "left", AFTER, lines=True) | {"yaxis": "y2"},
+        curve(plan.t, plan.left, "left", AFTER, lines=True) | {"yaxis": "y2"},
     ]
     axis = {"gridcolor": RULE, "zeroline": False, "automargin": True, "tickfont": {"size": 11}}
     layout = {
@@ -117,10 +117,11 @@ def experiment_figure(plan: Experiment) -> dict[str, Any]:
         "showlegend": False,
         "hovermode": "closest",
     }
-    return {**_in_columns(data), "layout": layout, "config": CONFIG}
+    return {**in_columns(data), "layout": layout, "config": CONFIG}
 
 
-def _points(x: Array, y: Array, name: str, colour: str, lines: bool) -> dict[str, Any]:
+def curve(x: Array, y: Array, name: str, colour: str, lines: bool) -> dict[str, Any]:
+    """One curve for Plotly, as a line or as dots."""
     trace: dict[str, Any] = {"type": "scatter", "name": name, "x": x, "y": y}
     trace["hovertemplate"] = "%{x:.5g}, %{y:.4g}<extra>" + name + "</extra>"
     if lines:
@@ -128,7 +129,7 @@ def _points(x: Array, y: Array, name: str, colour: str, lines: bool) -> dict[str
     return trace | {"mode": "markers", "marker": {"color": colour, "size": 3.5, "opacity": 0.45}}
 
 
-def _in_columns(data: list[dict[str, Any]]) -> dict[str, Any]:
+def in_columns(data: list[dict[str, Any]]) -> dict[str, Any]:
     """Curves whose columns are written once each, however many curves share them."""
     columns: list[dict[str, Any]] = []
     places: dict[int, int] = {}

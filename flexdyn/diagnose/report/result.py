@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from flexdyn.diagnose.report.experiment import Experiment
+from flexdyn.diagnose.report.force import ForceLoop
 from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, RecordingSpan, ResidualPlace, Role
 from flexdyn.diagnose.report.record import Record, Shares, Statistics, record
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
@@ -66,6 +67,7 @@ class Diagnosis(Public):
         shares: of the gap on the test data, which add up; None where it was not measured.
         stopped_at: what was in work when the user stopped it; empty: nobody did.
         trajectories: measured and simulated motion of every joint, over the test data and the data of the fit.
+        loops: recorded and simulated force of joints whose motion a test rig prescribes.
         residuals: pictures of what the model left unexplained, before and after, the most telling first.
         decisions: further reasons, by what was decided: a target of `explain` or a few words.
         considered: every candidate that the search compared, the most probable first.
@@ -113,6 +115,7 @@ class Diagnosis(Public):
     record: Record = field(default_factory=record, compare=False)
     fit: Statistics | None = None
     shares: Shares | None = None
+    loops: tuple[ForceLoop, ...] = ()
 
     def __repr__(self) -> str:
         """The verdict and the names, in a line."""

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import copy
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +17,9 @@ from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
 from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors, undone
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.effects import CommandDelay, Effect, MemoryEffect, WarmUpFriction
+from flexdyn.effects import CommandDelay, MemoryEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.at_time import at_time, is_timed
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.plant import acting_effects, build_plant
 from flexdyn.simulation.solver_choice import STIFF, core_settings, fastest_rate
@@ -80,7 +79,7 @@ class Shooter:
         self.windows = windows
         self.elastic = np.flatnonzero(self.model.elastic)
         self.memory = [effect for effect in acting_effects(self.model) if isinstance(effect, MemoryEffect)]
-        timed = any(_timed(effect) for effect in self.model.all_effects)
+        timed = any(is_timed(effect) for effect in self.model.all_effects)
         count = len(windows)
         begins = windows.t[:, 0] - np.array([windows.recordings[k].t[0] for k in windows.places[:, 0]])
         models = [at_time(self.model, begin) for begin in begins] if timed else [self.model]
@@ -217,33 +216,6 @@ def _simulated(jobs: Sequence[_core.Job], q: Array, *, python: bool) -> NDArray[
         _core.simulate_many(jobs, len(os.sched_getaffinity(0)), None)
     finite = np.asarray(np.isfinite(q).all(axis=2))
     return np.where(finite.all(axis=1), np.int64(q.shape[1]), finite.argmin(axis=1)).astype(np.int64)
-
-
-def at_time(model: FlexibleJointModel, begin: float) -> FlexibleJointModel:
-    """The model as it is from a time on, that time being its new zero [s]."""
-    return model.replace(effects=[_moved(each, begin) for each in model.all_effects], urdf_dynamics="ignore")
-
-
-def _timed(effect: Effect) -> bool:
-    return (isinstance(effect, WarmUpFriction) or effect.is_python) and not effect.is_neutral
-
-
-def _moved(effect: Effect, begin: float) -> Effect:
-    if isinstance(effect, WarmUpFriction):
-        return replace(effect, coefficient=effect.coefficient * math.exp(-begin / effect.time_constant))
-    if not effect.is_python:
-        return effect
-    moved = copy.copy(effect)
-    law = effect.torque
-
-    def torque(x: float, u: float, *, t: float, tau: float) -> Any:
-        try:
-            return law(x, u, t=t + begin, tau=tau)
-        except Exception:  # a user's code may raise anything, far from the data: the window has failed
-            return math.nan
-
-    object.__setattr__(moved, "torque", torque)
-    return moved
 
 
 def _torques(model: FlexibleJointModel, windows: Windows, extra: Array | None) -> list[tuple[Array, Array]]:

@@ -109,4 +109,6 @@ def _meta(meta: dict[str, Any], channel_map: ChannelMap, units: dict[str, str]) 
     known = {key: value for key, value in meta.items() if key not in ("units", "map")}
     if "map" in meta:
         known["earlier_maps"] = [*meta.get("earlier_maps", ()), meta["map"]]
+    if channel_map.prescribed:
+        known["prescribed"] = [*channel_map.prescribed]
     return known | {"map": channel_map.to_dict()} | ({"units": units} if units else {})

@@ -110,6 +110,7 @@ class ChannelMap:
         repair: repairs asked for, in order.
         layout: of the file.
         computed: channels made of others, in SI, each with its expression, in order.
+        prescribed: joints whose motion a test rig prescribes.
 
     Example:
         >>> map_ = fd.ChannelMap.from_dict({"flexdyn_map": 1, "time": "stamp", "channels": {"q.elbow": "enc"}})
@@ -125,6 +126,7 @@ class ChannelMap:
     repair: tuple[Repair, ...] = ()
     layout: Layout = field(default_factory=Layout)
     computed: tuple[tuple[str, Expression], ...] = ()
+    prescribed: tuple[str, ...] = ()
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> ChannelMap:
@@ -148,6 +150,7 @@ class ChannelMap:
             "computed": {name: expression.text for name, expression in self.computed},
             "couplings": [_coupling(coupling) for coupling in self.couplings],
             "repair": [repair.to_plain() for repair in self.repair],
+            "prescribed": list(self.prescribed),
         }
         content |= {key: entry for key, entry in entries.items() if entry}
         return content | {"others": "keep" if self.keep_others else "drop"}

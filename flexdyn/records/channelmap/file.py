@@ -23,6 +23,7 @@ An example of what a map can say; `Channel`, `TimeSource`, `Coupling` and `Layou
       twist: 0.5 * (theta.pitch + theta.roll) - q.elbow
     couplings:                                     # torque left out: the inverse transpose, which keeps the power
       - {joints: [pitch, roll], position: [[0.5, 0.5], [0.5, -0.5]], signals: [theta, omega]}
+    prescribed: [slide]                            # joints whose motion a test rig prescribes; tau is the rig's force
     others: drop                                   # or keep
     repair: [sort_time, {fill_nan: {longest: 0.5}}]
 """
@@ -35,7 +36,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.yaml import check_keys, read_yaml
 from flexdyn.records.channelmap.couplings import couplings_of
 from flexdyn.records.channelmap.description import MAP_FORMAT, Channel, ChannelMap
@@ -48,7 +49,18 @@ from flexdyn.records.repairs import repairs_of
 from flexdyn.records.table import check_name
 from flexdyn.records.units import SIGNALS
 
-TOP_KEYS = ("flexdyn_map", "source", "time", "joints", "channels", "computed", "couplings", "others", "repair")
+TOP_KEYS = (
+    "flexdyn_map",
+    "source",
+    "time",
+    "joints",
+    "channels",
+    "computed",
+    "couplings",
+    "prescribed",
+    "others",
+    "repair",
+)
 CHANNEL_KEYS = tuple("from" if item.name == "source" else item.name for item in fields(Channel) if item.name != "name")
 JOINT_KEYS = ("gear_ratio", "torque_constant", "counts_per_turn", "prismatic")
 
@@ -106,6 +118,7 @@ def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
         repairs_of(entry.get("repair", [])),
         layout_of(entry.get("source", {})),
         _computed(entry.get("computed", {}), channels, keep=keep),
+        _prescribed(entry.get("prescribed", []), channels, keep=keep),
     )
     _check_numbered(made)
     units_of(made, conversions_of(made, {}))  # and again with what the file states when that is known
@@ -150,6 +163,20 @@ def _computed(entries: Any, channels: tuple[Channel, ...], *, keep: bool) -> tup
         found.append((name, expression))
         known.append(name)
     return tuple(found)
+
+
+def _prescribed(joints: Any, channels: tuple[Channel, ...], *, keep: bool) -> tuple[str, ...]:
+    """Joints whose motion a test rig prescribes, each with a channel; with others: keep, maybe one of the file."""
+    if not isinstance(joints, list) or not all(isinstance(joint, str) for joint in joints):
+        remedy = "give a list of joints, such as [slide]"
+        raise InputError("a list of joints is needed", key="prescribed", value=joints, remedy=remedy)
+    known = tuple(dict.fromkeys(channel.joint for channel in channels if channel.signal))
+    for joint in joints:
+        if joint not in known and not keep:
+            raise InputError(
+                "no channel of this joint", key="prescribed", value=joint, remedy=did_you_mean(joint, known)
+            )
+    return tuple(joints)
 
 
 def _check_channel_name(name: Any, where: str = "channels") -> None:

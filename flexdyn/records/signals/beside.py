@@ -62,6 +62,8 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
     notes.append(f"{int(kept.sum())} of {len(first)} samples of {_named(first)} are common")
     chosen = {name: np.array(values[kept]) for name, values in columns.items()}
     known = meta | {"notes": notes} | ({"units": units} if units else {})
+    if forced := tuple(dict.fromkeys(joint for each in (first, *others) for joint in each.prescribed)):
+        known["prescribed"] = list(forced)
     return type(first).from_table(Table(chosen, known), "+".join(each.name for each in (first, *others) if each.name))
 
 

@@ -1,0 +1,1 @@
+"""Several models of one arm side by side: which numbers moved, which stayed, which effects came or went."""

@@ -1,0 +1,277 @@
+"""fd.compare_models: numbers and effects over several models of one arm."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from flexdyn.diagnose.compared.compared_model import ComparedModel, Given, compared_model
+from flexdyn.diagnose.report.digits import probability_text, value_text
+from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.suspects import Number
+from flexdyn.errors import InputError
+from flexdyn.io.notebook import Public, card, table
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+
+CHANCE = 0.0027
+"""Numbers moved where chance alone makes them differ so much less often than this [1]: three standard deviations."""
+SMALL_CHANGE = 0.25
+"""Numbers stayed where a change by so much of their mean would have been seen [1]."""
+Verdict = Literal["moved", "stayed", "not told"]
+Course = Literal["in all", "appeared", "vanished", "in some"]
+
+
+@dataclass(frozen=True)
+class NumberOverModels:
+    """A number over the models.
+
+    Attributes:
+        name: what it is of, such as "stiffness of elbow".
+        unit: of its values; 1: a factor on what the URDF gives.
+        values: one a model; None where the model has no such number.
+        verdict: ``moved``: the values differ by more than their uncertainty; ``stayed``: they do not, and a change of a
+            quarter would have been seen; ``not told``: they are too uncertain to say.
+        probability: that equal numbers with these uncertainties differ so much by chance [1]; NaN of less than two.
+    """
+
+    name: str
+    unit: str
+    values: tuple[Number | None, ...]
+    verdict: Verdict
+    probability: float
+
+    @property
+    def ratio(self) -> float:
+        """Largest over smallest size [1]."""
+        sizes = [abs(each.value) for each in self.values if each is not None]
+        return max(sizes) / min(sizes) if sizes and min(sizes) > 0.0 else math.inf
+
+
+@dataclass(frozen=True)
+class EffectOverModels:
+    """An effect over the models.
+
+    Attributes:
+        name: what it is and where it acts, such as "backlash in the transmission of elbow".
+        there: whether each model has it.
+        probabilities: of the effect in each: 1 where the file gave it; NaN where nobody compared it.
+        course: ``in all``; ``appeared``: the first models lack it and the last have it; ``vanished``: the other way
+            round; ``in some``.
+    """
+
+    name: str
+    there: tuple[bool, ...]
+    probabilities: tuple[float, ...]
+    course: Course
+
+
+@dataclass(frozen=True, repr=False)
+class ModelsCompared(Public):
+    """Several models of one arm side by side; `print` shows it as a table.
+
+    Attributes:
+        labels: of the models, in the order given.
+        numbers: those that two models or more have; what moved comes first.
+        effects: of all models; what is not in all of them comes first.
+
+    Example:
+        >>> arm = fd.load_model("scara_two_link").replace(tolerance=0.01)
+        >>> worn = arm.replace(joints={"elbow": {"stiffness": 0.8 * arm.joints["elbow"].stiffness}})
+        >>> found = fd.compare_models([arm, worn], labels=["new", "worn"])
+        >>> [number.name for number in found.moved]
+        ['stiffness of elbow']
+    """
+
+    labels: tuple[str, ...]
+    numbers: tuple[NumberOverModels, ...]
+    effects: tuple[EffectOverModels, ...]
+
+    @property
+    def moved(self) -> tuple[NumberOverModels, ...]:
+        """Numbers that differ by more than their uncertainty."""
+        return tuple(each for each in self.numbers if each.verdict == "moved")
+
+    @property
+    def stayed(self) -> tuple[NumberOverModels, ...]:
+        """Numbers that do not differ, and are known well enough to say so."""
+        return tuple(each for each in self.numbers if each.verdict == "stayed")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, as JSON can hold it; a number that is not finite is NaN."""
+        return {
+            "labels": list(self.labels),
+            "numbers": [asdict(each) for each in self.numbers],
+            "effects": [asdict(each) for each in self.effects],
+        }
+
+    def number_rows(self) -> list[list[str]]:
+        """A row a number: its name, a value a model, how often chance differs so much, and what became of it."""
+        return [
+            [
+                _with_unit(each),
+                *("-" if x is None else _estimate(x) for x in each.values),
+                "-" if math.isnan(each.probability) else probability_text(each.probability),
+                each.verdict,
+            ]
+            for each in self.numbers
+        ]
+
+    def effect_rows(self) -> list[list[str]]:
+        """A row an effect: its name, its probability in each model, and what became of it."""
+        return [
+            [each.name, *(_there(here, p) for here, p in zip(each.there, each.probabilities, strict=True)), each.course]
+            for each in self.effects
+        ]
+
+    @property
+    def heads(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Heads of `number_rows` and of `effect_rows`."""
+        return ("number", *self.labels, "by chance", ""), ("effect", *self.labels, "")
+
+    def __repr__(self) -> str:
+        """How many moved and how many stayed, in a line."""
+        changed = sum(each.course != "in all" for each in self.effects)
+        counts = f"{len(self.moved)} numbers moved, {len(self.stayed)} stayed, {changed} effects not in all"
+        return f"<ModelsCompared of {', '.join(self.labels)}: {counts}>"
+
+    def __str__(self) -> str:
+        """The tables as text."""
+        numbers, effects = self.heads
+        return "\n".join([*_lined([numbers, *self.number_rows()]), *_lined([effects, *self.effect_rows()])])
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        numbers, effects = self.heads
+        return card(repr(self)[1:-1], {}, table(numbers, self.number_rows()), table(effects, self.effect_rows()))
+
+
+def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> ModelsCompared:
+    """Say which numbers of one arm's models moved by more than their uncertainty, and which effects came or went.
+
+    Values are compared by a chi-squared test of the hypothesis that they are one number (Cochran's Q). They are
+    uncertain by the standard deviations of the diagnosis, or by the tolerance of a model file that no diagnosis wrote.
+    Numbers of links are factors on their URDF, so the models should have the same one.
+
+    Args:
+        models: two or more, each a `Diagnosis`, a model, a model file, or a folder that a diagnosis was saved in.
+        labels: that they go by; none: names of the files, or A, B, C.
+
+    Raises:
+        InputError: less than two models, models of different arms, or labels that are not one a model.
+
+    Example:
+        >>> arm = fd.load_model("scara_two_link").replace(tolerance=0.01)
+        >>> worn = arm.replace(effects=[fd.effects.Backlash("elbow", half_gap=1e-3)])
+        >>> [(effect.name, effect.course) for effect in fd.compare_models([arm, worn]).effects]
+        [('backlash in the transmission of elbow', 'appeared')]
+    """
+    if isinstance(models, str | Path | Diagnosis | FlexibleJointModel) or len(models) < 2:
+        remedy = "give a list of two models or more"
+        raise InputError("one model alone cannot be compared", key="models", remedy=remedy)
+    if labels and (len(labels) != len(models) or len(set(labels)) != len(labels)):
+        remedy = f"give {len(models)} different ones, or none"
+        raise InputError("a label for each model is needed", key="labels", value=list(labels), remedy=remedy)
+    models_ = [compared_model(*each) for each in zip(models, labels or _labels(models), strict=True)]
+    for side in models_[1:]:
+        if side.joints != models_[0].joints:
+            remedy = f"{models_[0].label} has {', '.join(models_[0].joints)}"
+            raise InputError("models of different arms", key=side.label, value=", ".join(side.joints), remedy=remedy)
+    names = dict.fromkeys(name for side in models_ for name in side.numbers)
+    numbers = [_number(name, models_) for name in names]
+    effects = [_effect(name, models_) for name in dict.fromkeys(name for side in models_ for name in side.effects)]
+    order = {"moved": 0, "stayed": 1, "not told": 2}
+    shared = [each for each in numbers if sum(x is not None for x in each.values) > 1]
+    return ModelsCompared(
+        tuple(side.label for side in models_),
+        tuple(sorted(shared, key=lambda each: order[each.verdict])),
+        tuple(sorted(effects, key=lambda each: each.course == "in all")),
+    )
+
+
+def _labels(models: Sequence[Given]) -> list[str]:
+    """Names of files and folders where they differ; else letters."""
+    paths = [Path(each) if isinstance(each, str | Path) else None for each in models]
+    found = []
+    for k, path in enumerate(paths):
+        letter = chr(ord("A") + k) if k < 26 else str(k + 1)
+        name = "" if path is None else path.parent.name if path.name == "model.yaml" else path.stem or path.name
+        found.append(name or letter)
+    return (
+        found
+        if len(set(found)) == len(found)
+        else [chr(ord("A") + k) if k < 26 else str(k + 1) for k in range(len(found))]
+    )
+
+
+def _number(name: str, models_: Sequence[ComparedModel]) -> NumberOverModels:
+    values = tuple(side.numbers.get(name) for side in models_)
+    there = [each for each in values if each is not None]
+    probability, verdict = _same(there)
+    return NumberOverModels(name, there[0].unit, values, verdict, probability)
+
+
+def _same(values: Sequence[Number]) -> tuple[float, Verdict]:
+    """How often chance makes one number look so different, and what that says.
+
+    With weights w = 1/std^2 and the weighted mean m, ``Q = sum w (x - m)^2`` is chi-squared with one degree of freedom
+    less than there are values (Cochran, 1954). A number without a standard deviation that is finite tells nothing; one
+    whose standard deviation is 0 was given, or chosen among a few values.
+    """
+    known = [each for each in values if math.isfinite(each.value) and math.isfinite(each.std)]
+    if len(known) < 2:
+        return math.nan, "not told"
+    mean = sum(each.value for each in known) / len(known)
+    widest = max(each.std for each in known)
+    if widest == 0.0:
+        same = all(each.value == known[0].value for each in known)
+        return (1.0, "stayed") if same else (0.0, "moved")
+    from scipy.special import gammaincc
+
+    weights = [1.0 / max(each.std, 1e-9 * widest) ** 2 for each in known]
+    middle = sum(w * each.value for w, each in zip(weights, known, strict=True)) / sum(weights)
+    Q = sum(w * (each.value - middle) ** 2 for w, each in zip(weights, known, strict=True))
+    probability = float(gammaincc(0.5 * (len(known) - 1), 0.5 * Q))
+    if probability < CHANCE:
+        return probability, "moved"
+    least = 3.0 * math.sqrt(2.0) * widest  # a change between two that three standard deviations of it would show
+    return probability, "stayed" if least <= SMALL_CHANGE * abs(mean) else "not told"
+
+
+def _effect(name: str, models_: Sequence[ComparedModel]) -> EffectOverModels:
+    there = tuple(name in side.effects for side in models_)
+    odds = tuple(side.effects.get(name, side.absent.get(name, math.nan)) for side in models_)
+    return EffectOverModels(name, there, odds, _course(there))
+
+
+def _course(there: Sequence[bool]) -> Course:
+    changes = [one != other for one, other in itertools.pairwise(there)]
+    if all(there):
+        return "in all"
+    if sum(changes) == 1:
+        return "appeared" if there[-1] else "vanished"
+    return "in some"
+
+
+def _lined(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of a table as lines."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
+def _with_unit(number: NumberOverModels) -> str:
+    return f"{number.name} [{number.unit}]"
+
+
+def _estimate(number: Number) -> str:
+    text = value_text(number.value, number.std)
+    return text if not number.std > 0.0 else f"{text} +- {value_text(number.std, number.std)}"
+
+
+def _there(here: bool, probability: float) -> str:
+    if here:
+        return "yes" if not probability < 1.0 else f"yes ({probability_text(probability)})"
+    return "no" if not math.isfinite(probability) else f"no ({probability_text(probability)})"

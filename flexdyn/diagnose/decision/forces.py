@@ -1,0 +1,152 @@
+"""Where a test rig prescribes the motion: the force that a model needs for it, instead of positions over windows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.held_out import rms
+from flexdyn.diagnose.decision.split import DataPart
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.diagnose.equations.terms import joint_terms
+from flexdyn.diagnose.report.force import ForceLoop
+from flexdyn.diagnose.report.measures import Gap
+from flexdyn.errors import InputError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.records import Recording
+from flexdyn.simulation.asked_torque import with_asked_torque
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Forces:
+    """White rows of the equations by the model as given, calibrated and corrected, and how far their forces are off.
+
+    Attributes:
+        before: of the model as given, rows that say something [1].
+        calibrated: of the numbers alone.
+        after: of the corrected model.
+        errors: of the forces of all prescribed joints, root mean square, of the three models.
+    """
+
+    before: Array
+    calibrated: Array
+    after: Array
+    errors: tuple[float, float, float]
+
+    @property
+    def gap(self) -> Gap:
+        """Root mean square of the rows, in units of what noise alone makes of them."""
+        return Gap(rms(self.before), rms(self.calibrated), rms(self.after), 1.0)
+
+    @property
+    def closer(self) -> bool:
+        """Whether the corrected model's forces are as near as the given one's."""
+        return self.errors[2] <= self.errors[0] * (1.0 + 1e-9)
+
+    def alone(self) -> Forces:
+        """The same where the corrected model is the calibrated one."""
+        return replace(self, after=self.calibrated, errors=(*self.errors[:2], self.errors[1]))
+
+
+def are_prescribed(parts: Sequence[DataPart]) -> bool:
+    """Whether a rig prescribes the motion of any joint: then positions are not simulated."""
+    return any(bool(each.data.forced.any()) for each in parts)
+
+
+def errors_of(models: Sequence[Equations], joint: int | None = None) -> tuple[float, ...]:
+    """Error of the force, root mean square over all samples, of each model [N m or N].
+
+    Args:
+        models: equations over the same recordings.
+        joint: its place; None: all whose motion is prescribed, together.
+    """
+    joints = [j for j, _ in _prescribed(models[0])] if joint is None else [joint]
+    return tuple(rms(np.concatenate([left(at, along, j) for along in at.motions for j in joints])) for at in models)
+
+
+def recorded(at: Equations, joint: int) -> float:
+    """The recorded force of a joint, root mean square over all samples [N m or N]."""
+    return rms(np.concatenate([along.tau[:, joint] for along in at.motions]))
+
+
+def left(at: Equations, along: SmoothedMotion, j: int) -> Array:
+    """Recorded less simulated force of a joint (samples,), behind the first filter alone."""
+    true = at.true
+    terms = joint_terms(true, true.all_effects, along, j)
+    found = terms.motor - true.rotor_inertia[j] * (along.alpha[:, j] - (0.0 if true.elastic[j] else along.a[:, j]))
+    if not true.elastic[j]:
+        found = found + terms.link - along.inverse_dynamics[:, j]
+    return np.asarray(found / at.gains[j])
+
+
+def loops(models: Sequence[Equations], parts: Sequence[DataPart]) -> tuple[ForceLoop, ...]:
+    """Recorded and simulated force of every prescribed joint over its position and speed, a picture a span.
+
+    Args:
+        models: equations over the spans of the model as given, calibrated and corrected.
+        parts: the spans.
+    """
+    at, found = models[0], []
+    robot = at.true.robot
+    for j, joint in _prescribed(at):
+        for k, part in enumerate(parts):
+            along = [each.motions[k] for each in models]
+            simulated = [a.tau[:, j] - left(each, a, j) for each, a in zip(models, along, strict=True)]
+            columns = (along[0].theta[:, j], along[0].omega[:, j], along[0].tau[:, j], simulated[0], simulated[-1])
+            units = (robot.angle_unit(joint), robot.torque_unit(joint))
+            found.append(ForceLoop.thinned(joint, part.recording.name, part.role, units, np.stack(columns)))
+    return tuple(found)
+
+
+def prescribed_forces(model: FlexibleJointModel, recording: Recording) -> Recording:
+    """The force or torque that a model needs where a test rig prescribes the motion, along the recorded motion.
+
+    Laws with a state, and links behind a spring, are simulated from the start of the recording on; no recorded force is
+    read but the first, which says how far a spring is wound there.
+
+    Args:
+        model: with any effects.
+        recording: that says which joints are prescribed: ``prescribed`` in its channel map, or in its meta.
+
+    Returns:
+        ``tau`` of these joints [N m or N] at the recording's times, some 20 ms at either end left out, which the
+        filter of the positions needs.
+
+    Raises:
+        InputError: no joint is prescribed, or the recording does not fit the model.
+
+    Example:
+        >>> t = np.linspace(0.0, 2.0, 2001)
+        >>> swept = {"q.shoulder": 0.3 * np.sin(3.0 * t), "q.elbow": 0 * t, "tau.shoulder": 0 * t, "tau.elbow": 0 * t}
+        >>> rig = fd.Recording(t, swept, meta={"prescribed": ["shoulder"]})
+        >>> rubbing = fd.effects.CoulombFriction("shoulder", side="link", level=2.0)
+        >>> arm = fd.load_model("scara_two_link").replace(joints={"*": {"stiffness": np.inf}}, effects=[])
+        >>> without, with_it = (fd.prescribed_forces(arm.replace(effects=e), rig) for e in ([], [rubbing]))
+        >>> float(np.abs(with_it["tau.shoulder"] - without["tau.shoulder"]).max())
+        2.0
+    """
+    if not recording.prescribed:
+        remedy = "give prescribed: [JOINT] in its channel map, or meta={'prescribed': ['JOINT']}"
+        raise InputError(
+            "no joint's motion is prescribed", file=recording.name or None, key="prescribed", remedy=remedy
+        )
+    data = measured(model, with_asked_torque(model, recording))
+    at = Equations(model, (data,), Filters.of_rate(data.dt))
+    along = at.motions[0]
+    columns = {f"tau.{name}": along.tau[:, j] - left(at, along, j) for j, name in _prescribed(at)}
+    meta = {"prescribed": list(recording.prescribed)}
+    return Recording(recording.t[0] + along.t, columns, meta=meta, name=recording.name)
+
+
+def _prescribed(at: Equations) -> list[tuple[int, str]]:
+    """Places and names of the joints whose motion is prescribed."""
+    names = at.true.joint_names
+    return [(int(j), names[j]) for j in np.flatnonzero(at.data[0].forced)]

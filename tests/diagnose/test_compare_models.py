@@ -1,0 +1,142 @@
+"""fd.compare_models: which numbers moved beyond their uncertainty, which effects came or went."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+import flexdyn as fd
+from flexdyn.diagnose.compared.models import CHANCE, _same
+from flexdyn.diagnose.report.suspects import Number
+
+ARM = fd.load_model("scara_two_link").replace(effects=[], tolerance=0.01)
+
+
+def stiffer(factor: float, tolerance: float = 0.01) -> fd.FlexibleJointModel:
+    """The arm with another stiffness of the elbow."""
+    return ARM.replace(joints={"elbow": {"stiffness": factor * ARM.joints["elbow"].stiffness}}, tolerance=tolerance)
+
+
+def verdicts(found: fd.ModelsCompared) -> dict[str, str]:
+    """By number."""
+    return {each.name: each.verdict for each in found.numbers}
+
+
+def test_a_number_moves_beyond_its_uncertainty() -> None:
+    """Of two values known to 1 %, 5 % are 3.5 standard deviations and 2 % are not; known to 30 %, they tell nothing."""
+    assert verdicts(fd.compare_models([ARM, stiffer(1.05)]))["stiffness of elbow"] == "moved"
+    assert verdicts(fd.compare_models([ARM, stiffer(1.02)]))["stiffness of elbow"] == "stayed"
+    wide = ARM.replace(tolerance=0.3)
+    assert verdicts(fd.compare_models([wide, stiffer(1.02, 0.3)]))["stiffness of elbow"] == "not told"
+
+
+def test_the_probability_is_that_of_chi_squared() -> None:
+    """Cochran's Q of three values, by SciPy's distribution; equal numbers move as often as chance says."""
+    values = [Number(1.0, 0.1, "N"), Number(1.2, 0.2, "N"), Number(1.6, 0.15, "N")]
+    w = np.array([1.0 / each.std**2 for each in values])
+    x = np.array([each.value for each in values])
+    Q = (w * (x - (w * x).sum() / w.sum()) ** 2).sum()
+    assert _same(values)[0] == pytest.approx(chi2.sf(Q, 2), rel=1e-9)
+    draw = np.random.default_rng(0)
+    moved = sum(_same([Number(float(v), 1.0, "N") for v in row])[1] == "moved" for row in draw.normal(50, 1, (4000, 3)))
+    assert moved / 4000 == pytest.approx(CHANCE, abs=0.003)
+
+
+def test_effects_come_and_go() -> None:
+    """In the order of the models: appeared, vanished, in some, in all; numbers of an effect are compared as well."""
+    e = fd.effects
+    play = e.Backlash("elbow", half_gap=1e-3)
+    rubs = e.CoulombFriction("elbow", side="motor", level=0.5)
+    old = e.ViscousFriction("elbow", side="motor", coefficient=0.5)
+    models = [ARM.replace(effects=each) for each in ([rubs, old], [rubs.replace(level=0.7), play], [rubs, play, old])]
+    found = fd.compare_models(models, labels=["new", "worn", "repaired"])
+    course = {each.name: each.course for each in found.effects}
+    assert course == {
+        "backlash in the transmission of elbow": "appeared",
+        "viscous friction on the motor side of elbow": "in some",
+        "Coulomb friction on the motor side of elbow": "in all",
+    }
+    (level,) = [each for each in found.numbers if each.name.startswith("level of Coulomb friction")]
+    assert level.verdict == "moved"
+    assert level.ratio == pytest.approx(1.4)
+    assert fd.compare_models(models[::-1][1:]).effects[0].course in ("appeared", "vanished")
+    text = str(found).splitlines()
+    assert text[0].split() == ["number", "new", "worn", "repaired", "by", "chance"]
+    assert "moved" in text[1]
+
+
+@pytest.fixture(scope="module")
+def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> tuple[fd.Diagnosis, Path]:
+    """A diagnosis that found friction, and the folder that it was saved in."""
+    t = np.linspace(0.0, 8.0, 801)
+    sway = np.stack([0.6 * np.cos(1.1 * t) + 0.2 * np.cos(5 * t), 0.5 * np.cos(1.4 * t)], axis=1)
+    model = ARM.replace(joints={"*": {"stiffness": 900.0, "damping": 1.5, "rotor_inertia": 4e-5}}, tolerance=0.03)
+    robot = model.replace(effects=[fd.effects.CoulombFriction("elbow", side="motor", level=0.6)])
+    run = fd.simulate(robot, fd.PD(fd.Samples(t, sway, "cubic"), kp=400, kd=20), q0=sway[0])
+    noise, log = np.random.default_rng(0), run.to_recording()
+    sigma = {"q": 2e-6, "theta": 2e-6, "tau": 0.02}
+    names = [f"{signal}.{joint}" for signal in sigma for joint in model.joint_names]
+    seen = {x: log[x] + noise.normal(0.0, sigma[x.split(".")[0]], run.t.size) for x in names}
+    answer = fd.diagnose(model, [fd.Recording(run.t, seen)], progress=False)
+    folder = tmp_path_factory.mktemp("compared") / "worn"
+    answer.save(folder)
+    return answer, folder
+
+
+def test_a_diagnosis_and_its_folder_are_one(diagnosed: tuple[fd.Diagnosis, Path]) -> None:
+    """Values, standard deviations and probabilities are those of the diagnosis, whichever way it comes."""
+    answer, folder = diagnosed
+    level = answer.findings[0].suspect.parameters["level"]
+    for given in (answer, folder, folder / "model.yaml"):
+        found = fd.compare_models([given, answer], labels=["one", "other"])
+        (row,) = [each for each in found.numbers if each.name.startswith("level of Coulomb")]
+        assert row.values[0] is not None
+        assert row.values[0].value == pytest.approx(level.value)
+        assert row.values[0].std == pytest.approx(level.std, rel=1e-6)
+        assert row.verdict == "stayed"
+        assert all(each.course == "in all" for each in found.effects)
+        (rubs,) = found.effects
+        assert rubs.probabilities[0] == pytest.approx(answer.findings[0].probability)
+
+
+def test_stiffness_of_a_diagnosis_is_told_with_its_deviation(diagnosed: tuple[fd.Diagnosis, Path]) -> None:
+    """A calibrated number has the value and the standard deviation of the fit, not the tolerance of the file."""
+    answer, _ = diagnosed
+    (entry,) = [each for each in answer.calibration if (each.of, each.parameter) == ("elbow", "stiffness")]
+    found = fd.compare_models([answer, answer], labels=["one", "other"])
+    (row,) = [each for each in found.numbers if each.name == "stiffness of elbow"]
+    assert row.values[0] is not None
+    assert row.values[0].value == pytest.approx(900.0 * entry.factor)
+    assert row.values[0].std == pytest.approx(900.0 * entry.std, rel=1e-6)
+
+
+def test_an_absent_effect_has_the_probability_that_was_computed(diagnosed: tuple[fd.Diagnosis, Path]) -> None:
+    """What a diagnosis compared and did not name stands beside what another model has."""
+    answer, _ = diagnosed
+    other = answer.model.resolved()
+    other = other.replace(effects=[*other.effects, fd.effects.ViscousFriction("elbow", side="motor", coefficient=0.2)])
+    (row,) = [each for each in fd.compare_models([answer, other]).effects if each.name.startswith("viscous")]
+    assert (row.there, row.course) == ((False, True), "appeared")
+    considered = {(c.suspect.effect, c.suspect.joint, c.suspect.side): c.probability for c in answer.considered}
+    assert row.probabilities[0] == pytest.approx(considered[("viscous_friction", "elbow", "motor")])
+
+
+def test_mistakes_are_one_line(tmp_path: Path) -> None:
+    """One model, another arm, wrong labels, a folder without a model, a report that is none."""
+    for wrong, words in (
+        (([ARM],), "one model alone"),
+        (([ARM, fd.load_model("ur5")],), "different arms"),
+        (([ARM, ARM], ["a"]), "a label for each model"),
+        (([ARM, tmp_path],), "no corrected model"),
+        (([ARM, 3],), "no model and no diagnosis"),
+    ):
+        with pytest.raises(fd.InputError, match=words):
+            fd.compare_models(*wrong)
+    fd.save_model(ARM, tmp_path / "model.yaml")
+    (tmp_path / "report.json").write_text(json.dumps({"schema": "other"}), encoding="utf-8")
+    with pytest.raises(fd.InputError, match="no report of a diagnosis"):
+        fd.compare_models([ARM, tmp_path])
