@@ -10,6 +10,7 @@ says so and does nothing.
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from command import Outcome, command
 from measure import Bound
+from task import Task
 
 EXPECTED = ("asymmetric_viscous_friction",)
 """What the axis is likely to have: its authors' second model has it (`published_either_way`)."""
@@ -46,11 +48,21 @@ def published_either_way(plain: fd.FlexibleJointModel) -> fd.FlexibleJointModel:
     return plain.replace(effects=[viscous, dry])
 
 
+def task(plain: fd.FlexibleJointModel, records: Mapping[str, fd.Recording]) -> Task:
+    """The estimation record is diagnosed; the one with pulses takes no part."""
+    return Task("EMPS", plain, (records[NAMES[0]],), (records[NAMES[1]],), EXPECTED)
+
+
+def tasks(folder: Path) -> list[Task]:
+    """What is diagnosed."""
+    return [task(fd.load_model(HERE / "plain.yaml"), read_records(folder))]
+
+
 def study(folder: Path) -> Study:
     """Everything, from the two records of a folder."""
     records = read_records(folder)
     plain = fd.load_model(HERE / "plain.yaml")
-    found = fd.diagnose(plain, fit=[records[NAMES[0]]], check=[records[NAMES[1]]], expect=EXPECTED)
+    found = task(plain, records).diagnosis()
     accounts = {
         "plain axis, as given": Account.of(plain, records),
         "published model": Account.of(published(plain), records),

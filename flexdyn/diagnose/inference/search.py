@@ -63,8 +63,7 @@ class Scan:
         me = self.space.candidates[c]
         found = [c]
         for k, other in enumerate(self.space.candidates):
-            nested = other.kind in me.law.contains or me.kind in other.law.contains
-            if k != c and ((nested and _where(me) == _where(other)) or _undo(me, other)):
+            if k != c and (nested(me, other) or _undo(me, other)):
                 found.append(k)
         return np.array(found)
 
@@ -92,6 +91,12 @@ class Scan:
                 seen.add(self.owner[k][0])
                 found.append((float(gain[k]), self.owner[k]))
         return found
+
+
+def nested(one: Candidate, other: Candidate) -> bool:
+    """Whether one of two laws at the same place contains the other."""
+    contains = other.kind in one.law.contains or one.kind in other.law.contains
+    return contains and _where(one) == _where(other)
 
 
 def _undo(one: Candidate, other: Candidate) -> bool:
