@@ -7,6 +7,7 @@ place with even prior odds. Below a Bayes factor of 19 the answer is "A or B".
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.search import nested
 from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 
 def told_by_data(
@@ -52,8 +54,10 @@ def told_by_data(
 
 
 def _held_down(space: Space, even: Mapping[Set, float], best: Set, name: Name) -> list[int]:
-    """Candidates that do as well in the place of a name, the likeliest first, though fewer drives have them."""
-    found, mine = {}, space.candidates[name.candidate]
+    """Candidates that do as well in the place of a name, though fewer drives have them: the likeliest first, and no more
+    than are needed to be certain of one of them where all are equally expected."""
+    found: dict[int, float] = {}
+    mine = space.candidates[name.candidate]
     rest = best - {name.candidate}
     prior = space.log_places(frozenset((c, 0) for c in best))
     for other, value in even.items():
@@ -62,8 +66,12 @@ def _held_down(space: Space, even: Mapping[Set, float], best: Set, name: Name) -
         (c,) = other - rest
         expected_less = space.log_places(frozenset((each, 0) for each in other)) < prior
         if expected_less and value > even[best] - EVEN_ODDS_WINDOW and not nested(mine, space.candidates[c]):
-            found[c] = value
-    return sorted(found, key=lambda c: (-found[c], c))
+            found[c] = math.exp(value - even[best])
+    ordered, together = sorted(found, key=lambda c: (-found[c], c)), 1.0 + sum(found.values())
+    needed = 0
+    while 1.0 + sum(found[c] for c in ordered[:needed]) < ESTABLISHED * together:
+        needed += 1
+    return ordered[:needed]
 
 
 def _either_of_two(
