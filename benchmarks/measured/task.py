@@ -33,7 +33,7 @@ class Task:
 
     def decimated(self, factor: int) -> Task:
         """With one sample of so many: positions behind a filter, what is held as means (`Recording.decimate`)."""
-        fit, check = (tuple(_even(each).decimate(factor) for each in part) for part in (self.fit, self.check))
+        fit, check = (tuple(decimated(each, factor) for each in part) for part in (self.fit, self.check))
         return dataclasses.replace(self, fit=fit, check=check)
 
     def diagnosis(self) -> fd.Diagnosis:
@@ -41,6 +41,6 @@ class Task:
         return fd.diagnose(self.model, self.fit, self.check, expect=self.expect, progress=False)
 
 
-def _even(recording: fd.Recording) -> fd.Recording:
-    """On an even clock of the same rate, which decimation needs."""
-    return recording.resample(rate=round(recording.rate, 3))
+def decimated(recording: fd.Recording, factor: int) -> fd.Recording:
+    """One sample of so many, on an even clock, which decimation needs; 1: as it is."""
+    return recording if factor == 1 else recording.resample(rate=recording.rate).decimate(factor)

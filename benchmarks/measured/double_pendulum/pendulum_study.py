@@ -64,10 +64,22 @@ def bounds(made: Study) -> list[Bound]:
     ]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside every bound: the model without friction, and with the friction that was published."""
+    plain, published = (
+        made.windows[name][CHECK[0]].rms for name in ("without friction, as given", "published friction")
+    )
+    return {
+        f"error of {joint} on {CHECK[0]} [rad]": {"plain": float(plain[j]), "published": float(published[j])}
+        for j, joint in enumerate(JOINTS)
+    }
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "rms_rad": {
             name: {stamp: [float(x) for x in each.rms] for stamp, each in by.items()}
             for name, by in made.windows.items()

@@ -35,6 +35,8 @@ from task import Task
 
 EXPECTED = ("asymmetric_viscous_friction",)
 """What the axis is likely to have: its authors' second model has it (`published_either_way`)."""
+PUBLISHED = ("published model", "published, friction of either direction")
+"""Of the models that the errors are compared with."""
 MOST = {"closed loop, DATA_EMPS": 0.039, "closed loop, PULSES": 0.05, "inverse model, DATA_EMPS": 0.032}
 """Bounds of the force errors [1]."""
 
@@ -81,10 +83,20 @@ def bounds(made: Study) -> list[Bound]:
     return [Bound(f"force error, {name}", errors[name], most) for name, most in MOST.items()]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside every bound: the plain axis, and the better one of the published models, of every record."""
+    plain, *authors = (made.accounts[name].errors() for name in ("plain axis, as given", *PUBLISHED))
+    return {
+        f"force error, {name}": {"plain": plain[name], "published": min(each[name] for each in authors)}
+        for name in MOST
+    }
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "errors": {name: each.errors() for name, each in made.accounts.items()},
         "plain_least_squares_force_error": dict(made.reference),
         "controller_replayed_error_by_delay": {str(k): dict(each) for k, each in made.late.items()},

@@ -19,6 +19,7 @@ class Study:
         diagnoses: of the rigid axis without friction, by file.
         errors: of the fitted models.
         slow_errors: of the same models without the force on accelerations above 15 Hz.
+        plain_errors: of the axis without friction.
         less: errors of the fitted cycles where one part is left out, by part and file [1].
         compared: every number over the tensions.
         records: by file.
@@ -28,6 +29,7 @@ class Study:
     diagnoses: Mapping[str, fd.Diagnosis]
     errors: Errors
     slow_errors: Errors
+    plain_errors: Errors
     less: Mapping[str, Mapping[str, float]]
     compared: Sequence[Compared]
     records: Mapping[str, fd.Recording]

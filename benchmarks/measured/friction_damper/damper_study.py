@@ -17,7 +17,7 @@ from typing import Any
 from damper_compared import compared
 from damper_data import FIT, HERE, LATER, SLOW, TENSIONS, Bench, error, errors, needed_force, read_records
 from damper_fit import model_of, point_of
-from damper_page import write_page
+from damper_page import LUGRE, write_page
 from damper_result import Study
 
 import flexdyn as fd
@@ -59,9 +59,17 @@ def study(folder: Path) -> Study:
     models = {name: model_of(point_of(each)) for name, each in fits.items()}
     forces = {name: needed_force(*each, records[name].t, records[name]["q.damper"]) for name, each in models.items()}
     less = {part: {name: _less(part, *each, records[name]) for name, each in models.items()} for part in PARTS}
+    bare = {name: (model.replace(effects=[]), Bench(0.0, 0.0, 0.0)) for name, (model, _) in models.items()}
     still = {name: (model, Bench(0.0, bench.offset, bench.lead)) for name, (model, bench) in models.items()}
     return Study(
-        diagnoses, errors(models, records), errors(still, records), less, compared(fits, records), records, forces
+        diagnoses,
+        errors(models, records),
+        errors(still, records),
+        errors(bare, records),
+        less,
+        compared(fits, records),
+        records,
+        forces,
     )
 
 
@@ -84,10 +92,27 @@ def bounds(made: Study) -> list[Bound]:
     return [*later, Bound("force error, half the frequency, 20 lb", made.errors[slow]["0.5 Hz"], MOST[slow])]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside every bound: the axis without friction, whose force is the inertia's alone, and LuGre."""
+    found = {
+        f"force error, later cycles, {tension} lb": _pair(made, f"1Hz_{tension}lb", "later cycles", 1)
+        for tension in TENSIONS
+    }
+    return found | {
+        "force error, half the frequency, 20 lb": _pair(made, "1Hz_" + SLOW.rpartition("_")[2], "0.5 Hz", 2)
+    }
+
+
+def _pair(made: Study, file: str, cycles: str, column: int) -> dict[str, float]:
+    lugre = LUGRE[file][column]
+    return {"plain": made.plain_errors[file][cycles]} | ({} if lugre is None else {"published": lugre / 100.0})
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "named": made.named(),
         "errors": made.errors,
         "errors_without_force_above_15_hz": made.slow_errors,

@@ -22,20 +22,18 @@ TOLERANCE = 0.05
 """Of the masses, centres and inertias of the manufacturer's URDF [1]."""
 CYCLE = 1e-3
 """Of the arm's controller, which the rows of the files follow [s]."""
-USED_EVERY = 2
-"""One sample is used of so many: a row is known to a cycle, and its torque and its position need not be of the same."""
 FAST = 0.1
 """Speed above which the cycles between two rows can be counted from the positions [rad/s]."""
 
 
 def read_sweep(folder: Path, joint: int) -> fd.Recording:
-    """The sweep of one joint, at 500 Hz."""
-    return in_cycles(fd.read_recording(folder / f"joint_{joint}_trapez.csv"), (joint,)).decimate(USED_EVERY)
+    """The sweep of one joint."""
+    return in_cycles(fd.read_recording(folder / f"joint_{joint}_trapez.csv"), (joint,))
 
 
 def read_trajectory(folder: Path) -> fd.Recording:
-    """All seven joints at once and three times as fast, at 500 Hz."""
-    return in_cycles(fd.read_recording(folder / "trajectory1.csv"), ALL).decimate(USED_EVERY)
+    """All seven joints at once and three times as fast."""
+    return in_cycles(fd.read_recording(folder / "trajectory1.csv"), ALL)
 
 
 def cycles(recording: fd.Recording, joints: Sequence[int]) -> NDArray[np.intp]:

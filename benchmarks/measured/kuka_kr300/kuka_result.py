@@ -19,6 +19,7 @@ class Study:
         diagnosis: of the rigid model.
         before: the published model along every record.
         after: the corrected one.
+        bare: the published one without friction and offsets, along records B and C.
         told: what record A says of the model's numbers.
         differences: theta - q of axes 1 to 3 by record.
         accounts: what it is made of.
@@ -29,6 +30,7 @@ class Study:
     diagnosis: fd.Diagnosis
     before: dict[str, Inverse]
     after: dict[str, Inverse]
+    bare: dict[str, Inverse]
     told: fd.BaseParameters
     differences: list[dict[str, Difference]]
     accounts: list[Account]

@@ -60,6 +60,7 @@ def study(folder: Path) -> Study:
         diagnosis=found,
         before={name: inverse(model, each) for name, each in records.items()},
         after=after,
+        bare={name: inverse(model.replace(effects=[]), records[name]) for name in ("B", "C")},
         told=fd.base_parameters(model, given.fit[0], noise=torque_noise(after["A"]), friction=True),
         differences=by_axis,
         accounts=[account(each) for each in by_axis],
@@ -75,6 +76,17 @@ def bounds(made: Study) -> list[Bound]:
     return [*found, Bound("findings without a law of position on axis 2", wrong, 0.0)]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside the bounds: the links and rotors alone, and the published model with its friction."""
+    return {
+        f"torque error of axis 2 on {name}": {
+            "plain": made.bare[name].error(AXIS),
+            "published": made.before[name].error(AXIS),
+        }
+        for name in ("B", "C")
+    }
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     joints = made.diagnosis.model.joint_names
@@ -84,6 +96,7 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     }
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "axis2_torque_error_of_plain_least_squares": made.references,
         "torque_error_after_diagnosis_all_and_moving": errors,
         "diagnosis": made.diagnosis.to_dict(),

@@ -15,9 +15,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from xl330_data import HERE, Log, errors, from_goals, of_duties, read_logs
-from xl330_page import write_page
-from xl330_result import WITHOUT, Study
+from xl330_page import PUBLISHED, write_page
+from xl330_result import TOLD, WITHOUT, Study
 
 import flexdyn as fd
 
@@ -69,11 +70,21 @@ def bounds(made: Study) -> list[Bound]:
     ]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside every bound: the plain servo, and the best of the authors' models."""
+    apart = np.array([log.gain not in TOLD for log in made.logs])
+    plain = (made.mean("plain"), float(made.errors["plain"][apart].mean()))
+    names = [each.name for each in bounds(made)]
+    best = (min(each[k] for each in PUBLISHED.values()) / 1e3 for k in (0, 1))
+    return {name: {"plain": x, "published": y} for name, x, y in zip(names, plain, best, strict=True)}
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     names = [log.name for log in made.logs]
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "errors": {key: dict(zip(names, each.tolist(), strict=True)) for key, each in made.errors.items()},
         "unseen_gains": made.unseen(),
         "diagnosis": made.diagnosis.to_dict(),

@@ -54,18 +54,27 @@ def told_by_data(
 
 
 def _held_down(space: Space, even: Mapping[Set, float], best: Set, name: Name) -> list[int]:
-    """Candidates that do as well in the place of a name, though fewer drives have them: the likeliest first, and no more
-    than are needed to be certain of one of them where all are equally expected."""
+    """Candidates that do as well in the place of a name, though fewer drives have them; the likeliest first.
+
+    No more than are needed to be certain of one of them where all are equally expected. Only laws without nonlinear
+    numbers count: one that takes the shape that suits imitates too much.
+    """
     found: dict[int, float] = {}
-    mine = space.candidates[name.candidate]
+    told = [space.candidates[c] for c in (name.candidate, *name.rivals)]
     rest = best - {name.candidate}
     prior = space.log_places(frozenset((c, 0) for c in best))
     for other, value in even.items():
         if len(other) != len(best) or not rest < other or name.candidate in other:
             continue
         (c,) = other - rest
+        if space.candidates[c].choices > 1:
+            continue
         expected_less = space.log_places(frozenset((each, 0) for each in other)) < prior
-        if expected_less and value > even[best] - EVEN_ODDS_WINDOW and not nested(mine, space.candidates[c]):
+        if (
+            expected_less
+            and value > even[best] - EVEN_ODDS_WINDOW
+            and not any(nested(each, space.candidates[c]) for each in told)
+        ):
             found[c] = math.exp(value - even[best])
     ordered, together = sorted(found, key=lambda c: (-found[c], c)), 1.0 + sum(found.values())
     needed = 0
@@ -74,9 +83,7 @@ def _held_down(space: Space, even: Mapping[Set, float], best: Set, name: Name) -
     return ordered[:needed]
 
 
-def _either_of_two(
-    space: Space, even: Mapping[Set, float], best: Set, name: Name, others: Sequence[int]
-) -> list[int]:
+def _either_of_two(space: Space, even: Mapping[Set, float], best: Set, name: Name, others: Sequence[int]) -> list[int]:
     """Other names of the same set that are spare where this one is there, and the other way round; not both are."""
     nothing = -float("inf")
     bound, without = even[best] - EVEN_ODDS_WINDOW, even.get(best - {name.candidate}, nothing)

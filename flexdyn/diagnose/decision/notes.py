@@ -25,10 +25,16 @@ FARTHEST_NUMBERS_TOLD = 3
 
 
 def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
-    """A sentence each: missing encoders, users' laws that fail, times of torques, unknown numbers, names that the prior
-    decided, a search that did not settle."""
+    """A sentence each, of what the data cannot tell, what the prior decided, and what stopped short."""
     failed = own_effects(compared.space.library.equations)[1]
-    return (*_of_channels(compared), *failed, *_of_torques(found), *_of_unknown(found), *_of_priors(found), *_of_search(compared))
+    return (
+        *_of_channels(compared),
+        *failed,
+        *_of_torques(found),
+        *_of_unknown(found),
+        *_of_priors(found),
+        *_of_search(compared),
+    )
 
 
 def _of_unknown(found: Corrected) -> Iterator[str]:
@@ -52,8 +58,8 @@ def _of_priors(found: Corrected) -> Iterator[str]:
             first = suspect_phrase(model, suspect_of(model, found.candidates[name.candidate]))
             others = [suspect_phrase(model, suspect_of(model, found.candidates[c])) for c in name.held_down]
             yield (
-                f"{capital(' or '.join(others))} would fit these data about as well as {first}: the probabilities differ"
-                " by the prior alone, what is expected of drives. The experiment of this finding would tell."
+                f"{capital(' or '.join(others))} would fit these data about as well as {first}: the probabilities"
+                " differ by the prior alone, what is expected of drives. The experiment of this finding would tell."
             )
 
 

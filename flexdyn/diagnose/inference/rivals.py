@@ -48,7 +48,7 @@ def _evenly(space: Space, best: Structure) -> None:
         rest = best - {each}
         value = space.value(rest)
         for gain, point in scan.additions(rest):
-            if stands(rest | {point}, value + gain):
+            if space.candidates[point[0]].choices == 1 and stands(rest | {point}, value + gain):
                 space.value(rest | {point})
     spare = [each for each in sorted(best) if stands(best - {each}, space.value(best - {each}))]
     for pair in itertools.combinations(spare, 2):
