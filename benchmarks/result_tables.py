@@ -174,6 +174,41 @@ def _cost(cost: Mapping[str, Any] | None) -> list[str]:
     return [_number((cost or {}).get(key), ".0f") for key in ("processor_seconds", "peak_megabytes")]
 
 
+def rates_table(results: Mapping[str, Any]) -> str:
+    """Names at the full, half and a tenth of the sampling rate, and whether each name of the full rate stays.
+
+    Args:
+        results: of `benchmarks/measured/rates.py`.
+    """
+    rows = []
+    for found in (each for robot in MEASURED for each in results["robots"].get(robot, [])):
+        first = found["at"][0]["names"]
+        for k, at in enumerate(found["at"]):
+            names = "; ".join(_likely(each) for each in at["names"]) or "nothing"
+            cells = [found["what"] if k == 0 else "", f"{at['rate']:.4g}", at.get("refused", names).replace("_", " ")]
+            rows.append([*cells, "" if k == 0 else _agreement(first, at["names"]), _seconds(at)])
+    header = ["robot", "rate [Hz]", "named, with probability", "names of the full rate", "processor time [s]"]
+    return markdown_table(header, rows, text=4)
+
+
+def _likely(found: Mapping[str, Any]) -> str:
+    """A finding of `rates.py`: its names, the first one first, and its probability."""
+    names = " or ".join(dict.fromkeys(found["names"]))
+    return names if found["probability"] is None else f"{names} {found['probability']:.3f}"
+
+
+def _agreement(first: Sequence[Mapping[str, Any]], now: Sequence[Mapping[str, Any]]) -> str:
+    """Whether the first name of each finding is still there, alone or as "A or B", and whether others have come."""
+    stay = [any(each["names"][0] in other["names"] for other in now) for each in first]
+    new = [other for other in now if not any(set(each["names"]) & set(other["names"]) for each in first)]
+    said = "the same" if all(stay) else f"{sum(stay)} of {len(stay)}"
+    return said + (f", {len(new)} new" if new else "")
+
+
+def _seconds(at: Mapping[str, Any]) -> str:
+    return _number(at.get("processor_seconds"), ".1f")
+
+
 def measured_names_table(results: Mapping[str, Mapping[str, Any]]) -> str:
     """Measured robots and what was named, nothing else; `results` as `measured_table` takes it."""
     rows = [

@@ -37,6 +37,7 @@ from result_tables import (  # noqa: E402
     measured_names_table,
     measured_table,
     peers_table,
+    rates_table,
 )
 
 MARKER = re.compile(r"<!-- (/?)table:(\w+) -->")
@@ -65,6 +66,11 @@ def measured() -> str:
 def measured_names() -> str:
     """The same robots with the names alone."""
     return measured_names_table(_measured())
+
+
+def rates() -> str:
+    """The same diagnosis at half and a tenth of the sampling rate."""
+    return rates_table(_results("rates"))
 
 
 def libraries() -> str:
@@ -143,6 +149,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "libraries": libraries,
     "measured": measured,
     "measured_names": measured_names,
+    "rates": rates,
     "robots": robots,
 }
 

@@ -2,9 +2,9 @@
 
     python benchmarks/measured/rates.py -o benchmarks/results/rates.json
 
-Recordings are decimated by `Recording.decimate`: positions behind a filter, what is held as means, so that nothing
-folds down and nothing moves in time. One robot after the other, in one process; times are processor time. `--only NAME` makes
-one robot anew and keeps the others of the result file. Without the data folder it says so and does nothing.
+Recordings are decimated by `Recording.decimate`: positions behind a filter, what is held as means. Nothing folds down,
+and nothing moves in time. One robot after the other, in one process; times are processor time. `--only NAME` makes one
+robot anew and keeps the others of the result file. Without the data folder it says so and does nothing.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ import xl330_study  # noqa: E402
 from measure import write_results  # noqa: E402
 from task import Task  # noqa: E402
 
+from flexdyn.diagnose import Suspect  # noqa: E402
 from flexdyn.errors import InputError  # noqa: E402
 
 FACTORS = (1, 2, 10)
@@ -60,7 +61,7 @@ def _diagnosed(task: Task, factor: int) -> dict[str, Any]:
         return row | {"refused": str(error), "names": []}
     names = [
         {
-            "names": sorted({f"{each.effect}{_place(each.joint)}" for each in finding.names}),
+            "names": list(dict.fromkeys(_name(each) for each in finding.names)),
             "probability": finding.probability,
         }
         for finding in found.findings
@@ -70,8 +71,11 @@ def _diagnosed(task: Task, factor: int) -> dict[str, Any]:
     return row | {"verdict": found.verdict, "names": names, "gap": gap, "processor_seconds": spent}
 
 
-def _place(joint: str | None) -> str:
-    return "" if joint is None else f" ({joint})"
+def _name(suspect: Suspect) -> str:
+    """An effect and where it acts; of a wrong number, whose and which."""
+    if suspect.effect == "parameter_error":
+        return f"wrong {suspect.place['parameter']} ({suspect.place['of']})"
+    return suspect.effect if suspect.joint is None else f"{suspect.effect} ({suspect.joint})"
 
 
 def of_screws(folder: Path) -> Iterator[dict[str, Any]]:

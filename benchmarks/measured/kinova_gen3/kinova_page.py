@@ -30,12 +30,14 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     _draw(made, folder / "torque.png")
     checks = "\n".join(f"- {each}" for each in held)
     head = (
-        "# Kinova Gen3: what sweeps in one direction tell\n\nSeven joints with strain-wave gears. In each of four files "
-        "one joint (1, 4, 5 or 7) makes one sweep of 2 to 2.6 rad at a constant 0.37 to 0.42 rad/s, in one direction, "
-        "the others at 0: the arm stands upright. Each sweep is diagnosed from the manufacturer's URDF: rigid joints, "
-        "no friction, rotor inertias not known. A fifth file, `trajectory1`, moves all joints at once and three times "
-        "as fast, again in one direction. No decision reads it; what the sweeps name is held against it (data: W. "
-        "Chiha, dynamic-identification)."
+        "# Kinova Gen3: what sweeps in one direction tell\n"
+        "\n"
+        "Seven joints with strain-wave gears. In each of four files one joint (1, 4, 5 or 7) makes one sweep of 2 "
+        "to 2.6 rad at a constant 0.37 to 0.42 rad/s, in one direction, the others at 0: the arm stands upright. "
+        "Each sweep is diagnosed from the manufacturer's URDF: rigid joints, no friction, rotor inertias not "
+        "known. A fifth file, `trajectory1`, moves all joints at once and three times as fast, again in one "
+        "direction. No decision reads it; what the sweeps name is held against it (data: W. Chiha, "
+        "dynamic-identification)."
     )
     parts = [head, checks, *_named(made), *_held(made), *_limits(made), *_clock(made)]
     (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
@@ -54,11 +56,12 @@ def _named(made: Study) -> Iterator[str]:
         plans = dict.fromkeys(each.experiment for each in diagnosis.findings if each.experiment)
         yield "What would tell: " + "; ".join(plans) + "." if plans else "Nothing is left open."
     yield (
-        "Where a joint moves in one direction only, Coulomb friction and a constant offset of the torque are the same "
-        "number. Friction is expected of every motor and an offset of few, and that prior alone would make friction a "
-        "name. So each name is compared with every other law in its place at even prior odds: where the data like both "
-        "as well, the answer is 'A or B', whatever is expected of drives. At a single speed the growth of friction with "
-        "speed is told by the two ramps of 0.2 s alone: viscous friction or drag with the square of the speed."
+        "Where a joint moves in one direction only, Coulomb friction and a constant offset of the torque are the "
+        "same number. Friction is expected of every motor and an offset of few, and that prior alone would make "
+        "friction a name. So each name is compared with every other law in its place at even prior odds: where the "
+        "data like both as well, the answer is 'A or B', whatever is expected of drives. At a single speed the "
+        "growth of friction with speed is told by the two ramps of 0.2 s alone: viscous friction or drag with the "
+        "square of the speed."
     )
 
 
@@ -72,26 +75,27 @@ def _held(made: Study) -> Iterator[str]:
     header = ["torque error over trajectory1 [%]", "plain URDF", "found in the sweep", "least squares on trajectory1"]
     yield markdown_table(header, rows)
     yield (
-        "Root mean square of what is left over that of the torque, every sample. The last column is what three numbers "
-        "(rotor inertia, viscous and Coulomb friction) reach that are fitted to this very file: joints 1 and 4 vibrate "
-        "in it at 5 to 8 Hz, which no such law holds."
+        "Root mean square of what is left over that of the torque, every sample. The last column is what three "
+        "numbers (rotor inertia, viscous and Coulomb friction) reach that are fitted to this very file: joints 1 "
+        "and 4 vibrate in it at 5 to 8 Hz, which no such law holds."
     )
     yield "![torque over the trajectory](torque.png)"
     rows = []
     for each in made.trials:
         first, *_ = each.finding
-        rows.append(
-            [f"joint {each.joint}", first.replace("_", " "), f"{100.0 * each.error:.1f}", f"{100.0 * each.without:.1f}"]
-        )
+        errors = (f"{100.0 * value:.1f}" for value in (each.error, each.without))
+        rows.append([f"joint {each.joint}", first.replace("_", " "), *errors])
         for name, error in each.rivals.items():
             value = "-" if math.isnan(error) else f"{100.0 * error:.1f}"
             rows.append(["", f"or {name.replace('_', ' ')}", value, ""])
     yield markdown_table(["", "name, or rival in its place", "error with it [%]", "without it [%]"], rows, text=2)
     yield (
-        "Every name survives: without it the error is larger. The trajectory is three times as fast, so it also speaks "
-        "about the rivals: drag with the square of the speed is too large there, at joints 1, 5 and 7. It moves in one "
-        "direction as well, so between Coulomb friction and an offset it says nothing more (joint 1). Rivals stand in "
-        "the corrected model with their own numbers, everything else as it is."
+        f"{sum(each.survives for each in made.trials)} of {len(made.trials)} names survive: without them the "
+        "trajectory is predicted worse. All laws are fitted to the sweep alone, by plain least squares, so that "
+        "without a law the others take over what they can; a rival stands in the place of the name. The trajectory "
+        "is three times as fast, so it also speaks about rivals of the sweep: drag with the square of the speed is too large there. It "
+        "moves in one direction as well, so between Coulomb friction and an offset it says little: both brake alike "
+        "until the joint comes to rest."
     )
 
 
@@ -102,9 +106,9 @@ def _limits(made: Study) -> Iterator[str]:
         "its sign, an offset does not.\n"
         "- How friction grows with speed: one speed, and two ramps. A second speed tells.\n"
         "- Why gravity at joint 4 is larger than the URDF says: with the arm upright a gripper of "
-        f"{_payload(made)} at its end, a heavier link and another torque constant make the same sine. Whether a gripper "
-        "was mounted is not stated. Weigh it, or sweep joint 4 with the wrist bent by 90 degrees: that moves the "
-        "payload's lever and not the torque constant.\n"
+        f"{_payload(made)} at its end, a heavier link and another torque constant make the same sine. Whether a "
+        "gripper was mounted is not stated. Weigh it, or sweep joint 4 with the wrist bent by 90 degrees: that moves "
+        "the payload's lever and not the torque constant.\n"
         "- The torque's scale: the motor's current is multiplied by a constant of unknown origin. All levels above "
         "scale with it.\n"
         "- Elasticity: there is one encoder a joint, and the arm upright loads no spring.\n"
@@ -126,9 +130,9 @@ def _clock(made: Study) -> Iterator[str]:
     rows = [[name, *(str(count) for count in counts)] for name, counts in made.cycles.items()]
     yield markdown_table(["file", "rows that repeat", "rows a cycle later", "rows after lost cycles"], rows)
     yield (
-        "The files have no times. Positions that move on by nothing, or by twice what the velocity says, tell how many "
-        "cycles of 1 ms lie between two rows; repeated rows are left out, lost ones interpolated. With times counted by "
-        "rows, accelerations are so wrong that the rotor of joint 1 comes out a tenth of what it is."
+        "The files have no times. Positions that move on by nothing, or by twice what the velocity says, tell how "
+        "many cycles of 1 ms lie between two rows; repeated rows are left out, lost ones interpolated. With times "
+        "counted by rows, accelerations are so wrong that the rotor of joint 1 comes out a tenth of what it is."
     )
 
 

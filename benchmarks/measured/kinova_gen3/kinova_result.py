@@ -17,12 +17,14 @@ from along import Inverse
 class Trial:
     """One finding of a sweep, held against the trajectory, which no decision read.
 
+    The sizes of all laws are least squares on the sweep, so that without a law the others take over what they can.
+
     Attributes:
         joint: that was swept.
         finding: effects that it may be, the first one in the corrected model.
-        error: of the joint's torque over the trajectory with the corrected model [1].
+        error: of the joint's torque over the trajectory with all that the sweep names [1].
         without: the same less this finding.
-        rivals: the same with each rival, at its own numbers, in the place of the first; NaN where it has none.
+        rivals: the same with each rival in the place of the first; NaN where its numbers are not known.
     """
 
     joint: int
@@ -33,7 +35,7 @@ class Trial:
 
     @property
     def survives(self) -> bool:
-        """Whether the corrected model is better with it."""
+        """Whether the trajectory is better predicted with it."""
         return self.error < self.without
 
 

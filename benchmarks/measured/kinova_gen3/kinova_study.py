@@ -8,7 +8,6 @@ seven joints, three times as fast, which no decision read. Without the data fold
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -18,7 +17,8 @@ from typing import Any
 import numpy as np
 from kinova_data import ALL, SWEPT, cycles, plain, read_sweep, read_trajectory, whole
 from kinova_page import write_page
-from kinova_result import Reference, Study, Trial
+from kinova_result import Reference, Study
+from kinova_trial import Sweep, trial
 
 import flexdyn as fd
 
@@ -48,9 +48,9 @@ def study(folder: Path) -> Study:
     models = {"plain URDF": bare, "found": found}
     inverses = {name: along(model, trajectory) for name, model in models.items()}
     trials = [
-        trial(found, trajectory, j, finding, inverses["found"].error(j - 1))
+        trial(Sweep(j, _bare(folder, j), read_sweep(folder, j)), others(found, j), trajectory, diagnosis, k)
         for j, diagnosis in diagnoses.items()
-        for finding in diagnosis.findings
+        for k in range(len(diagnosis.findings))
     ]
     references = {j: reference(inverses["plain URDF"], trajectory, bare, j) for j in SWEPT}
     counted = {f"joint_{j}_trapez": _cycles(folder, f"joint_{j}_trapez", (j,)) for j in SWEPT}
@@ -68,36 +68,21 @@ def corrected(bare: fd.FlexibleJointModel, diagnoses: Mapping[int, fd.Diagnosis]
     return bare.replace(joints=rotors, effects=effects)
 
 
-def trial(
-    found: fd.FlexibleJointModel, trajectory: fd.Recording, joint: int, finding: fd.Finding, error: float
-) -> Trial:
-    """A finding left out, and each of its rivals in its place."""
-    rest = [each for each in found.effects if not _is(each, finding.suspect)]
-    without = along(found.replace(effects=rest), trajectory).error(joint - 1)
-    rivals = {}
-    for rival in finding.rivals:
-        effect = _effect(rival)
-        other = None if effect is None else found.replace(effects=[*rest, effect])
-        name = rival.place.get("of", "") + " " + rival.place.get("parameter", rival.effect)
-        rivals[name.strip()] = math.nan if other is None else along(other, trajectory).error(joint - 1)
-    return Trial(joint, tuple(each.effect for each in finding.names), error, without, rivals)
+def others(found: fd.FlexibleJointModel, joint: int) -> fd.FlexibleJointModel:
+    """The whole arm with what the sweeps of other joints found."""
+    own = f"joint_{joint}"
+    payload = joint == 4  # it was found there, and all joints carry it
+    kept = [
+        each
+        for each in found.effects
+        if getattr(each, "joint", None) != own and not (payload and isinstance(each, fd.effects.Payload))
+    ]
+    return found.replace(effects=kept)
 
 
-def _is(effect: fd.effects.Effect, suspect: fd.Suspect) -> bool:
-    return effect.name == suspect.effect and getattr(effect, "joint", None) == suspect.joint
-
-
-def _effect(suspect: fd.Suspect) -> fd.effects.Effect | None:
-    """A rival with its own numbers; None where they were not estimated."""
-    numbers: dict[str, Any] = {key: each.value for key, each in suspect.parameters.items()}
-    if not numbers:
-        return None
-    where: dict[str, Any] = {key: x for key, x in suspect.place.items() if key in ("frame", "of", "parameter")}
-    where |= {} if suspect.joint is None else {"joint": suspect.joint}
-    where |= {} if suspect.side is None else {"side": suspect.side}
-    return fd.effects.ParameterError(**where, **numbers) if suspect.effect == "parameter_error" else (
-        fd.effects.catalogue()[suspect.effect](**where, **numbers)
-    )  # fmt: skip
+def _bare(folder: Path, joint: int) -> fd.FlexibleJointModel:
+    """The plain model of a joint without its rotor."""
+    return plain(folder, joint).replace(joints={f"joint_{joint}": {"rotor_inertia": 0.0}})
 
 
 def reference(bare: Inverse, trajectory: fd.Recording, model: fd.FlexibleJointModel, joint: int) -> Reference:

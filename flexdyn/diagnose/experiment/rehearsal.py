@@ -198,7 +198,7 @@ class RehearsalBench:
         return PD(path, reach.kp, reach.kd, 1.0 / dt, feedforward=torques)
 
     def _opposed(self, truth: int, path: Array, v: Array) -> Array:
-        """Torque (samples, n) against friction and offsets of a hypothesis: a real arm follows its path all the same."""
+        """Torque (samples, n) against friction and offsets of a hypothesis: a real arm follows its path anyway."""
         total = np.zeros_like(path)
         for effect in self.known[truth].fitted.hypothesis.effects:
             if not isinstance(effect, JointEffect) or isinstance(effect, MemoryEffect) or effect.is_python:
