@@ -93,9 +93,9 @@ def _held(made: Study) -> Iterator[str]:
         f"{sum(each.survives for each in made.trials)} of {len(made.trials)} names survive: without them the "
         "trajectory is predicted worse. All laws are fitted to the sweep alone, by plain least squares, so that "
         "without a law the others take over what they can; a rival stands in the place of the name. The trajectory "
-        "is three times as fast, so it also speaks about rivals of the sweep: drag with the square of the speed is too large there. It "
-        "moves in one direction as well, so between Coulomb friction and an offset it says little: both brake alike "
-        "until the joint comes to rest."
+        "is three times as fast, so it also speaks about rivals of the sweep: drag with the square of the speed is "
+        "too large there. It moves in one direction as well, so between Coulomb friction and an offset it says "
+        "little: both brake alike until the joint comes to rest."
     )
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 from kuka_encoders import Account, Difference, Ripple
-from kuka_torque import Inverse
 
 import flexdyn as fd
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from along import Inverse
 
 
 @dataclass(frozen=True, eq=False)
