@@ -185,7 +185,7 @@ def rates_table(results: Mapping[str, Any]) -> str:
         first = found["at"][0]["names"]
         for k, at in enumerate(found["at"]):
             names = "; ".join(_likely(each) for each in at["names"]) or "nothing"
-            cells = [found["what"] if k == 0 else "", f"{at['rate']:.4g}", at.get("refused", names).replace("_", " ")]
+            cells = [found["what"] if k == 0 else "", f"{at['rate']:.4g}", at.get("refused", names.replace("_", " "))]
             rows.append([*cells, "" if k == 0 else _agreement(first, at["names"]), _seconds(at)])
     header = ["robot", "rate [Hz]", "named, with probability", "names of the full rate", "processor time [s]"]
     return markdown_table(header, rows, text=4)
