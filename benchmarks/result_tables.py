@@ -132,12 +132,13 @@ MEASURED = {
     "screw_drives": "screw drives",
     "xl330": "XL330, a hobby servo from its goal alone",
     "friction_damper": "friction damper, prescribed motion",
+    "kinova_gen3": "Kinova Gen3, sweeps of single joints in one direction",
 }
 """Studies of measured robots, in the order of the table."""
 
 
 def measured_table(results: Mapping[str, Mapping[str, Any]]) -> str:
-    """Measured robots: what was named, and what must hold beside what does.
+    """Measured robots: what was named, what must hold beside what does, and what it took.
 
     Args:
         results: result files by name; one that is not there has no rows.
@@ -147,11 +148,65 @@ def measured_table(results: Mapping[str, Mapping[str, Any]]) -> str:
         if name not in results:
             continue
         found = results[name]
+        robot = [f"[{words}](benchmarks/results/{name}/page.md)", _named(found, likely=True)]
         for k, bound in enumerate(found["bounds"]):
             value = f"{bound['value']:.3g}" + ("" if bound["passed"] else " (not reached)")
-            first = [f"[{words}](benchmarks/results/{name}/page.md)", _named(found)] if k == 0 else ["", ""]
-            rows.append([*first, bound["name"], value, f"{bound['bound']:g}"])
-    return markdown_table(["robot", "named", "what must hold", "found", "at most"], rows, text=3)
+            beside = found.get("beside", {}).get(bound["name"], {})
+            others = [_number(beside.get(key), ".3g") for key in ("published", "plain")]
+            cost = _cost(found.get("cost")) if k == 0 else ["", ""]
+            rows.append([*(robot if k == 0 else ["", ""]), bound["name"], *others, value, f"{bound['bound']:g}", *cost])
+    header = [
+        "robot",
+        "named, with probability",
+        "what must hold",
+        "published or best known",
+        "plain model",
+        "found",
+        "at most",
+        "processor time [s]",
+        "memory [MB]",
+    ]
+    return markdown_table(header, rows, text=3)
+
+
+def _cost(cost: Mapping[str, Any] | None) -> list[str]:
+    """Processor time and peak memory of a study."""
+    return [_number((cost or {}).get(key), ".0f") for key in ("processor_seconds", "peak_megabytes")]
+
+
+def rates_table(results: Mapping[str, Any]) -> str:
+    """Names at the full, half and a tenth of the sampling rate, and whether each name of the full rate stays.
+
+    Args:
+        results: of `benchmarks/measured/rates.py`.
+    """
+    rows = []
+    for found in (each for robot in MEASURED for each in results["robots"].get(robot, [])):
+        first = found["at"][0]["names"]
+        for k, at in enumerate(found["at"]):
+            names = "; ".join(_likely(each) for each in at["names"]) or "nothing"
+            cells = [found["what"] if k == 0 else "", f"{at['rate']:.4g}", at.get("refused", names.replace("_", " "))]
+            rows.append([*cells, "" if k == 0 else _agreement(first, at["names"]), _seconds(at)])
+    header = ["robot", "rate [Hz]", "named, with probability", "names of the full rate", "processor time [s]"]
+    return markdown_table(header, rows, text=4)
+
+
+def _likely(found: Mapping[str, Any]) -> str:
+    """A finding of `rates.py`: its names, the first one first, and its probability."""
+    names = " or ".join(dict.fromkeys(found["names"]))
+    return names if found["probability"] is None else f"{names} {found['probability']:.3f}"
+
+
+def _agreement(first: Sequence[Mapping[str, Any]], now: Sequence[Mapping[str, Any]]) -> str:
+    """Whether the first name of each finding is still there, alone or as "A or B", and whether others have come."""
+    stay = [any(each["names"][0] in other["names"] for other in now) for each in first]
+    new = [other for other in now if not any(set(each["names"]) & set(other["names"]) for each in first)]
+    said = "the same" if all(stay) else f"{sum(stay)} of {len(stay)}"
+    return said + (f", {len(new)} new" if new else "")
+
+
+def _seconds(at: Mapping[str, Any]) -> str:
+    return _number(at.get("processor_seconds"), ".1f")
 
 
 def measured_names_table(results: Mapping[str, Mapping[str, Any]]) -> str:
@@ -164,11 +219,14 @@ def measured_names_table(results: Mapping[str, Mapping[str, Any]]) -> str:
     return markdown_table(["robot", "named"], rows, text=2)
 
 
-def _named(found: Mapping[str, Any]) -> str:
-    """The effects that a study named, each with its joint, or with the drive and direction."""
-    if "named" in found:
-        names = found["named"]
-    elif "drives" in found:
+def _named(found: Mapping[str, Any], *, likely: bool = False) -> str:
+    """The effects that a study named, each with its joint, or with the drive and direction.
+
+    Args:
+        found: a result file.
+        likely: with the probability of every finding, where it has one.
+    """
+    if "drives" in found:
         names = [
             f"{name} ({drive['what']}, {direction})"
             for drive in found["drives"].values()
@@ -176,12 +234,21 @@ def _named(found: Mapping[str, Any]) -> str:
             for name in each["named"]
         ]
     else:
+        several = found.get("diagnoses", {})
         names = [
-            " or ".join(dict.fromkeys((each["effect"], *(rival["effect"] for rival in each["indistinguishable_from"]))))
-            + f" ({each['joint']})"
-            for each in found["diagnosis"]["findings"]
+            _finding(each, label, likely=likely)
+            for label, diagnosis in (several or {"": found["diagnosis"]}).items()
+            for each in diagnosis["findings"]
         ]
     return ", ".join(name.replace("_", " ") for name in names) or "nothing"
+
+
+def _finding(found: Mapping[str, Any], label: str, *, likely: bool) -> str:
+    """One finding: all its names, where it acts (by the diagnosis' label where there are several), its probability."""
+    names = dict.fromkeys((found["effect"], *(rival["effect"] for rival in found["indistinguishable_from"])))
+    where = label.rpartition("Hz_")[2].replace("lb", " lb") or found["joint"]
+    said = f"{found['probability']:.3f}" if found["probability"] < 0.9995 else "above 0.999"
+    return f"{' or '.join(names)} ({where})" + (f" {said}" if likely else "")
 
 
 def _number(number: float | None, form: str) -> str:

@@ -37,6 +37,7 @@ from result_tables import (  # noqa: E402
     measured_names_table,
     measured_table,
     peers_table,
+    rates_table,
 )
 from trust_tables import (  # noqa: E402
     fuzz_table,
@@ -72,6 +73,11 @@ def measured() -> str:
 def measured_names() -> str:
     """The same robots with the names alone."""
     return measured_names_table(_measured())
+
+
+def rates() -> str:
+    """The same diagnosis at half and a tenth of the sampling rate."""
+    return rates_table(_results("rates"))
 
 
 def libraries() -> str:
@@ -179,6 +185,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "measured_names": measured_names,
     "random_growth": random_growth,
     "random_runs": random_runs,
+    "rates": rates,
     "robots": robots,
     "slowest_files": slowest_files,
 }

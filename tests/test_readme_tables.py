@@ -61,6 +61,7 @@ TABLES = [
     "measured_names",
     "random_growth",
     "random_runs",
+    "rates",
     "robots",
     "slowest_files",
 ]
@@ -152,6 +153,22 @@ def test_the_table_of_hidden_effects_has_every_case_in_one_column(script: Module
     ]
     with pytest.raises(ValueError, match="strange"):
         script.discovery_table({"summary": {"strange": nothing}})
+
+
+def test_the_table_of_rates_says_which_names_stay(script: ModuleType) -> None:
+    """Alone or as "A or B"; what is new is counted, and a refusal stands in the place of names."""
+
+    def at(rate: float, *names: list[str]) -> dict[str, object]:
+        return {"rate": rate, "names": [{"names": each, "probability": 0.97} for each in names]}
+
+    a, b, c = "coulomb_friction (x)", "viscous_friction (x)", "backlash (x)"
+    refused = {"rate": 10.0, "names": [], "refused": "too slow"}
+    found = {"what": "arm", "at": [at(1000.0, [a], [b]), at(500.0, [b, a], [c]), refused]}
+    lines = script.rates_table({"robots": {"emps": [found]}}).splitlines()[2:]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
+    assert [row[-2] for row in rows] == ["", "the same, 1 new", "0 of 2"]
+    assert [row[0] for row in rows] == ["arm", "", ""]
+    assert rows[2][2] == "too slow"
 
 
 def test_every_family_of_hidden_effects_has_a_row(script: ModuleType) -> None:

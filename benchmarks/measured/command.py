@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,28 @@ class Outcome:
     write_page: Callable[[Path], None]
 
 
+@dataclass(frozen=True)
+class Cost:
+    """What a study took.
+
+    Attributes:
+        processor_seconds: without the page [s].
+        peak_megabytes: the most memory that the process held [MB]; None where the system does not tell.
+    """
+
+    processor_seconds: float
+    peak_megabytes: float | None
+
+
+def peak_megabytes() -> float | None:
+    """The most memory that this process has held [MB]; Linux only, see footprint.py; None elsewhere."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return None
+    lines = (line.split() for line in status.read_text(encoding="utf-8").splitlines())
+    return next((int(line[1]) * 1024 / 1e6 for line in lines if line and line[0] == "VmHWM:"), None)
+
+
 def command(script: str, about: str, data: str, needs: Sequence[str], study: Callable[[Path], Outcome]) -> int:
     """Run a study as a program; where its data is not there, say so and do nothing.
 
@@ -51,9 +74,11 @@ def command(script: str, about: str, data: str, needs: Sequence[str], study: Cal
     if not all((folder / each).exists() for each in needs):
         print(f"skipped: {folder} does not hold {', '.join(needs)} (--data)")
         return 0
+    begin = time.process_time()
     made = study(folder)
+    cost = Cost(time.process_time() - begin, peak_megabytes())
     name = Path(script).resolve().relative_to(ROOT).as_posix()
-    write_results(options.o, f"python {name}", made.results)
+    write_results(options.o, f"python {name}", {**made.results, "cost": asdict(cost)})
     made.write_page(options.o.with_suffix(""))
     print(*made.bounds, sep="\n")
     return 0 if all(each.passed for each in made.bounds) else 1

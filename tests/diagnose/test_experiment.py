@@ -199,7 +199,7 @@ def test_motions_after_one_that_is_ample_are_left_out(tmp_path: Path) -> None:
     reach = Reach.of(equations)
     bench = RehearsalBench(question.space, window_noise(question.noise), known, reach)
     made = moves(reach, 0, equations.true, reach.poses[0])
-    slow = [move for move in made if bench.rehearse(move).apart() < 1.0]
+    slow = [move for move in made if bench.rehearse(move).apart() < AMPLE_DELTA_BIC]
     telling = [move for move in made if bench.rehearse(move).apart() > 2.0 * AMPLE_DELTA_BIC]
     assert len(slow) > 1
     assert len(telling) > 1

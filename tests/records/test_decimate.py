@@ -40,6 +40,16 @@ def test_held_torques_keep_their_impulse() -> None:
     np.testing.assert_allclose(rec["tau.a"], tau[first : first + 4 * len(rec)].reshape(-1, 4).mean(axis=1), rtol=1e-12)
 
 
+@pytest.mark.parametrize("signal", ["voltage", "duty", "goal"])
+def test_what_a_motor_is_asked_for_is_held_too(signal: str) -> None:
+    """Volts, duties and goals as torques: the mean of the samples that become one."""
+    asked = np.random.default_rng(2).normal(size=T.size)
+    rec = fd.Recording(T, {f"{signal}.a": asked, "q.a": T}).decimate(5)
+    first = round(rec.t[0] * RATE)
+    wanted = asked[first : first + 5 * len(rec)].reshape(-1, 5).mean(axis=1)
+    np.testing.assert_allclose(rec[f"{signal}.a"], wanted, rtol=1e-12)
+
+
 def test_by_one_nothing_changes() -> None:
     """Bit for bit."""
     rec = fd.Recording(T, {"q.a": T})

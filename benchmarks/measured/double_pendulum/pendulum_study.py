@@ -10,6 +10,7 @@ does nothing.
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -24,16 +25,28 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from command import Outcome, command
 from measure import Bound
+from task import Task
 
 MOST = {"joint1": 0.03, "joint2": 0.05}
 """Bounds of the errors on 143524 [rad]."""
+
+
+def task(start: fd.FlexibleJointModel, records: Mapping[str, fd.Recording]) -> Task:
+    """Two records are diagnosed; the other two take no part."""
+    fit, check = (tuple(records[each] for each in names) for names in (FIT, CHECK))
+    return Task("double pendulum", start, fit, check)
+
+
+def tasks(folder: Path) -> list[Task]:
+    """What is diagnosed."""
+    return [task(fd.load_model(HERE / "frictionless.yaml"), read_records(folder))]
 
 
 def study(folder: Path) -> Study:
     """Everything, from the four records of a folder."""
     records = read_records(folder)
     start = fd.load_model(HERE / "frictionless.yaml")
-    found = fd.diagnose(start, fit=[records[each] for each in FIT], check=[records[each] for each in CHECK])
+    found = task(start, records).diagnosis()
     models = {"without friction, as given": start, "published friction": published(start), "found": found.model}
     by_model = {
         name: {stamp: windows(model, each) for stamp, each in records.items()} for name, model in models.items()
@@ -51,10 +64,22 @@ def bounds(made: Study) -> list[Bound]:
     ]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside every bound: the model without friction, and with the friction that was published."""
+    plain, published = (
+        made.windows[name][CHECK[0]].rms for name in ("without friction, as given", "published friction")
+    )
+    return {
+        f"error of {joint} on {CHECK[0]} [rad]": {"plain": float(plain[j]), "published": float(published[j])}
+        for j, joint in enumerate(JOINTS)
+    }
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "rms_rad": {
             name: {stamp: [float(x) for x in each.rms] for stamp, each in by.items()}
             for name, by in made.windows.items()

@@ -10,6 +10,7 @@ says so and does nothing.
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +31,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from command import Outcome, command
 from measure import Bound
+from task import Task
 
 EXPECTED = ("asymmetric_viscous_friction",)
 """What the axis is likely to have: its authors' second model has it (`published_either_way`)."""
+PUBLISHED = ("published model", "published, friction of either direction")
+"""Of the models that the errors are compared with."""
 MOST = {"closed loop, DATA_EMPS": 0.039, "closed loop, PULSES": 0.05, "inverse model, DATA_EMPS": 0.032}
 """Bounds of the force errors [1]."""
 
@@ -46,11 +50,21 @@ def published_either_way(plain: fd.FlexibleJointModel) -> fd.FlexibleJointModel:
     return plain.replace(effects=[viscous, dry])
 
 
+def task(plain: fd.FlexibleJointModel, records: Mapping[str, fd.Recording]) -> Task:
+    """The estimation record is diagnosed; the one with pulses takes no part."""
+    return Task("EMPS", plain, (records[NAMES[0]],), (records[NAMES[1]],), EXPECTED)
+
+
+def tasks(folder: Path) -> list[Task]:
+    """What is diagnosed."""
+    return [task(fd.load_model(HERE / "plain.yaml"), read_records(folder))]
+
+
 def study(folder: Path) -> Study:
     """Everything, from the two records of a folder."""
     records = read_records(folder)
     plain = fd.load_model(HERE / "plain.yaml")
-    found = fd.diagnose(plain, fit=[records[NAMES[0]]], check=[records[NAMES[1]]], expect=EXPECTED)
+    found = task(plain, records).diagnosis()
     accounts = {
         "plain axis, as given": Account.of(plain, records),
         "published model": Account.of(published(plain), records),
@@ -69,10 +83,20 @@ def bounds(made: Study) -> list[Bound]:
     return [Bound(f"force error, {name}", errors[name], most) for name, most in MOST.items()]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside every bound: the plain axis, and the better one of the published models, of every record."""
+    plain, *authors = (made.accounts[name].errors() for name in ("plain axis, as given", *PUBLISHED))
+    return {
+        f"force error, {name}": {"plain": plain[name], "published": min(each[name] for each in authors)}
+        for name in MOST
+    }
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "errors": {name: each.errors() for name, each in made.accounts.items()},
         "plain_least_squares_force_error": dict(made.reference),
         "controller_replayed_error_by_delay": {str(k): dict(each) for k, each in made.late.items()},

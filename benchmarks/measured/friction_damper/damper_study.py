@@ -34,17 +34,25 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from command import Outcome, command
 from measure import Bound
+from task import Task
 
 MOST = {"1Hz_20lb": 0.17, "1Hz_35lb": 0.12, "1Hz_80lb": 0.11}
 """Bounds of the force errors of cycles that took no part [1]."""
 
 
-def diagnosed(record: fd.Recording, mass: float) -> fd.Diagnosis:
-    """The ordinary diagnosis of one file; its published name says that the device may have backlash."""
+def task(record: fd.Recording, mass: float) -> Task:
+    """Some cycles of a 1 Hz file are diagnosed, later ones take no part; its published name says backlash."""
     clean = without_bench(record, mass)
-    model = plain_model(clean)
     seen, later = (clean.trim(*span) for span in (READ, LATER))
-    return fd.diagnose(model, [seen], [later], expect=["backlash"], progress=False)
+    return Task(f"damper, {record.name}", plain_model(clean), (seen,), (later,), ("backlash",))
+
+
+def tasks(folder: Path) -> list[Task]:
+    """What is diagnosed, by tension."""
+    records = read_records(folder)
+    fast = [f"1Hz_{each}lb" for each in TENSIONS]
+    mass = bench_mass(records[name] for name in fast)
+    return [task(records[name], mass) for name in fast]
 
 
 def study(folder: Path) -> Study:
@@ -52,7 +60,7 @@ def study(folder: Path) -> Study:
     records = read_records(folder)
     fast = [f"1Hz_{each}lb" for each in TENSIONS]
     mass = bench_mass(records[name] for name in fast)
-    diagnoses = {name: diagnosed(records[name], mass) for name in fast}
+    diagnoses = {name: task(records[name], mass).diagnosis() for name in fast}
     models = {name: each.model for name, each in diagnoses.items()}
     return Study(
         diagnoses,
@@ -76,10 +84,27 @@ def bounds(made: Study) -> list[Bound]:
     return [*later, Bound("force error, half the frequency, 20 lb", made.errors[slow]["0.5 Hz"], MOST[slow])]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside every bound: the axis without friction, whose force is the inertia's alone, and LuGre."""
+    found = {
+        f"force error, later cycles, {tension} lb": _pair(made, f"1Hz_{tension}lb", "later cycles", 1)
+        for tension in TENSIONS
+    }
+    return found | {
+        "force error, half the frequency, 20 lb": _pair(made, "1Hz_" + SLOW.rpartition("_")[2], "0.5 Hz", 2)
+    }
+
+
+def _pair(made: Study, file: str, cycles: str, column: int) -> dict[str, float]:
+    lugre = LUGRE[file][column]
+    return {"plain": made.plain_errors[file][cycles]} | ({} if lugre is None else {"published": lugre / 100.0})
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "named": made.named(),
         "bench_mass": made.mass,
         "errors": made.errors,

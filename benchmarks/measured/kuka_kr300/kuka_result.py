@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 from kuka_encoders import Account, Difference, Ripple
-from kuka_torque import Inverse
 
 import flexdyn as fd
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from along import Inverse
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +23,7 @@ class Study:
         diagnosis: of the rigid model.
         before: the published model along every record.
         after: the corrected one.
+        bare: the published one without friction and offsets, along records B and C.
         told: what record A says of the model's numbers.
         differences: theta - q of axes 1 to 3 by record.
         accounts: what it is made of.
@@ -29,6 +34,7 @@ class Study:
     diagnosis: fd.Diagnosis
     before: dict[str, Inverse]
     after: dict[str, Inverse]
+    bare: dict[str, Inverse]
     told: fd.BaseParameters
     differences: list[dict[str, Difference]]
     accounts: list[Account]

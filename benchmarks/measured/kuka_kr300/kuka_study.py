@@ -9,6 +9,7 @@ with the page, its pictures and the diagnosis' own report. Without the data fold
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from command import Outcome, command
 from measure import Bound
+from task import Task
 
 AXIS = 1
 """The second axis, which carries most of the weight."""
@@ -33,12 +35,23 @@ MOST = 0.20
 """Bound of the second axis' torque error on B and C [1]."""
 
 
+def task(model: fd.FlexibleJointModel, records: Mapping[str, fd.Recording]) -> Task:
+    """Record A is diagnosed, motor encoders alone; B and C take no part."""
+    motors = {name: motor_side(each) for name, each in records.items()}
+    return Task("KUKA KR 300", model, (motors["A"],), (motors["B"], motors["C"]))
+
+
+def tasks(folder: Path) -> list[Task]:
+    """What is diagnosed."""
+    return [task(fd.load_model(HERE / "rigid.yaml"), read_records(folder))]
+
+
 def study(folder: Path) -> Study:
     """Everything, from the three records of a folder."""
     records = read_records(folder)
     model = fd.load_model(HERE / "rigid.yaml")
-    motors = {name: motor_side(each) for name, each in records.items()}
-    found = fd.diagnose(model, fit=[motors["A"]], check=[motors["B"], motors["C"]])
+    given = task(model, records)
+    found = given.diagnosis()
     after = {name: inverse(found.model, each) for name, each in records.items()}
     seen = {name: differences(found.model, each, BOTH) for name, each in records.items()}
     by_axis = [{name: each[j] for name, each in seen.items()} for j in BOTH]
@@ -47,7 +60,8 @@ def study(folder: Path) -> Study:
         diagnosis=found,
         before={name: inverse(model, each) for name, each in records.items()},
         after=after,
-        told=fd.base_parameters(model, motors["A"], noise=torque_noise(after["A"]), friction=True),
+        bare={name: inverse(model.replace(effects=[]), records[name]) for name in ("B", "C")},
+        told=fd.base_parameters(model, given.fit[0], noise=torque_noise(after["A"]), friction=True),
         differences=by_axis,
         accounts=[account(each) for each in by_axis],
         ripples=[ripple(each) for each in by_axis],
@@ -62,6 +76,17 @@ def bounds(made: Study) -> list[Bound]:
     return [*found, Bound("findings without a law of position on axis 2", wrong, 0.0)]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside the bounds: the links and rotors alone, and the published model with its friction."""
+    return {
+        f"torque error of axis 2 on {name}": {
+            "plain": made.bare[name].error(AXIS),
+            "published": made.before[name].error(AXIS),
+        }
+        for name in ("B", "C")
+    }
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     joints = made.diagnosis.model.joint_names
@@ -71,6 +96,7 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     }
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "axis2_torque_error_of_plain_least_squares": made.references,
         "torque_error_after_diagnosis_all_and_moving": errors,
         "diagnosis": made.diagnosis.to_dict(),

@@ -2,49 +2,23 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.data.filters import Filters
-from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.equations.equations import Equations
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from along import MOVING, Inverse, along
 
 Array = NDArray[np.float64]
 HERE = Path(__file__).parent
 RECORDS = ("A", "B", "C")
 SAMPLE = 0.004
 """Of the records [s]."""
-MOVING = 5e-3
-"""Speed above which a joint slides for certain [rad/s]; below it friction may be anything between its levels."""
-
-
-@dataclass(frozen=True, eq=False)
-class Inverse:
-    """An inverse model along a record, every term behind the same filters.
-
-    Attributes:
-        t: times (rows,) [s].
-        q, omega: of the motors (rows, n) [rad, rad/s].
-        torque: of the motors, reflected (rows, n) [N m].
-        missing: what the model lacks: torque - model (rows, n) [N m].
-    """
-
-    t: Array
-    q: Array
-    omega: Array
-    torque: Array
-    missing: Array
-
-    def error(self, j: int, left: Array | None = None, moving: bool = False) -> float:
-        """Root mean square of what is left of a joint's torque over that of the torque itself [1]."""
-        rows = np.abs(self.omega[:, j]) > MOVING if moving else np.ones(len(self.t), dtype=bool)
-        rest = (self.missing[:, j] if left is None else left)[rows]
-        return float(np.linalg.norm(rest) / np.linalg.norm(self.torque[rows, j]))
 
 
 def read_records(folder: Path) -> dict[str, fd.Recording]:
@@ -62,13 +36,7 @@ def motor_side(recording: fd.Recording) -> fd.Recording:
 
 def inverse(model: fd.FlexibleJointModel, recording: fd.Recording) -> Inverse:
     """The torque that a model needs for a record's motion, and what is missing to the one that was measured."""
-    data = measured(model, motor_side(recording))
-    filters = Filters.of_rate(data.dt)
-    equations = Equations(model, (data,), filters)
-    along = equations.motions[0]
-    missing = equations.residual.reshape(-1, len(equations.kinds))
-    theta, omega, tau = (filters.rows(each) for each in (along.theta, along.omega, along.tau))
-    return Inverse(along.t[filters.instants(len(along.t))], theta, omega, tau, missing)
+    return along(model, motor_side(recording))
 
 
 def torque_noise(of: Inverse) -> Array:

@@ -26,6 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from command import Outcome, command
 from measure import Bound
+from task import decimated
 
 HERE = Path(__file__).parent
 EDITED = {"driveNo3": ("1.csv", "2.csv", "n1.csv")}
@@ -40,11 +41,16 @@ DRIVES = (
 )
 
 
-def studied(folder: Path, drive: Drive) -> Studied:
-    """Everything of one drive."""
+def read_runs(folder: Path, drive: Drive) -> list[fd.Recording]:
+    """Runs at constant speed, but for files in which measured values were typed over."""
     steady = sorted((folder / drive.name / "steady_state" / "0.096kg").glob("*.csv"))
     kept = [path for path in steady if path.name not in EDITED.get(drive.name, ())]
-    runs = [fd.read_recording(path, map=HERE / drive.map, name=path.stem) for path in kept]
+    return [fd.read_recording(path, map=HERE / drive.map, name=path.stem) for path in kept]
+
+
+def studied(folder: Path, drive: Drive, factor: int = 1) -> Studied:
+    """Everything of one drive, its steady runs with one sample of so many; start-stop files are too short for that."""
+    runs = [decimated(each, factor) for each in read_runs(folder, drive)]
     points = fd.steady_points(runs, drive.joint)
     files = sorted((folder / drive.name / "start_stop").glob("*.csv"))
     moves = [_underway(drive, fd.read_recording(path, map=HERE / drive.map, name=path.stem)) for path in files]
@@ -115,10 +121,17 @@ def bounds(made: tuple[Studied, ...]) -> list[Bound]:
     ]
 
 
+def beside(made: tuple[Studied, ...]) -> dict[str, dict[str, float]]:
+    """What stands beside the second bound: the best curves of Coulomb and viscous friction alone."""
+    off = [abs(each.plain / each.torque - 1.0) for of in made for each in of.stretches]
+    return {"median error of the torque predicted for start-stop files": {"plain": float(np.median(off))}}
+
+
 def results(made: tuple[Studied, ...], held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "drives": {
             of.drive.name: {
                 "what": of.drive.words,

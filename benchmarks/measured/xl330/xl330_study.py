@@ -11,12 +11,14 @@ folder it says so and does nothing.
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from xl330_data import HERE, errors, from_goals, of_duties, read_logs
-from xl330_page import write_page
-from xl330_result import WITHOUT, Study
+import numpy as np
+from xl330_data import HERE, Log, errors, from_goals, of_duties, read_logs
+from xl330_page import PUBLISHED, write_page
+from xl330_result import TOLD, WITHOUT, Study
 
 import flexdyn as fd
 
@@ -24,6 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from command import Outcome, command
 from measure import Bound
+from task import Task
 
 DIAGNOSED = ("kp100_sin_sin", "kp200_sin_time_square", "kp400_sin_sin", "kp800_sin_time_square")
 """Logs with 2 s of motion and more under a driven motor."""
@@ -31,10 +34,21 @@ ALL, UNSEEN = 0.016, 0.045
 """Bounds of the mean absolute error of all logs, and of the gains 200 and 800 by a fit to 100 and 400 [rad]."""
 
 
+def task(logs: Sequence[Log]) -> Task:
+    """Four logs; the last fifth of the motion in each takes no part."""
+    duties = of_duties([log for log in logs if log.name in DIAGNOSED])
+    return Task("XL330", fd.load_model(HERE / "plain.yaml"), tuple(duties))
+
+
+def tasks(folder: Path) -> list[Task]:
+    """What is diagnosed."""
+    return [task(read_logs(folder))]
+
+
 def study(folder: Path) -> Study:
     """Everything, from the folder of logs."""
     logs = read_logs(folder)
-    diagnosis = fd.diagnose(fd.load_model(HERE / "plain.yaml"), of_duties([x for x in logs if x.name in DIAGNOSED]))
+    diagnosis = task(logs).diagnosis()
     fitted = fd.load_model(HERE / "fitted.yaml")
     models = {
         "plain": fd.load_model(HERE / "plain.yaml"),
@@ -56,11 +70,21 @@ def bounds(made: Study) -> list[Bound]:
     ]
 
 
+def beside(made: Study) -> dict[str, dict[str, float]]:
+    """What stands beside every bound: the plain servo, and the best of the authors' models."""
+    apart = np.array([log.gain not in TOLD for log in made.logs])
+    plain = (made.mean("plain"), float(made.errors["plain"][apart].mean()))
+    names = [each.name for each in bounds(made)]
+    best = (min(each[k] for each in PUBLISHED.values()) / 1e3 for k in (0, 1))
+    return {name: {"plain": x, "published": y} for name, x, y in zip(names, plain, best, strict=True)}
+
+
 def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     """As the result file holds it."""
     names = [log.name for log in made.logs]
     return {
         "bounds": [each.to_dict() for each in held],
+        "beside": beside(made),
         "errors": {key: dict(zip(names, each.tolist(), strict=True)) for key, each in made.errors.items()},
         "unseen_gains": made.unseen(),
         "diagnosis": made.diagnosis.to_dict(),

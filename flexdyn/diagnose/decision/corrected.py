@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.calibrated import within
+from flexdyn.diagnose.decision.even_odds import told_by_data
 from flexdyn.diagnose.decision.held_out import HeldOut
 from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.masses import Masses
@@ -107,7 +108,7 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     seen = {c: genuine(space.candidates[c], each, found.expected) for c, each in by_windows.items()}
     own = {c: max(each, seen.get(c, 0.0)) for c, each in own.items()}
     named = names(masses, best, own, there, may)
-    kept = tuple(each for each in named if each.established)
+    kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
     # What does more in the windows than all that is left there may be small in the equations.
     least = {c: 0.0 if each > 1.0 else SMALLEST_TORQUE_SHARE for c, each in by_windows.items()}

@@ -15,6 +15,7 @@ from flexdyn.diagnose.equations.equations import LINK, MOTOR, TOTAL, Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.equations.noise import encoder_noise, recorded_torque_noise, torque_noise
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.errors import InputError
 from flexdyn.records.signals.decimate import CLOCK_JITTER
 
 Array = NDArray[np.float64]
@@ -82,8 +83,16 @@ def held_out(equations: Equations, hypothesis: Hypothesis, data: tuple[Measured,
         equations: of the model as given over the data of the fit, whose filters are taken.
         hypothesis: the corrected model.
         data: to test it on.
+
+    Raises:
+        InputError: it is shorter than the filters.
     """
     given = Equations(equations.model, data, _filters(equations, data[0].dt), equations.stiffness)
+    if not given.residual.size:
+        samples = max(len(each.t) for each in data)
+        remedy = "keep more apart (check, hold_out), or record faster"
+        raise InputError("the test data are shorter than the filters", key="check", value=f"{samples} samples at"
+                         f" {1.0 / data[0].dt:.4g} Hz", remedy=remedy)  # fmt: skip
     after = given.of(hypothesis.seen())
     recorded = recorded_noise(data)
     mask = _mask(given, after, recorded)

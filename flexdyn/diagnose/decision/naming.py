@@ -20,11 +20,13 @@ class Name:
         candidate: its place.
         rivals: places of those that other sets hold in its place, the most probable first.
         probability: that it or one of the rivals is there [1].
+        held_down: those of the rivals that the data like as well, and only the prior does not.
     """
 
     candidate: int
     rivals: tuple[int, ...]
     probability: float
+    held_down: tuple[int, ...] = ()
 
     @property
     def established(self) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.findings import lags_within_a_sample
+from flexdyn.diagnose.decision.suspects import suspect_of
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
@@ -15,7 +16,7 @@ from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.report.calibrated import estimate
 from flexdyn.diagnose.report.digits import estimate_text
 from flexdyn.diagnose.report.measures import Calibration
-from flexdyn.diagnose.report.words import effect_name, number_phrase
+from flexdyn.diagnose.report.words import capital, effect_name, number_phrase, suspect_phrase
 
 UNINFORMED_SHARE = 0.5
 """Share of its prior's standard deviation from which that of a number says that the data do not tell it [1]."""
@@ -24,9 +25,16 @@ FARTHEST_NUMBERS_TOLD = 3
 
 
 def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
-    """A sentence each: missing encoders, users' laws that fail, times of torques, a search that did not settle."""
+    """A sentence each, of what the data cannot tell, what the prior decided, and what stopped short."""
     failed = own_effects(compared.space.library.equations)[1]
-    return (*_of_channels(compared), *failed, *_of_torques(found), *_of_unknown(found), *_of_search(compared))
+    return (
+        *_of_channels(compared),
+        *failed,
+        *_of_torques(found),
+        *_of_unknown(found),
+        *_of_priors(found),
+        *_of_search(compared),
+    )
 
 
 def _of_unknown(found: Corrected) -> Iterator[str]:
@@ -40,6 +48,19 @@ def _of_unknown(found: Corrected) -> Iterator[str]:
                 yield f"The {name} was not known, and these data do not tell it."
             else:
                 yield f"The {name} was not known: it is estimated as {estimate_text(estimate(model, entry))} (95 %)."
+
+
+def _of_priors(found: Corrected) -> Iterator[str]:
+    """Names that come first because of what is expected of drives, not because of these data."""
+    model = found.hypothesis.given
+    for name in found.names:
+        if name.held_down:
+            first = suspect_phrase(model, suspect_of(model, found.candidates[name.candidate]))
+            others = [suspect_phrase(model, suspect_of(model, found.candidates[c])) for c in name.held_down]
+            yield (
+                f"{capital(' or '.join(others))} would fit these data about as well as {first}: the probabilities"
+                " differ by the prior alone, what is expected of drives. The experiment of this finding would tell."
+            )
 
 
 def _of_torques(found: Corrected) -> Iterator[str]:

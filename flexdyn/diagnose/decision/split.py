@@ -20,6 +20,8 @@ TEST_SHARE = 0.2
 """Share of what moves in every recording that is test data where no other is given [1] (contract, section 8)."""
 SHORTEST_TEST_DATA = 1.0
 """Least length of such test data [s]: two windows of 0.5 s."""
+FEWEST_TEST_SAMPLES = 100
+"""Least number of samples of such test data: at a slow clock the two filters take 20 at either end."""
 SHORTEST_CUT_RECORDING = 2.5
 """Recordings that are shorter are not cut: what is left of one of them would be too short to fit [s]."""
 MOVING_TIME = 0.2
@@ -117,7 +119,8 @@ def _cut(data: Measured) -> int:
     if not len(moves):
         moves = np.arange(len(data.t))
     at = int(moves[int((1.0 - TEST_SHARE) * len(moves))])
-    return min(at, len(data.t) - 1 - round(SHORTEST_TEST_DATA / data.dt))
+    least = max(round(SHORTEST_TEST_DATA / data.dt), min(FEWEST_TEST_SAMPLES, len(data.t) // 2))
+    return min(at, len(data.t) - 1 - least)
 
 
 def moving(data: Measured) -> NDArray[np.bool_]:

@@ -67,7 +67,8 @@ def with_experiment(
     true = space.equations.true
     try:
         known = tuple(Known.of(each) for each in (named, *rivals))
-        bench = RehearsalBench(space, levels, known, Reach.of(space.equations))
+        calibrated = dataclasses.replace(named.hypothesis, effects=()).model()
+        bench = RehearsalBench(space, levels, known, Reach.of(space.equations, calibrated))
         rehearsed = _tried(bench, _joints(true, found))
     except FAILURES:
         return found

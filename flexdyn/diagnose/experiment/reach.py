@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.effects import Payload
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -55,8 +56,14 @@ class Reach:
     kd: Array
 
     @classmethod
-    def of(cls, equations: Equations) -> Reach:
-        """Of recordings; limits of the robot's description narrow it."""
+    def of(cls, equations: Equations, calibrated: FlexibleJointModel | None = None) -> Reach:
+        """Of recordings; limits of the robot's description narrow it.
+
+        Args:
+            equations: of the recordings.
+            calibrated: the model with the numbers that were estimated, for the controller's gains: a rotor inertia may
+                not have been known. None: as it was given.
+        """
         motions, true, robot = equations.motions, equations.true, equations.true.robot
         q = np.concatenate([each.q for each in motions])
         low, high = np.maximum(q.min(axis=0), robot.lower), np.minimum(q.max(axis=0), robot.upper)
@@ -64,8 +71,9 @@ class Reach:
         v, a = (np.abs(np.concatenate([getattr(each, name) for each in motions])) for name in ("v", "a"))
         speed, acceleration = (np.percentile(each, GREATEST_PERCENTILE, axis=0) for each in (v, a))
         torque = np.max([np.abs(each.data.tau).max(axis=0) for each in motions], axis=0)
-        inertia = np.diag(equations.links.mass_matrix(middle)) + np.where(true.elastic, true.rotor_inertia, 0.0)
-        own = np.sqrt(np.where(true.elastic, true.stiffness, np.inf) / inertia)
+        numbers = true if calibrated is None else calibrated.resolved()
+        inertia = np.diag(LinkSide(numbers).mass_matrix(middle)) + np.where(true.elastic, numbers.rotor_inertia, 0.0)
+        own = np.sqrt(np.where(true.elastic, numbers.stiffness, np.inf) / inertia)
         bandwidth = np.minimum(CONTROLLER_BANDWIDTH, SPRING_FREQUENCY_SHARE * own)
         return cls(
             motions[0].dt,

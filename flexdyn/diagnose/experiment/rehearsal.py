@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from dataclasses import dataclass, replace
 
@@ -18,7 +19,7 @@ from flexdyn.diagnose.experiment.windowed import as_made, windowed
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
-from flexdyn.effects import MemoryEffect, Payload
+from flexdyn.effects import JointEffect, MemoryEffect, Payload, TorqueOffset
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
@@ -140,14 +141,16 @@ class RehearsalBench:
     def from_all_sides(self, made: Rehearsal, worth: float) -> Rehearsal:
         """The same motion made by each of the rivals as well.
 
+        A rival that would make the arm leave what it has been seen to do is left out: the arm itself would show that.
+
         Raises:
-            InputError: it leaves what the arm has been seen to do.
             SimulationError: it cannot be simulated.
         """
-        sides = list(made.sides)
-        for k in range(len(sides), len(self.known)):
-            side = self._side(k, made.move, made.command)
-            sides.append(self._windowed(side, made.move, worth) if sides[0].by_windows else side)
+        sides = list(made.sides[:1])
+        for k in range(1, len(self.known)):
+            with contextlib.suppress(InputError):
+                side = self._side(k, made.move, self._command(made.move, k))
+                sides.append(self._windowed(side, made.move, worth) if sides[0].by_windows else side)
         return replace(made, sides=tuple(sides))
 
     def windows(self, recording: Recording) -> Windows:
@@ -181,17 +184,31 @@ class RehearsalBench:
         pairs = tuple((own, windowed(other, shot, load, own.chi2() + worth)) for other in self.others(side.truth))
         return replace(side, by_windows=pairs)
 
-    def _command(self, move: PlannedMotion) -> PD:
-        """Joint control with what the rigid arm needs fed forward."""
+    def _command(self, move: PlannedMotion, truth: int = 0) -> PD:
+        """Joint control with what the rigid arm and a hypothesis' friction and offsets need fed forward."""
         reach, true = self.reach, self.space.equations.true
         links, dt = LinkSide(loaded(true, self.load(move))), reach.dt
         t = np.arange(len(move.path)) * dt
         v = np.gradient(move.path, dt, axis=0)
         a = np.gradient(v, dt, axis=0)
         needed = np.einsum("tij,tj->ti", links.mass_matrix(move.path), a) + links.bias(move.path, v)
-        needed += np.where(true.elastic, true.rotor_inertia, 0.0) * a + move.push
+        needed += np.where(true.elastic, true.rotor_inertia, 0.0) * a
+        needed += move.push + self._opposed(truth, move.path, v)
         path, torques = Samples(t, move.path, "cubic"), Samples(t, needed)
         return PD(path, reach.kp, reach.kd, 1.0 / dt, feedforward=torques)
+
+    def _opposed(self, truth: int, path: Array, v: Array) -> Array:
+        """Torque (samples, n) against friction and offsets of a hypothesis: a real arm follows its path anyway."""
+        total = np.zeros_like(path)
+        for effect in self.known[truth].fitted.hypothesis.effects:
+            if not isinstance(effect, JointEffect) or isinstance(effect, MemoryEffect) or effect.is_python:
+                continue
+            j = self.space.equations.true.index(effect.joint)
+            if isinstance(effect, TorqueOffset):
+                total[:, j] -= effect.offset
+            elif effect.stage in ("friction", "dry") and not effect.takes_load:
+                total[:, j] += effect.torque(path[:, j], v[:, j])
+        return total
 
     def _made(self, truth: int, move: PlannedMotion, command: PD) -> tuple[Run, Recording]:
         """The run, and what would have been recorded of it."""

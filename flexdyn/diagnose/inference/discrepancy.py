@@ -55,11 +55,20 @@ class Discrepancy:
     count: Array
 
     @classmethod
-    def of(cls, left: Array, seen: Seen) -> Discrepancy:
-        """Of what a structure leaves (rows of all equations,)."""
+    def of(cls, left: Array, seen: Seen, *, about_mean: bool = False) -> Discrepancy:
+        """Of what a structure leaves (rows of all equations,).
+
+        Args:
+            left: rows of all equations (rows,).
+            seen: which of them say something.
+            about_mean: take the memory of what varies about the mean of each equation. A constant that is left is
+                remembered for the whole record, which then counts as one row: too little to fit that constant.
+        """
         table = np.where(seen.valid, left.reshape(seen.valid.shape), 0.0)
         scale = np.sqrt(np.maximum((table**2).sum(axis=0) / seen.count, 1.0))
         many = table.shape[1]
+        if about_mean:
+            table = np.where(seen.valid, table - table.sum(axis=0) / seen.count, 0.0)
         times = [_times(table[:, k], seen.valid[:, k], seen.lengths) for k in range(many)]
         return cls(scale, np.array(times), seen.count)
 

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+
 from flexdyn.diagnose.hypothesis.proposal import Point
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.search import Scan, explore
 from flexdyn.diagnose.inference.space import Space, Structure
+
+EVEN_ODDS_WINDOW = math.log(19.0)
+"""Log Bayes factor from which data alone make one of two laws as likely as a name must be: 0.95 to 0.05."""
 
 
 def among_rivals(space: Space, best: Structure) -> Structure:
@@ -26,7 +32,27 @@ def among_rivals(space: Space, best: Structure) -> Structure:
         rival = next((point for point in points if space.candidates[point[0]].choices > 1), None)
         if rival is not None:
             refined(space, rest | {rival})
-    return best if space.best() == best else explore(space, [space.best()])
+    best = best if space.best() == best else explore(space, [space.best()])
+    _evenly(space, best)
+    return best
+
+
+def _evenly(space: Space, best: Structure) -> None:
+    """Compare what the prior of places alone may hold down: other laws in the place of each, and less of them."""
+    scan, bound = Scan(space), space.value(best) - space.log_places(best) - EVEN_ODDS_WINDOW
+
+    def stands(structure: Structure, value: float) -> bool:
+        return value - space.log_places(structure) > bound
+
+    for each in sorted(best):
+        rest = best - {each}
+        value = space.value(rest)
+        for gain, point in scan.additions(rest):
+            if space.candidates[point[0]].choices == 1 and stands(rest | {point}, value + gain):
+                space.value(rest | {point})
+    spare = [each for each in sorted(best) if stands(best - {each}, space.value(best - {each}))]
+    for pair in itertools.combinations(spare, 2):
+        space.value(best - frozenset(pair))
 
 
 def _numbers(candidate: Candidate, p: int) -> Point:

@@ -62,16 +62,10 @@ class Scan:
     def _clashing(self) -> list[NDArray[np.intp]]:
         """Candidates that may not stand beside each: itself, and laws that contain it or that it contains."""
         candidates = self.space.candidates
-        where, late = [_where(each) for each in candidates], [_late(each) for each in candidates]
+        late = [_late(each) for each in candidates]
         found = []
         for c, me in enumerate(candidates):
-            there = [
-                k
-                for k, other in enumerate(candidates)
-                if k == c
-                or (where[k] == where[c] and (other.kind in me.law.contains or me.kind in other.law.contains))
-                or _undo(late[c], late[k])
-            ]
+            there = [k for k, other in enumerate(candidates) if k == c or nested(me, other) or _undo(late[c], late[k])]
             found.append(np.array(there))
         return found
 
@@ -99,6 +93,12 @@ class Scan:
                 seen.add(self.owner[k][0])
                 found.append((float(gain[k]), self.owner[k]))
         return found
+
+
+def nested(one: Candidate, other: Candidate) -> bool:
+    """Whether one of two laws at the same place contains the other."""
+    contains = other.kind in one.law.contains or one.kind in other.law.contains
+    return contains and _where(one) == _where(other)
 
 
 def _undo(one: tuple[str, str] | None, other: tuple[str, str] | None) -> bool:

@@ -233,15 +233,10 @@ class Space:
         return max(self.known, key=lambda s: (self.known[s], sorted(s)))
 
     def log_prior(self, structure: Structure) -> float:
-        """Log prior of a structure: ``log B(m + a, n - m + b) - log B(a, n + b)`` for m of n places of each kind.
-
-        The points of a candidate's grid are equally likely.
-        """
-        chosen: dict[str, int] = {}
-        total = 0.0
+        """Log prior of a structure; the points of a candidate's grid are equally likely."""
+        total = self.log_places(structure)
         for c, p in structure:
             candidate = self.candidates[c]
-            chosen[candidate.group] = chosen.get(candidate.group, 0) + 1
             total += self.costs(c, p) - math.log(candidate.choices)
             if "harmonic" in candidate.names and candidate.stands is None:
                 total -= (
@@ -249,6 +244,17 @@ class Space:
                     if candidate.points[p][0] in candidate.natural(candidate.points[p][0])
                     else WHOLE_NUMBER_LOG_ODDS
                 )
+        return total
+
+    def log_places(self, structure: Structure) -> float:
+        """Log prior of which laws are where: ``log B(m + a, n - m + b) - log B(a, n + b)`` for m of n places of a kind.
+
+        It is what is believed of drives beforehand, whatever the data say.
+        """
+        chosen: dict[str, int] = {}
+        for c, _ in structure:
+            chosen[self.candidates[c].group] = chosen.get(self.candidates[c].group, 0) + 1
+        total = 0.0
         for kind, m in chosen.items():
             n, (a, b) = self.places[kind], odds_of(kind)
             total += float(betaln(m + a, n - m + b) - betaln(a, n + b))

@@ -49,7 +49,7 @@ def for_fit(
 
 def error_of(plain: Workspace, residual: Array, seen: Seen) -> Discrepancy:
     """The model error in a residual (rows,), the encoders' offsets that fit it best taken off."""
-    return Discrepancy.of(plain.white(residual), seen)
+    return Discrepancy.of(plain.white(residual), seen, about_mean=True)
 
 
 def tempered(plain: Workspace, error: Discrepancy) -> Workspace:

@@ -16,7 +16,7 @@ from flexdyn.records.units import split_name
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
-HELD = ("tau", "tau_applied")
+HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that are held from each sample to the next (contract, section 4)."""
 FILTER_REACH = 20
 """Samples kept that the filter reaches to either side."""
