@@ -14,10 +14,11 @@ import flexdyn
 
 PACKAGE = Path(flexdyn.__file__).parent
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if "core" not in path.relative_to(PACKAGE).parts[:1])
-HEAVY = ("scipy", "matplotlib", "h5py", "lxml", "yourdfpy", "ruamel", "typer", "rich", "trimesh", "meshcat", "mujoco")
+HEAVY = ("scipy", "matplotlib", "h5py", "lxml", "yourdfpy", "ruamel", "jinja2", "typer", "rich", "trimesh", "mujoco")
 PICTURES_AND_FORMATS = ("plotly", "pyarrow", "rosbags", "xarray", "pandas", "zarr", "dask", "distributed")
 FORMATS = {
     "h5py": "records/hdf5",
+    "jinja2": "io/html.py",
     "lxml": "robot/xmlfile.py",
     "pyarrow": "records/parquet_file.py",
     "rosbags": "records/ros",

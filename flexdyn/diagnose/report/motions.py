@@ -1,12 +1,11 @@
-"""Part of report.html: measured and simulated motion of every joint, over a window that the reader moves."""
+"""The picture of measured and simulated motion of every joint, over a window that the reader moves."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from flexdyn.diagnose.report.html import section, soft
 from flexdyn.diagnose.report.pictures import AFTER, BEFORE, CONFIG, FONT
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.trajectory import MODELS, MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
@@ -29,31 +28,29 @@ CLOCK = 1_000_000
 ROLES = {"test": "test data", "fit": "data of the fit"}
 
 
-def motions(diagnosis: Diagnosis) -> str:
-    """Room for the picture, and what it is moved with."""
+@dataclass(frozen=True)
+class Controls:
+    """What the reader chooses from: values and their texts, and which length is chosen at first."""
+
+    joints: list[tuple[str, str]]
+    spans: list[tuple[str, str]]
+    lengths: list[tuple[str, str]]
+    length: str
+
+
+def controls(diagnosis: Diagnosis) -> Controls:
+    """What the picture is moved with."""
     given = diagnosis.trajectories
-    if not given:
-        return ""
-    spans = {_span(each): _span_text(each) for each in given}
     longest = max(last - first for first, last in map(_reach, given))
-    lengths = [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")]
-    first = f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all"
-    joints = [(name, name) for name in dict.fromkeys(each.joint for each in _ordered(diagnosis))]
-    controls = (
-        f"{_choice('joint', 'Joint', joints, joints[0][0])}{_choice('span', 'Data', list(spans.items()), '')}"
-        f"{_choice('length', 'Window', lengths, first)}"
-        '<label class="slide">from <input id="place" type="range" min="0" max="1000" value="0"'
-        ' aria-label="Start of the window"> <span id="shown"></span></label>'
+    # The joint whose torque the given model explains worst is shown first.
+    shares = {joint: entry.torque_share_before for joint, entry in diagnosis.errors.items()}
+    ordered = sorted(given, key=lambda each: -shares.get(each.joint, 0.0))
+    return Controls(
+        [(name, name) for name in dict.fromkeys(each.joint for each in ordered)],
+        list({_span(each): _span_text(each) for each in given}.items()),
+        [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")],
+        f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all",
     )
-    said = (
-        "Positions are simulated without feedback over windows of 0.5 s, each from the state that was measured at its"
-        " start; lines are open where no window was simulated, and where a joint may rest, as friction then holds any"
-        " torque. Torques, smoothed as in the equations: what each model needs for the motion that was"
-        " measured, beside the torque that was recorded. Errors: simulated minus measured, needed minus recorded."
-        " A click on a name in the legend hides its curves."
-    )
-    body = f'<div class="controls">{controls}</div><div id="motion" data-picture></div>{soft(said)}'
-    return section("Measured and simulated motion", body, "motions")
 
 
 def motion_figures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
@@ -136,20 +133,6 @@ def _layout(rows: int) -> dict[str, Any]:
 
 def _axis(row: int) -> str:
     return f"yaxis{row + 1}" if row else "yaxis"
-
-
-def _ordered(diagnosis: Diagnosis) -> list[Trajectory]:
-    """The joint whose torque the given model explains worst is shown first."""
-    shares = {joint: entry.torque_share_before for joint, entry in diagnosis.errors.items()}
-    return sorted(diagnosis.trajectories, key=lambda each: -shares.get(each.joint, 0.0))
-
-
-def _choice(name: str, label: str, entries: Sequence[tuple[str, str]], chosen: str) -> str:
-    options = "".join(
-        f'<option value="{escape(value)}"{" selected" if value == chosen else ""}>{escape(text)}</option>'
-        for value, text in entries
-    )
-    return f'<label>{label} <select id="{name}">{options}</select></label>'
 
 
 def _span(each: Trajectory) -> str:
