@@ -287,6 +287,7 @@ class PositionDependentFriction(JointEffect):
     law = "amplitude*(1 + sin(harmonic*x + phase))*Sgn(u)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
+    periodic = True
     contains = ("coulomb_friction",)
     plainer = ("coulomb_friction",)
 

@@ -123,6 +123,8 @@ class EncoderEccentricity(SensorEffect):
     law = "x + amplitude*sin(harmonic*x + phase)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.002, "harmonic": 1.0, "phase": 0.0}
+    periodic = True
+    position_error = "amplitude"
     natural_size = 0.01
     signals = POSITIONS
 
@@ -149,6 +151,7 @@ class SensorOffset(SensorEffect):
     neutral = {"offset": 0.0}
     shown = {"offset": 0.01}
     natural_size = 0.01
+    position_error = "offset"
 
     offset: float = parameter("unit of the channel")
 

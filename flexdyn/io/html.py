@@ -49,7 +49,7 @@ def page(template: str, title: str, *, scripts: tuple[str, ...], **filled: Any) 
     style = _markup((ROOT / template).with_name("page.css").read_text(encoding="utf-8"))
     texts = [_markup(text) for text in scripts]
     policy = f"{POLICY}; script-src {hashes}"
-    return render(template, title=title, policy=policy, style=style, scripts=texts, **filled)
+    return str(render(template, title=title, policy=policy, style=style, scripts=texts, **filled))
 
 
 def _markup(text: str) -> Markup:
