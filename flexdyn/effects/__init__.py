@@ -34,6 +34,7 @@ from flexdyn.effects.sensor import (
     SensorGain,
     SensorOffset,
     measure,
+    recovered,
 )
 from flexdyn.effects.transmission import (
     Backlash,
@@ -89,6 +90,7 @@ __all__ = [
     "effect_from_dict",
     "measure",
     "parameter",
+    "recovered",
     "registered",
     "unit_for",
 ]

@@ -128,7 +128,7 @@ def _of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect
     def true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
         if isinstance(effect, ChannelLag) and effect.signal == "tau":
             return np.asarray(np.interp(data.t + effect.delay, data.t, seen))
-        return true_channel([effect], seen, data.dt)
+        return true_channel([effect], seen, data)
 
     def error(data: Measured) -> Array:
         seen = data.channel(effect.signal)[:, j]

@@ -17,9 +17,9 @@ from flexdyn import _core
 from flexdyn.analysis.analysed_model import command_delays, without
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
-from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors, undone
+from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.effects import CommandDelay, Effect, MemoryEffect, WarmUpFriction
+from flexdyn.effects import CommandDelay, Effect, MemoryEffect, WarmUpFriction, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.plant import acting_effects, build_plant
@@ -257,7 +257,7 @@ def _torques(model: FlexibleJointModel, windows: Windows, extra: Array | None) -
             if recording.has("tau", joint):
                 columns[:, j] = recording[f"tau.{joint}"]
         for j, each in enumerate(effects):
-            columns[:, j] = undone(each, columns[:, j], recording.t)
+            columns[:, j] = recovered(each, columns[:, j], recording.t)
         tables.append(columns)
     found = []
     reach = math.ceil(np.abs(shifts).max() / windows.period) + 2
