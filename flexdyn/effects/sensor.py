@@ -219,7 +219,8 @@ def measure(effects: Iterable[SensorEffect], x: ArrayLike, t: ArrayLike) -> Arra
 def recovered(effects: Iterable[SensorEffect], reported: ArrayLike, t: ArrayLike) -> Array:
     """The true channel behind a reported one, but for its lag, which is a shift in time: the inverse of `measure`.
 
-    Users' own effects by Newton's method, sample by sample; then offset and gain; eccentricity by fixed-point iteration.
+    Users' own effects by Newton's method, sample by sample; then offset and gain; eccentricity by fixed-point
+    iteration, each round of which gains a factor of amplitude times harmonic, far below 1.
 
     Args:
         effects: on this channel; those that make it late are passed over.
@@ -233,9 +234,7 @@ def recovered(effects: Iterable[SensorEffect], reported: ArrayLike, t: ArrayLike
     x = (x - offset) / (1.0 + gain)
     discs = [effect for effect in acting if isinstance(effect, EncoderEccentricity)]
     seen = x
-    for _ in range(
-        DISC_ROUNDS if discs else 0
-    ):  # amplitude times harmonic is far below 1: each round gains that factor
+    for _ in range(DISC_ROUNDS if discs else 0):
         before, x = x, seen - sum(effect.error(x) for effect in discs)
         if np.abs(x - before).max(initial=0.0) < DISC_ROUNDING:
             break
