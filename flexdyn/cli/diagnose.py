@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from flexdyn.cli import completion
 from flexdyn.cli.failures import ProgramInterrupted
-from flexdyn.cli.options import JsonOption, naming, output_folder, span_of
+from flexdyn.cli.options import JsonOption, ModelArgument, naming, output_folder, output_option, span_of
 from flexdyn.cli.output import note, show, show_json
 from flexdyn.cli.recordings import load_each, parts_of, trimmed
 from flexdyn.cli.target import model_file
@@ -67,12 +66,7 @@ def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
 
 
 def diagnose(
-    model: Annotated[
-        str,
-        typer.Argument(
-            metavar="MODEL", help="A model file, or the name of a shipped model.", autocompletion=completion.models
-        ),
-    ],
+    model: ModelArgument,
     fit: Annotated[
         list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain; a.csv+b.csv: side by side.")
     ],
@@ -126,7 +120,7 @@ def diagnose(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="DIR", help="Folder for report.html, report.json and model.yaml."),
+        output_option("DIR", "Folder for report.html, report.json and model.yaml."),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
