@@ -52,10 +52,7 @@ SYMBOLS = {
 
 def simulate(
     model: ModelArgument,
-    output: Annotated[
-        Path | None,
-        output_option("RUN", f"The run: {', '.join(SUFFIXES)} by its suffix."),
-    ] = None,
+    output: Annotated[Path | None, output_option("RUN", f"The run: {', '.join(SUFFIXES)} by its suffix.")] = None,
     command: Annotated[
         Path | None,
         typer.Option(
@@ -89,8 +86,7 @@ def simulate(
         list[str] | None, typer.Option(metavar="VALUES", help="First rotor velocities, likewise.")
     ] = None,
     limits: Annotated[
-        bool,
-        flag("--limits", "Keep to the URDF's limits: end stops at the ends of range, motors saturate."),
+        bool, flag("--limits", "Keep to the URDF's limits: end stops at the ends of range, motors saturate.")
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
