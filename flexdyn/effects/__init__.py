@@ -14,16 +14,12 @@ from flexdyn.effects.friction import (
     AsymmetricFriction,
     AsymmetricViscousFriction,
     CoulombFriction,
-    DirectionalGearLoss,
-    LoadDependentFriction,
-    PositionDependentFriction,
-    PreslidingFriction,
     QuadraticDrag,
     StribeckFriction,
-    StribeckGearLoss,
     ViscousFriction,
-    WarmUpFriction,
 )
+from flexdyn.effects.friction_of_load import DirectionalGearLoss, LoadDependentFriction, StribeckGearLoss
+from flexdyn.effects.friction_of_state import PositionDependentFriction, PreslidingFriction, WarmUpFriction
 from flexdyn.effects.link import EndStop, JointCoupling, ParallelSpring, Payload, PositionTorque
 from flexdyn.effects.memory import MemoryEffect
 from flexdyn.effects.model_error import ParameterError
