@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from html import escape
 from typing import Any
 
-from flexdyn.diagnose.report.pictures import AFTER, BEFORE, CONFIG, FONT
+from flexdyn.diagnose.report.pictures import AFTER, AXIS, BEFORE, CONFIG, page_layout, titled
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.trajectory import MODELS, MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
-from flexdyn.plots.palette import INK, RULE
+from flexdyn.plots.palette import INK
 
 BETWEEN = "#9CA3AF"
 """Of the calibrated model; page.css has the same."""
@@ -71,7 +70,7 @@ def _figure(trajectory: Trajectory) -> dict[str, Any]:
         columns += [packed(curve.t, CLOCK), *map(packed, (curve.measured, *curve.errors))]
         unit = curve.label[curve.label.find("[") :]
         for row, title in ((2 * k, curve.label), (2 * k + 1, f"error {unit}")):
-            layout[_axis(row)]["title"] = {"text": escape(title, quote=False), "standoff": 6}
+            layout[_axis(row)]["title"] = titled(title)
     return {
         "joint": trajectory.joint,
         "span": _span(trajectory),
@@ -108,19 +107,13 @@ def _lines(curve: MeasuredCurve, row: int, first: int) -> list[dict[str, Any]]:
 
 def _layout(rows: int) -> dict[str, Any]:
     """Axes one below the other: of each pair the upper one is the higher one."""
-    axis = {"gridcolor": RULE, "zeroline": False, "tickfont": {"size": 11}}
+    axis = {**AXIS, "automargin": False}
     heights = [0.28, 0.15] * (rows // 2)
     gap = 0.035
     scale = (1.0 - gap * (rows - 1)) / sum(heights)
-    layout: dict[str, Any] = {
-        "height": 170 * rows,
-        "margin": {"l": 86, "r": 10, "t": 30, "b": 44},
-        "paper_bgcolor": "white",
-        "plot_bgcolor": "white",
-        "font": {"family": FONT, "size": 12, "color": INK},
-        "xaxis": {**axis, "anchor": f"y{rows}", "title": {"text": "t [s]", "standoff": 6}},
+    layout = page_layout(170 * rows, {"l": 86, "r": 10, "t": 30, "b": 44}) | {
+        "xaxis": {**axis, "anchor": f"y{rows}", "title": titled("t [s]")},
         "legend": {"orientation": "h", "x": 0.0, "y": 1.0, "yanchor": "bottom"},
-        "hovermode": "closest",
         "dragmode": "zoom",
     }
     top = 1.0
