@@ -6,6 +6,7 @@ import base64
 import json
 import math
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -86,11 +87,10 @@ def part(diagnosis: Diagnosis, name: str) -> str:
         diagnosis: that it tells of.
         name: of the part.
     """
-    laws = [None for _ in diagnosis.findings]
-    return html.render(f"diagnose/report/{name}.html", **_known(diagnosis, laws))
+    return html.render(f"diagnose/report/{name}.html", **_known(diagnosis, [None] * len(diagnosis.findings)))
 
 
-def _known(diagnosis: Diagnosis, laws: list[str | None]) -> dict[str, Any]:
+def _known(diagnosis: Diagnosis, laws: Sequence[str | None]) -> dict[str, Any]:
     """All that stands in the templates."""
     own = {"CONSIDERED": CONSIDERED, "isfinite": math.isfinite, "isnan": math.isnan, "diagnosis": diagnosis}
     limits = {"CORRELATIONS_OPEN": CORRELATIONS_OPEN, "NOISE_CHANNELS_OPEN": NOISE_CHANNELS_OPEN}
