@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.errors import MissingExtra
+from flexdyn.errors import needed
 from flexdyn.io.files import write_text
 from flexdyn.io.html import render
 from flexdyn.plots.palette import INK, RULE, SOFT
@@ -57,10 +57,8 @@ def draw(picture: Picture) -> Any:
     Raises:
         MissingExtra: plotly is not installed.
     """
-    try:
+    with needed("plotly", "plot"):
         import plotly.graph_objects
-    except ImportError:
-        raise MissingExtra("plotly", "plot") from None
     data: list[dict[str, Any]] = [_sample(key, _legend_name(i)) for i, key in enumerate(picture.keys)]
     layout: dict[str, Any] = {
         "height": round(DOT * picture.height),

@@ -7,8 +7,8 @@ import dataclasses
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.noise import torque_noise
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import Workspace, prepared, weighed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 

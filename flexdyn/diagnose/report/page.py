@@ -16,7 +16,7 @@ from flexdyn.diagnose.report.law import law_picture
 from flexdyn.diagnose.report.motions import motion_figures
 from flexdyn.diagnose.report.pictures import experiment_figure, residual_figure
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.errors import MissingExtra
+from flexdyn.errors import needed
 from flexdyn.io import html
 
 PARTS = (
@@ -60,10 +60,8 @@ def page(diagnosis: Diagnosis) -> str:
     Raises:
         MissingExtra: matplotlib or plotly is not installed.
     """
-    try:
+    with needed("plotly", "plot"):
         from plotly.offline import get_plotlyjs
-    except ImportError:
-        raise MissingExtra("plotly", "plot") from None
     figures = _figures(diagnosis)
     laws = [law_picture(finding.suspect, diagnosis.model) for finding in diagnosis.findings]
     # The script unpacks the library and runs it as an element of its own.
