@@ -8,8 +8,9 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import Workspace, prepared, weighed
+from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 
