@@ -5,7 +5,8 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -124,6 +125,23 @@ class MissingExtra(FlexdynError, ImportError):
     def __reduce__(self) -> tuple[Any, ...]:
         """Two plain strings rebuild it."""
         return (type(self), (self.data["library"], self.data["extra"]))
+
+
+@contextmanager
+def needed(library: str, extra: str) -> Iterator[None]:
+    """Around the imports of an optional library.
+
+    Args:
+        library: its name.
+        extra: that brings it.
+
+    Raises:
+        MissingExtra: it is not installed.
+    """
+    try:
+        yield
+    except ImportError:
+        raise MissingExtra(library, extra) from None
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

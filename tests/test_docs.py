@@ -110,13 +110,29 @@ def test_every_link_leads_to_a_file(path: Path) -> None:
         assert there.exists() or (ROOT / "docs" / "generated") in there.parents, link
 
 
-def test_the_architecture_names_files_that_are_there() -> None:
-    """The table that says where to find things."""
+def rows_of_where_is_what() -> list[list[str]]:
+    """The table of the architecture that says where to find things, cell by cell."""
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    table = text.partition("## Where to find things")[2].partition("\n## ")[0]
-    paths = re.findall(r"`(flexdyn/[\w/.]+)`", table)
-    assert len(paths) >= 7
-    assert [path for path in paths if not (ROOT / path).exists()] == []
+    table = text.partition("## Where is what")[2].partition("\n## ")[0]
+    return [
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in re.findall(r"^\|.*\|$", table, re.MULTILINE)[2:]
+    ]
+
+
+@pytest.mark.parametrize("row", rows_of_where_is_what(), ids=lambda row: row[0])
+def test_the_architecture_says_where_things_are(row: list[str]) -> None:
+    """Every file that the table names is there, and every name beside it: defined in Python, a word in C++."""
+    _, where, names = row
+    files = re.findall(r"`(flexdyn/[\w/.]+)`", where)
+    words = re.findall(r"`(\w+)`", names)
+    assert files
+    assert words
+    for file in files:
+        text = (ROOT / file).read_text(encoding="utf-8")
+        for word in words:
+            defined = rf"^\s*(def|class) {word}\b|^{word}\b.* = " if file.endswith(".py") else rf"\b{word}\b"
+            assert re.search(defined, text, re.MULTILINE), f"{file} does not define {word}"
 
 
 def test_the_readme_stays_short() -> None:

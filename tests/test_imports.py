@@ -15,9 +15,10 @@ import flexdyn
 PACKAGE = Path(flexdyn.__file__).parent
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if "core" not in path.relative_to(PACKAGE).parts[:1])
 HEAVY = ("scipy", "matplotlib", "h5py", "lxml", "yourdfpy", "ruamel", "typer", "rich", "trimesh", "meshcat", "mujoco")
-PICTURES_AND_FORMATS = ("plotly", "pyarrow", "rosbags", "xarray", "pandas", "zarr", "dask", "distributed")
+PICTURES_AND_FORMATS = ("plotly", "jinja2", "pyarrow", "rosbags", "xarray", "pandas", "zarr", "dask", "distributed")
 FORMATS = {
     "h5py": "records/hdf5",
+    "jinja2": "io/html.py",
     "lxml": "robot/xmlfile.py",
     "pyarrow": "records/parquet_file.py",
     "rosbags": "records/ros",

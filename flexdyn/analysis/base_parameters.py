@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from flexdyn.analysis.along import Along, along_recording, along_samples
 from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.regressor import FRICTION, body_numbers, regressor
 from flexdyn.errors import InputError
+from flexdyn.io.locked import Locked
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import OF_LINK, file_numbers
 
@@ -23,7 +23,7 @@ OWN = 1e-7
 
 
 @dataclass(frozen=True)
-class Combination:
+class Combination(Locked):
     """One number that the motion tells: a sum of numbers of the model.
 
     Attributes:
@@ -35,14 +35,6 @@ class Combination:
     terms: Mapping[str, float]
     value: float
     std: float
-
-    def __post_init__(self) -> None:
-        """Lock the mapping."""
-        object.__setattr__(self, "terms", MappingProxyType(dict(self.terms)))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Read-only mappings do not pickle: send a plain one."""
-        return (type(self), (dict(self.terms), self.value, self.std))
 
     def __str__(self) -> str:
         """The sum."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,13 +16,14 @@ from flexdyn.analysis.jacobian import without_resting_friction
 from flexdyn.analysis.pose import Pose, pose, torques
 from flexdyn.analysis.statics import Statics
 from flexdyn.errors import InputError
+from flexdyn.io.locked import Locked
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Equilibrium:
+class Equilibrium(Locked):
     """An arm at rest.
 
     Attributes:
@@ -57,15 +57,6 @@ class Equilibrium:
     friction_link: Array
     friction_motor: Array
     holding: HoldingTorques
-
-    def __post_init__(self) -> None:
-        """Lock every array."""
-        for array in (self.q, self.theta, self.x, self.tau, self.friction_link, self.friction_motor, *self.holding):
-            array.setflags(write=False)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
-        return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
 
     def __repr__(self) -> str:
         """Where it is, in a line."""
@@ -189,7 +180,3 @@ def _held(statics: Statics, guess: Array, tau: Array, mass: Array, size: Array) 
 def _beyond(holding: HoldingTorques, tau: Array) -> Array:
     """How far the torques are outside what friction holds (n,) [N m or N]."""
     return tau - np.clip(tau, holding.lower, holding.upper)
-
-
-def _rebuild(entries: dict[str, Any]) -> Equilibrium:
-    return Equilibrium(**entries)

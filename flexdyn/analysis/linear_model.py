@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.analysis.pose import checked_frequencies
 from flexdyn.errors import InputError
+from flexdyn.io.locked import Locked
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class LinearModel:
+class LinearModel(Locked):
     """An arm near x0, tau0: (x - x0)' = rate0 + A (x - x0) + B (tau - tau0), y - y0 = C (x - x0) + D (tau - tau0).
 
     ``control.ss(lin.A, lin.B, lin.C, lin.D)`` takes it as it is, and so does scipy.signal by `to_scipy`.
@@ -53,15 +54,6 @@ class LinearModel:
     output_names: tuple[str, ...]
     delays: Array
     held: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Lock every array."""
-        for name in ("A", "B", "C", "D", "x0", "tau0", "rate0", "delays"):
-            getattr(self, name).setflags(write=False)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
-        return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
 
     def __repr__(self) -> str:
         """Sizes, and what is held, in a line."""
@@ -103,7 +95,3 @@ class LinearModel:
                 raise InputError(problem, key="frequencies", value=float(f), remedy=remedy) from None
             response[k] = (self.C @ states + self.D) * np.exp(-2j * np.pi * f * self.delays)
         return response
-
-
-def _rebuild(entries: dict[str, Any]) -> LinearModel:
-    return LinearModel(**entries)

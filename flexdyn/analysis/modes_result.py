@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import card, table
 
 Array = NDArray[np.float64]
 MOST_FREQUENCIES = 8
 """Frequencies that the short form lists."""
-_ARRAYS = ("q", "frequencies", "damping_ratios", "link_shapes", "rotor_shapes", "poles", "anti_resonances")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Modes:
+class Modes(Locked):
     """Free small vibrations about a pose at rest, m of them by rising frequency.
 
     Attributes:
@@ -54,15 +54,6 @@ class Modes:
     rotor_shapes: Array
     poles: NDArray[np.complex128]
     anti_resonances: Array
-
-    def __post_init__(self) -> None:
-        """Lock every array."""
-        for name in _ARRAYS:
-            getattr(self, name).setflags(write=False)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
-        return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
 
     def __len__(self) -> int:
         """Number of modes."""
@@ -140,7 +131,3 @@ class Modes:
 
 def _hertz(zeros: Array) -> str:
     return ", ".join(f"{zero:.4g}" for zero in zeros) + " Hz" if len(zeros) else "none"
-
-
-def _rebuild(entries: dict[str, Any]) -> Modes:
-    return Modes(**entries)

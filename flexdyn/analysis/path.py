@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,13 +12,14 @@ from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.eigenmodes import Rotors, check_rotors, modes_at, resting_statics
 from flexdyn.checks import as_numbers
 from flexdyn.errors import InputError
+from flexdyn.io.locked import Locked
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class PathFrequencies:
+class PathFrequencies(Locked):
     """Frequencies along a path, ready to plot: ``plt.plot(found.distance, found.frequencies)``.
 
     Attributes:
@@ -44,15 +45,6 @@ class PathFrequencies:
     frequencies: Array
     damping_ratios: Array
     anti_resonances: Array
-
-    def __post_init__(self) -> None:
-        """Lock every array."""
-        for name in ("q", "distance", "frequencies", "damping_ratios", "anti_resonances"):
-            getattr(self, name).setflags(write=False)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
-        return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
 
     def __repr__(self) -> str:
         """What it holds, in a line."""
@@ -104,7 +96,3 @@ def frequencies_over_path(
         damping_ratios=np.array([each.damping_ratios for each in found]),
         anti_resonances=np.array([each.anti_resonances for each in found]),
     )
-
-
-def _rebuild(entries: dict[str, Any]) -> PathFrequencies:
-    return PathFrequencies(**entries)

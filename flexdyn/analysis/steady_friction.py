@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
-from types import MappingProxyType
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 from flexdyn.analysis.steady_curve import LAWS, SLOWEST_STRIBECK_SHARE, DirectionPoints, FrictionCurve
 from flexdyn.analysis.steady_points import SteadyPoint
 from flexdyn.errors import InputError
+from flexdyn.io.locked import Locked
 
 Array = NDArray[np.float64]
 LEAST_SPEEDS = 8
@@ -27,7 +26,7 @@ PREDICTION_RISE = 4.0
 
 
 @dataclass(frozen=True)
-class LawTrial:
+class LawTrial(Locked):
     """One law beside all others that were named.
 
     Attributes:
@@ -55,16 +54,6 @@ class LawTrial:
     prediction: tuple[float, float]
     check: float
     why: str
-
-    def __post_init__(self) -> None:
-        """Lock the mappings."""
-        for name in ("numbers", "intervals"):
-            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Read-only mappings do not pickle: send a plain one."""
-        values = (getattr(self, entry.name) for entry in fields(self))
-        return (type(self), tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values))
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from flexdyn.batch.chunk import Done, Task
-from flexdyn.errors import FlexdynError, InputError, MissingExtra
+from flexdyn.errors import FlexdynError, InputError, needed
 
 _LOGS = tuple(logging.getLogger(f"distributed.{name}") for name in ("client", "batched"))
 """They print tracebacks when the scheduler goes."""
@@ -210,11 +210,9 @@ def _is_client(where: Any) -> bool:
 
 
 def _connect(where: Any) -> Any:
-    try:
+    with needed("dask.distributed", "batch"):
         import distributed
         from distributed.comm.addressing import resolve_address
-    except ImportError:
-        raise MissingExtra("dask.distributed", "batch") from None
     try:
         if isinstance(where, str):
             resolve_address(where)  # a client that finds it wrong leaves threads behind

@@ -17,7 +17,7 @@ from flexdyn.batch.layout import DONE, NOT_DONE
 from flexdyn.batch.store import open_store
 from flexdyn.batch.study import Study
 from flexdyn.batch.summary import Summary, metric_summary, parameter_summary, reasons_of
-from flexdyn.errors import InputError, MissingExtra, visible
+from flexdyn.errors import InputError, needed, visible
 from flexdyn.io.notebook import Public, card, table
 
 if TYPE_CHECKING:
@@ -224,10 +224,8 @@ class Results(Public):
         return self._opened(None)
 
     def _opened(self, chunks: Any) -> Any:
-        try:
+        with needed("xarray", "batch"):
             import xarray
-        except ImportError:
-            raise MissingExtra("xarray", "batch") from None
         try:
             found = xarray.open_zarr(self.path, chunks=chunks, consolidated=True)
         except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:

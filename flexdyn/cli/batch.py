@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexdyn.cli.batch_report import extracted_lines, summary_parts
-from flexdyn.cli.options import JsonOption, naming, output_file, output_folder
+from flexdyn.cli.options import JsonOption, flag, naming, output_file, output_folder, output_option
 from flexdyn.cli.output import console, note, show, show_json
 from flexdyn.errors import InputError
 from flexdyn.plots.picture import FILES
@@ -28,12 +28,7 @@ def batch(
     target: Annotated[Path, typer.Argument(metavar="STUDY|OUT", help="A study file to run, or the store of one.")],
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT",
-            help="The Zarr store to write; of --summary a picture, of --extract a folder.",
-        ),
+        output_option("OUT", "The Zarr store to write; of --summary a picture, of --extract a folder."),
     ] = None,
     workers: Annotated[
         int | None, typer.Option(metavar="N", help="Threads. Default: the processors this process may use.")
@@ -42,12 +37,8 @@ def batch(
         str | None,
         typer.Option(metavar="ADDRESS", help="The Dask scheduler whose workers do the runs: tcp://host:8786."),
     ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", metavar="", help="Go on with the store: only what is missing is done.")
-    ] = False,
-    summary: Annotated[
-        bool, typer.Option("--summary", metavar="", help="Say what is in a store, finished or not.")
-    ] = False,
+    resume: Annotated[bool, flag("--resume", "Go on with the store: only what is missing is done.")] = False,
+    summary: Annotated[bool, flag("--summary", "Say what is in a store, finished or not.")] = False,
     views: Annotated[
         list[str] | None,
         typer.Option(

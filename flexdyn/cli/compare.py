@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from flexdyn.cli.options import JsonOption, naming, output_file
+from flexdyn.cli.options import JsonOption, naming, output_file, output_option
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.plot import FromOption, MapsOption, ToOption, load_all, window
 from flexdyn.comparison.compare import Comparison
@@ -28,7 +28,7 @@ def compare(
     second: Annotated[Path, typer.Argument(metavar="SECOND", help="The run or recording to compare with FIRST.")],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help=f"A picture: {', '.join(FILES)} by its suffix."),
+        output_option("FILE", f"A picture: {', '.join(FILES)} by its suffix."),
     ] = None,
     start: FromOption = None,
     end: ToOption = None,

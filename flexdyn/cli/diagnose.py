@@ -3,29 +3,61 @@
 from __future__ import annotations
 
 import json
-import shlex
-import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand
 
-from flexdyn.cli import completion
+from flexdyn.cli.diagnose_inputs import (
+    CHECK,
+    EXPLAIN,
+    block_of,
+    check_pictures,
+    check_targets,
+    check_twice,
+    named,
+    record_of,
+    report_folder,
+)
 from flexdyn.cli.failures import ProgramInterrupted
-from flexdyn.cli.options import JsonOption, naming, output_folder, span_of
+from flexdyn.cli.options import JsonOption, ModelArgument, naming, output_option
 from flexdyn.cli.output import note, show, show_json
-from flexdyn.cli.recordings import load_each, parts_of, trimmed
+from flexdyn.cli.recordings import load_each, trimmed
 from flexdyn.cli.target import model_file
-from flexdyn.errors import InputError, MissingExtra
 
-if TYPE_CHECKING:
-    from flexdyn.diagnose.report.record import Record
-    from flexdyn.model.flexible_joint_model import FlexibleJointModel
-
-CHECK, EXPLAIN = "--check", "--explain"
+FitArgument = Annotated[
+    list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain; a.csv+b.csv: side by side.")
+]
+CHECK_OPTION = typer.Option(
+    CHECK,
+    metavar="CHECK...",
+    help="Test data, which no decision reads. Default: the last fifth of what moves in every recording of FIT.",
+)
+MAPS_OPTION = typer.Option(
+    "--map",
+    metavar="MAP",
+    help="A channel map (YAML) of every recording; or one for each, in their order, FIT before CHECK.",
+)
+TRIM_OPTION = typer.Option(
+    "--trim", metavar="START:END", help="Use this span of every recording, in s; or one for each, in their order."
+)
+HOLD_OUT_OPTION = typer.Option(
+    "--hold-out",
+    metavar="START:END",
+    help="A block of the recordings of FIT that is kept apart as test data, in s. May be given again.",
+)
+EXPECT_OPTION = typer.Option(
+    "--expect", metavar="EFFECT", help="An effect that the drive is likely to have, by its data sheet."
+)
+EXPLAIN_OPTION = typer.Option(
+    EXPLAIN,
+    metavar="EFFECT@JOINT",
+    help="Say why an effect was named or was not: coulomb_friction@elbow, channel_lag@q.elbow, payload.",
+)
+OUTPUT_OPTION = output_option("DIR", "Folder for report.html, report.json and model.yaml.")
 
 
 class DiagnoseCommand(TyperCommand):
@@ -67,67 +99,15 @@ def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
 
 
 def diagnose(
-    model: Annotated[
-        str,
-        typer.Argument(
-            metavar="MODEL", help="A model file, or the name of a shipped model.", autocompletion=completion.models
-        ),
-    ],
-    fit: Annotated[
-        list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain; a.csv+b.csv: side by side.")
-    ],
-    check: Annotated[
-        list[Path] | None,
-        typer.Option(
-            CHECK,
-            metavar="CHECK...",
-            help="Test data, which no decision reads. Default: the last fifth of what moves in every recording of FIT.",
-        ),
-    ] = None,
-    maps: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--map",
-            metavar="MAP",
-            help="A channel map (YAML) of every recording; or one for each, in their order, FIT before CHECK.",
-        ),
-    ] = None,
-    trim: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--trim",
-            metavar="START:END",
-            help="Use this span of every recording, in s; or one for each, in their order.",
-        ),
-    ] = None,
-    hold_out: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--hold-out",
-            metavar="START:END",
-            help="A block of the recordings of FIT that is kept apart as test data, in s. May be given again.",
-        ),
-    ] = None,
-    expect: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--expect",
-            metavar="EFFECT",
-            help="An effect that the drive is likely to have, by its data sheet.",
-        ),
-    ] = None,
-    explain: Annotated[
-        list[str] | None,
-        typer.Option(
-            EXPLAIN,
-            metavar="EFFECT@JOINT",
-            help="Say why an effect was named or was not: coulomb_friction@elbow, channel_lag@q.elbow, payload.",
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="DIR", help="Folder for report.html, report.json and model.yaml."),
-    ] = None,
+    model: ModelArgument,
+    fit: FitArgument,
+    check: Annotated[list[Path] | None, CHECK_OPTION] = None,
+    maps: Annotated[list[Path] | None, MAPS_OPTION] = None,
+    trim: Annotated[list[str] | None, TRIM_OPTION] = None,
+    hold_out: Annotated[list[str] | None, HOLD_OUT_OPTION] = None,
+    expect: Annotated[list[str] | None, EXPECT_OPTION] = None,
+    explain: Annotated[list[str] | None, EXPLAIN_OPTION] = None,
+    output: Annotated[Path | None, OUTPUT_OPTION] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Find where model and measurement disagree, and name what is missing in the model.
@@ -137,20 +117,20 @@ def diagnose(
     from flexdyn.diagnose.report.result import Interrupted as Partial
 
     checks, targets = check or [], explain or []
-    folder = _folder(output, [Path(model), *fit, *checks])
-    _check_twice(fit, checks)
-    _check_pictures()
+    folder = report_folder(output, [Path(model), *fit, *checks])
+    check_twice(fit, checks)
+    check_pictures()
     arm = model_file(model)
-    _check_targets(model, arm, targets)
-    blocks = [_block(text) for text in hold_out or ()]
+    check_targets(model, arm, targets)
+    blocks = [block_of(text) for text in hold_out or ()]
     loaded = trimmed(load_each([*fit, *checks], maps or ()), trim or ())
     recordings = [loaded[: len(fit)], loaded[len(fit) :]]
     from flexdyn.diagnose import diagnose as run
 
-    done = _record(model, fit, checks, maps or ())
+    done = record_of(model, fit, checks, maps or ())
     try:
         options = {"fit": "FIT", "check": CHECK, "expect": "--expect", "hold_out": "--hold-out"}
-        with naming(options, file=_named(fit), files={}):
+        with naming(options, file=named(fit), files={}):
             diagnosis = run(arm, *recordings, hold_out=blocks, expect=expect or ())
     except Partial as stop:
         if stop.diagnosis is not None:
@@ -167,68 +147,3 @@ def diagnose(
         from flexdyn.cli.diagnosis_text import diagnosis_text
 
         show(*diagnosis_text(diagnosis, folder), *told.values())
-
-
-def _block(text: str) -> tuple[float, float]:
-    """A block that is kept apart: both ends are needed."""
-    first, last = span_of("--hold-out", text)
-    if first is None or last is None:
-        raise InputError("a block has a first and a last time", key="--hold-out", value=text, remedy="give both, in s")
-    return first, last
-
-
-def _record(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequence[Path]) -> Callable[[], Record]:
-    """What is told of the command and its files once it is done; files as they are now, before anything is read."""
-    from flexdyn.diagnose.report.record import File, record
-
-    uses = [(Path(model), "model"), *((path, "fit") for path in fit), *((path, "test") for path in check)]
-    uses += [(each, "channel map") for each in maps]
-    files = [File.of(part, use) for path, use in uses for part in parts_of(path)]
-    return lambda: record(shlex.join(["flexdyn", *sys.argv[1:]]), files)
-
-
-def _check_targets(path: str, model: FlexibleJointModel, targets: Sequence[str]) -> None:
-    """What is to be explained exists, and the model can be diagnosed: better said now than after the work."""
-    from flexdyn.diagnose.decision.refused import check_diagnosable
-    from flexdyn.diagnose.report.targets import check_target
-
-    with naming({}, file=path, files={}):
-        check_diagnosable(model)
-
-    with naming({"explain": EXPLAIN}, file="", files={}):
-        for target in targets:
-            check_target(model, target)
-
-
-def _folder(path: Path | None, inputs: Sequence[Path]) -> Path:
-    """The folder to write to, found fit before any work is done."""
-    if path is None:
-        raise InputError("say where to write", key="--output", remedy="give a folder for the report")
-    output_folder(path)
-    for name in ("model.yaml", "report.json", "report.html"):
-        for given in inputs:
-            if (path / name).exists() and given.exists() and given.samefile(path / name):
-                remedy = "write to another folder"
-                raise InputError("the command reads this file", file=given, key="--output", remedy=remedy)
-    return path
-
-
-def _check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
-    """Data that check an answer may not have given it."""
-    for path in check:
-        if any(path.exists() and other.exists() and path.samefile(other) for other in fit):
-            remedy = "give another recording, or none: then the last fifth of every one is kept for the test"
-            raise InputError("it is one of FIT too", file=path, key=CHECK, remedy=remedy)
-
-
-def _check_pictures() -> None:
-    """What the report is drawn with is there: better said now than after minutes of work."""
-    from importlib.util import find_spec
-
-    for library in ("matplotlib", "plotly"):
-        if find_spec(library) is None:
-            raise MissingExtra(library, "plot")
-
-
-def _named(paths: Sequence[Path]) -> str:
-    return ", ".join(map(str, paths[:3])) + (f" and {len(paths) - 3} more" if len(paths) > 3 else "")

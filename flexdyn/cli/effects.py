@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from flexdyn.cli import completion
-from flexdyn.cli.options import JsonOption, output_file
+from flexdyn.cli.options import JsonOption, output_file, output_option
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.effects import Effect, catalogue
 from flexdyn.effects.catalogue import find_effect
@@ -31,7 +31,7 @@ def effects(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Draw the law of NAME into this .png, .pdf or .svg."),
+        output_option("FILE", "Draw the law of NAME into this .png, .pdf or .svg."),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

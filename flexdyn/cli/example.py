@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from flexdyn.cli import completion
-from flexdyn.cli.options import output_folder
+from flexdyn.cli.options import output_folder, output_option
 from flexdyn.cli.output import show, table
 from flexdyn.errors import InputError, did_you_mean
 
@@ -20,9 +20,7 @@ def example(
             metavar="NAME", help="Which; without a name they are listed.", autocompletion=completion.examples
         ),
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; default: NAME.")
-    ] = None,
+    output: Annotated[Path | None, output_option("DIR", "Folder to write to; default: NAME.")] = None,
 ) -> None:
     """Write an example: a model, logs of a robot with an effect that the model lacks, and commands to find it.
 

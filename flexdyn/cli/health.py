@@ -23,7 +23,19 @@ from flexdyn.simulation import solvers
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.simulate import simulate
 
-LIBRARIES = ("flexdyn", "pin", "numpy", "scipy", "lxml", "yourdfpy", "meshcat", "ruamel.yaml", "typer", "rich")
+LIBRARIES = (
+    "flexdyn",
+    "pin",
+    "numpy",
+    "scipy",
+    "lxml",
+    "yourdfpy",
+    "meshcat",
+    "jinja2",
+    "ruamel.yaml",
+    "typer",
+    "rich",
+)
 EXTRAS: dict[str, tuple[str, tuple[str, ...]]] = {
     "plot": ("pictures and reports", ("matplotlib", "plotly")),
     "hdf5": ("HDF5 and MATLAB v7.3", ("h5py",)),

@@ -12,10 +12,9 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from flexdyn.cli import completion
 from flexdyn.cli import modes as cli_modes
 from flexdyn.cli.motors import motors
-from flexdyn.cli.options import JsonOption, by_joint, naming, output_file
+from flexdyn.cli.options import JsonOption, by_joint, flag, model_argument, naming, output_file, output_option
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.target import Target, find
 from flexdyn.effects import Effect, JointEffect, Payload, unit_for
@@ -41,11 +40,7 @@ DRIVES = {
 def info(
     target: Annotated[
         str,
-        typer.Argument(
-            metavar="ROBOT|MODEL",
-            help="A URDF, a robot's name, a model file or a shipped model's name.",
-            autocompletion=completion.models,
-        ),
+        model_argument("ROBOT|MODEL", "A URDF, a robot's name, a model file or a shipped model's name."),
     ],
     q: Annotated[
         list[str] | None,
@@ -55,9 +50,7 @@ def info(
     ] = None,
     modes: Annotated[
         bool,
-        typer.Option(
-            "--modes", metavar="", help="Eigenfrequencies, damping ratios, shapes and anti-resonances at --q as well."
-        ),
+        flag("--modes", "Eigenfrequencies, damping ratios, shapes and anti-resonances at --q as well."),
     ] = False,
     path: Annotated[
         Path | None,
@@ -65,7 +58,7 @@ def info(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Draw the frequencies over --path: .png, .pdf or .svg."),
+        output_option("FILE", "Draw the frequencies over --path: .png, .pdf or .svg."),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

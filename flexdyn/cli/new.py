@@ -8,10 +8,7 @@ import warnings
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from flexdyn.cli import completion
-from flexdyn.cli.options import output_file
+from flexdyn.cli.options import flag, model_argument, output_file, output_option
 from flexdyn.cli.output import number, show
 from flexdyn.cli.target import MODEL_SUFFIXES
 from flexdyn.effects import JointCoupling, catalogue, unit_for
@@ -33,16 +30,10 @@ _WORDS = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 def new(
     robot: Annotated[
         str,
-        typer.Argument(
-            metavar="ROBOT",
-            help="A URDF, or a robot's name.",
-            autocompletion=completion.models,
-        ),
+        model_argument("ROBOT", "A URDF, or a robot's name."),
     ],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FILE", help="The model file to write, .yaml.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", metavar="", help="Overwrite the file if it is there.")] = False,
+    output: Annotated[Path | None, output_option("FILE", "The model file to write, .yaml.")] = None,
+    force: Annotated[bool, flag("--force", "Overwrite the file if it is there.")] = False,
 ) -> None:
     """Write a commented model file of a robot.
 

@@ -7,13 +7,31 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from flexdyn.cli import completion
 from flexdyn.errors import InputError, did_you_mean
 
-JsonOption = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON; infinite numbers are null.")]
+
+def flag(name: str, help: str) -> Any:
+    """An option without a value."""
+    return typer.Option(name, metavar="", help=help)
+
+
+def output_option(metavar: str, help: str) -> Any:
+    """The option that says where to write."""
+    return typer.Option("--output", "-o", metavar=metavar, help=help)
+
+
+def model_argument(metavar: str, help: str) -> Any:
+    """An argument that the shell completes with the models and robots there are."""
+    return typer.Argument(metavar=metavar, help=help, autocompletion=completion.models)
+
+
+ModelArgument = Annotated[str, model_argument("MODEL", "A model file, or the name of a shipped model.")]
+JsonOption = Annotated[bool, flag("--json", "Print JSON; infinite numbers are null.")]
 MapOption = Annotated[
     Path | None,
     typer.Option("--map", metavar="MAP", help="A channel map (YAML): names, units and clocks of the recording."),

@@ -9,16 +9,14 @@ from typing import Annotated, Any
 
 import typer
 
-from flexdyn.cli.options import JsonOption, output_folder
+from flexdyn.cli.options import JsonOption, output_folder, output_option
 from flexdyn.cli.output import console, number, show, show_json, table
 
 
 def paper(
     output: Annotated[
         Path,
-        typer.Option(
-            "--output", "-o", metavar="DIR", help="Folder for figures, tables and runs; made if it is not there."
-        ),
+        output_option("DIR", "Folder for figures, tables and runs; made if it is not there."),
     ] = Path("flexdyn_paper"),
     diagnose: Annotated[
         bool,

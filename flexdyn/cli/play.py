@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from flexdyn.cli.options import MapOption, decimal, naming, output_file
+from flexdyn.cli.options import MapOption, decimal, flag, naming, output_file
 from flexdyn.cli.output import note, show
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import find
@@ -34,11 +34,7 @@ def play(
     map: MapOption = None,
     rigid: Annotated[
         bool,
-        typer.Option(
-            "--rigid",
-            metavar="",
-            help="In place of OTHER: the same arm without elasticity, replaying the tau of RUN in open loop.",
-        ),
+        flag("--rigid", "In place of OTHER: the same arm without elasticity, replaying the tau of RUN in open loop."),
     ] = False,
     command: Annotated[
         Path | None,
@@ -53,7 +49,7 @@ def play(
     magnify: Annotated[
         str | None, typer.Option(metavar="F", help="Factor of theta - q on the dials. Default: so that it shows well.")
     ] = None,
-    no_open: Annotated[bool, typer.Option("--no-open", metavar="", help="Do not open the browser.")] = False,
+    no_open: Annotated[bool, flag("--no-open", "Do not open the browser.")] = False,
 ) -> None:
     """Play a run in the browser.
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from flexdyn.cli.options import decimal, naming, output_file
+from flexdyn.cli.options import decimal, naming, output_file, output_option
 from flexdyn.cli.output import show
 from flexdyn.cli.recordings import load
 from flexdyn.errors import InputError
@@ -29,7 +29,7 @@ def plot(
     runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Runs or recordings, the measured one first.")],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help=f"The picture: {', '.join(FILES)} by its suffix."),
+        output_option("FILE", f"The picture: {', '.join(FILES)} by its suffix."),
     ] = None,
     views: Annotated[
         list[str] | None,

@@ -12,8 +12,17 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from flexdyn.cli import completion
-from flexdyn.cli.options import JsonOption, MapOption, by_joint, decimal, naming, output_file
+from flexdyn.cli.options import (
+    JsonOption,
+    MapOption,
+    ModelArgument,
+    by_joint,
+    decimal,
+    flag,
+    naming,
+    output_file,
+    output_option,
+)
 from flexdyn.cli.output import console, note, number, show, show_json, table
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
@@ -42,16 +51,8 @@ SYMBOLS = {
 
 
 def simulate(
-    model: Annotated[
-        str,
-        typer.Argument(
-            metavar="MODEL", help="A model file, or the name of a shipped model.", autocompletion=completion.models
-        ),
-    ],
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="RUN", help=f"The run: {', '.join(SUFFIXES)} by its suffix."),
-    ] = None,
+    model: ModelArgument,
+    output: Annotated[Path | None, output_option("RUN", f"The run: {', '.join(SUFFIXES)} by its suffix.")] = None,
     command: Annotated[
         Path | None,
         typer.Option(
@@ -85,10 +86,7 @@ def simulate(
         list[str] | None, typer.Option(metavar="VALUES", help="First rotor velocities, likewise.")
     ] = None,
     limits: Annotated[
-        bool,
-        typer.Option(
-            "--limits", metavar="", help="Keep to the URDF's limits: end stops at the ends of range, motors saturate."
-        ),
+        bool, flag("--limits", "Keep to the URDF's limits: end stops at the ends of range, motors saturate.")
     ] = False,
     as_json: JsonOption = False,
 ) -> None:

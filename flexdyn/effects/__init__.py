@@ -15,16 +15,12 @@ from flexdyn.effects.friction import (
     AsymmetricFriction,
     AsymmetricViscousFriction,
     CoulombFriction,
-    DirectionalGearLoss,
-    LoadDependentFriction,
-    PositionDependentFriction,
-    PreslidingFriction,
     QuadraticDrag,
     StribeckFriction,
-    StribeckGearLoss,
     ViscousFriction,
-    WarmUpFriction,
 )
+from flexdyn.effects.friction_of_load import DirectionalGearLoss, LoadDependentFriction, StribeckGearLoss
+from flexdyn.effects.friction_of_state import PositionDependentFriction, PreslidingFriction, WarmUpFriction
 from flexdyn.effects.link import EndStop, ParallelSpring, Payload, PositionTorque
 from flexdyn.effects.memory import MemoryEffect
 from flexdyn.effects.model_error import ParameterError
@@ -35,6 +31,7 @@ from flexdyn.effects.sensor import (
     SensorGain,
     SensorOffset,
     measure,
+    recovered,
 )
 from flexdyn.effects.transmission import (
     Backlash,
@@ -90,6 +87,7 @@ __all__ = [
     "effect_from_dict",
     "measure",
     "parameter",
+    "recovered",
     "registered",
     "unit_for",
 ]

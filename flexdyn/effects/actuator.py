@@ -67,6 +67,7 @@ class TorqueRipple(JointEffect):
     law = "tau + amplitude*sin(harmonic*theta + phase)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.3, "harmonic": 2.0, "phase": 0.0}
+    periodic = True
     order = 3
 
     amplitude: float = parameter("N m")

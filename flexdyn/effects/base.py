@@ -75,7 +75,8 @@ class Effect:
         no_torque: where the law is no torque over position and velocity: what to use instead.
         shown: parameter values with which the documentation shows it.
         takes_load: its torque depends on what the transmission carries, so that it needs an elastic joint.
-        order: place among the effects on the motor's torque; the least acts first, users' own last.
+        order: place among the effects on the motor's torque, or on the deflection; the least acts first, users' own
+            last.
 
     A diagnosis proposes every class that names `linear` or `grids`.
 
@@ -88,9 +89,12 @@ class Effect:
         plainer: those of them that are the same law without its further numbers: only what these add speaks for it.
         natural_size: prior standard deviation of its size where that has nothing to do with the drive's torque.
         prevalence: how many drives have it. It is weighed against something unknown that looks like it.
-        of_velocity: friction that the velocity alone decides.
+        of_velocity: friction or damping that the velocity alone decides.
         of_recorded_torque: it bends the torque on its way, so that what it does is a matter of the recorded torque;
             what others do is taken of the torque that the model needs, whose noise is less.
+        periodic: it comes again with position, `harmonic` times a turn.
+        position_error: of an effect on positions, the parameter that says how large it is [rad or m].
+        bends_spring: with it, the transmission is no linear spring.
     """
 
     name: ClassVar[str]
@@ -110,6 +114,9 @@ class Effect:
     prevalence: ClassVar[Prevalence] = "seldom"
     of_velocity: ClassVar[bool] = False
     of_recorded_torque: ClassVar[bool] = False
+    periodic: ClassVar[bool] = False
+    position_error: ClassVar[str] = ""
+    bends_spring: ClassVar[bool] = False
 
     def __init_subclass__(cls, abstract: bool = False) -> None:
         """Make the subclass a frozen dataclass and enter it in the catalogue under its name."""

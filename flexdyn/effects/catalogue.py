@@ -8,7 +8,17 @@ from typing import Any
 from flexdyn.effects.base import Effect, registered
 from flexdyn.errors import InputError, did_you_mean
 
-FILES = ("friction", "transmission", "actuator", "link", "coupling", "model_error", "sensor")
+FILES = (
+    "friction",
+    "friction_of_load",
+    "friction_of_state",
+    "transmission",
+    "actuator",
+    "link",
+    "coupling",
+    "model_error",
+    "sensor",
+)
 """Modules of flexdyn's own effects, in the order of the catalogue."""
 
 

@@ -60,10 +60,10 @@ class MemoryEffect(JointEffect, abstract=True):
         pull = np.abs(speed) * z / self.reach if self.reach > 0.0 else speed
         return self._torque_of(z, speed - pull)
 
-    def example_path(self, samples: int = 1201) -> Array:
+    def example_path(self) -> Array:
         """A path that shows the loop: out and back twice, widely and then less so (samples,) [rad or m]."""
         turns = self.reach * np.array([0.0, 4.0, -4.0, 4.0, 2.0, 4.0])
-        return np.interp(np.linspace(0.0, 5.0, samples), np.arange(6.0), turns)
+        return np.interp(np.linspace(0.0, 5.0, 1201), np.arange(6.0), turns)
 
     def _torque_of(self, z: Array, rate: Array) -> Array:
         """Out of the state and its rate z'."""

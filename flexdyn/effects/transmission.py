@@ -6,6 +6,7 @@ Kinematic errors come first, then the dead zone, then every spring law. The damp
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,6 +58,7 @@ class TransmissionDamping(JointEffect):
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 2.0}
     linear = ("coefficient",)
+    of_velocity = True
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
 
@@ -73,6 +75,7 @@ class HardeningSpring(JointEffect):
 
     sides = ("transmission",)
     stage = "spring"
+    bends_spring = True
     law = "cubic*delta^3"
     neutral = {"cubic": 0.0}
     shown = {"cubic": 2.0e8}
@@ -82,11 +85,16 @@ class HardeningSpring(JointEffect):
 
 
 class DeflectionEffect(JointEffect, abstract=True):
-    """An effect that changes the deflection before every spring law sees it."""
+    """An effect that changes the deflection before every spring law sees it.
+
+    Class attributes:
+        of_rotor: what it adds depends on the rotor's position alone, and the true deflection goes in.
+    """
 
     sides = ("transmission",)
     stage = "deflection"
     no_torque = "use deflection(delta, theta)"
+    of_rotor: ClassVar[bool] = False
 
     def deflection(self, delta: ArrayLike, theta: ArrayLike = 0.0) -> Array:
         """The deflection after the law [rad or m].
@@ -99,6 +107,10 @@ class DeflectionEffect(JointEffect, abstract=True):
         delta_, theta_ = (np.array(column, order="C") for column in columns)
         nothing = np.zeros(delta_.shape)
         return self._evaluate(nothing, delta_, nothing, theta_)
+
+    def slope(self, theta: Array) -> Array:
+        """Of what it adds over the rotor's position [1]: by that share more the rotor feels the springs' torque."""
+        return np.zeros_like(theta)
 
 
 class Backlash(DeflectionEffect):
@@ -115,6 +127,7 @@ class Backlash(DeflectionEffect):
     law = "delta -> dead zone of +-half_gap"
     neutral = {"half_gap": 0.0}
     shown = {"half_gap": 0.01}
+    bends_spring = True
 
     half_gap: float = parameter("rad", lower=0.0)
 
@@ -134,6 +147,7 @@ class SpringHysteresis(MemoryEffect):
 
     sides = ("transmission",)
     stage = "spring"
+    bends_spring = True
     law = "stiffness*h, h' = delta' - abs(delta')*h/width"
     neutral = {"stiffness": 0.0}
     shown = {"stiffness": 1000.0, "width": 0.002}
@@ -171,7 +185,15 @@ class KinematicError(DeflectionEffect):
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.002, "harmonic": 2.0, "phase": 0.0}
     natural_size = 0.01
+    order = 0
+    periodic = True
+    position_error = "amplitude"
+    of_rotor = True
 
     amplitude: float = parameter("rad")
     harmonic: float = parameter("1")
     phase: float = parameter("rad")
+
+    def slope(self, theta: Array) -> Array:
+        """See the base class."""
+        return np.asarray(self.amplitude * self.harmonic * np.cos(self.harmonic * theta + self.phase))

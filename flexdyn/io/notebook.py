@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape
 from typing import Any
+
+from flexdyn.io.html import engine
 
 MOST_TABLE_ROWS = 20
 """Rows of a table; further ones are counted."""
-_CELL = 'style="text-align:left;padding:2px 12px 2px 0"'
 
 
 class Public:
@@ -28,21 +28,19 @@ def card(title: str, facts: Mapping[str, Any], *tables: str, notes: Iterable[str
         tables: from `table`.
         notes: sentences.
     """
-    lines = [f"<b>{escape(title)}</b>"]
-    lines += [f"{escape(name)}: {escape(str(value))}" for name, value in facts.items() if value not in ("", None)]
-    below = "".join(f"<div>{escape(str(note))}</div>" for note in notes)
-    return f"<div>{''.join(f'<div>{line}</div>' for line in lines)}{''.join(tables)}{below}</div>"
+    shown = [(name, value) for name, value in facts.items() if value not in ("", None)]
+    return _macro("card", title, shown, tables, notes)
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST_TABLE_ROWS) -> str:
     """An HTML table; of many rows the first `most`."""
-    listed = [tuple(row) for row in rows]
-    head = "".join(f"<th {_CELL}>{escape(text)}</th>" for text in heads)
-    body = "".join(
-        f"<tr>{''.join(f'<td {_CELL}>{escape(_text(cell))}</td>' for cell in row)}</tr>" for row in listed[:most]
-    )
-    more = f"<div>and {len(listed) - most} more</div>" if len(listed) > most else ""
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}" if listed else ""
+    listed = [[_text(cell) for cell in row] for row in rows]
+    return _macro("table", heads, listed[:most], len(listed) - most) if listed else ""
+
+
+def _macro(name: str, *given: Any) -> str:
+    text: str = getattr(engine().get_template("io/notebook.html").module, name)(*given)
+    return text
 
 
 def _text(cell: Any) -> str:

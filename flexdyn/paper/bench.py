@@ -21,7 +21,7 @@ Corners = Sequence[tuple[float, float]]
 
 BENCH_RATE = 1000.0  # Hz, of control and of recordings
 LINK_STEP = 2.0 * np.pi / 2**20  # rad: encoders of 20 bit on the links
-MOTOR_STEP = 2.0 * np.pi / 2**17  # rad: of 17 bit on the motor shafts
+MOTOR_STEP = 2.0 * np.pi / 2**17 / 100.0  # rad: of 17 bit on the motor shafts, behind gears of 100
 TORQUE_NOISE = 0.002  # of the greatest torque, standard deviation
 KP, KD = 2.0, 1.0  # N m/rad, N m s/rad: as stiff as the springs allow
 FILTERED = 1.5e-3  # s, low pass on the differences of the encoders
@@ -99,7 +99,7 @@ class PaperServo:
     def __call__(self, t: float, state: State) -> Array:
         """Torques asked for, held to the next sample (2,) [N m]."""
         k = min(round(t * BENCH_RATE), len(self.wanted) - 2)
-        seen = quantised(state.theta, motor_step())
+        seen = quantised(state.theta, MOTOR_STEP)
         last = seen if self._seen is None else self._seen
         share = 1.0 / (1.0 + FILTERED * BENCH_RATE)
         self._slow = self._slow + share * ((seen - last) * BENCH_RATE - self._slow)
@@ -135,22 +135,15 @@ def torque_of_fig4() -> Samples:
     return Samples([0.0, PULSE, TORQUE_END, BENCH_WATCHED], np.outer(AMPLITUDE * signs, [1.0, 1.0]))
 
 
-def recorded(
-    t: ArrayLike, q: Array, theta: Array, tau: Array, noise: np.random.Generator, name: str = "", gear: float = 100.0
-) -> Recording:
+def recorded(t: ArrayLike, q: Array, theta: Array, tau: Array, noise: np.random.Generator, name: str = "") -> Recording:
     """What encoders and torque sensors write down of both joints (samples, 2) each."""
     channels = {}
     for j, joint in enumerate(("shoulder", "elbow")):
         level = TORQUE_NOISE * float(np.abs(tau[:, j]).max())
         channels[f"q.{joint}"] = quantised(q[:, j], LINK_STEP)
-        channels[f"theta.{joint}"] = quantised(theta[:, j], motor_step(gear))
+        channels[f"theta.{joint}"] = quantised(theta[:, j], MOTOR_STEP)
         channels[f"tau.{joint}"] = tau[:, j] + level * noise.normal(size=len(tau))
     return Recording(np.asarray(t, dtype=float), channels, name=name)
-
-
-def motor_step(gear: float = 100.0) -> float:
-    """One step of the motor encoders, reflected [rad]."""
-    return float(MOTOR_STEP / gear)
 
 
 def quantised(x: Array, step: float) -> Array:

@@ -16,7 +16,7 @@ from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
 from flexdyn.effects import Effect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.paper.bench import LINK_STEP, TORQUE_NOISE, Bench, motor_step
+from flexdyn.paper.bench import LINK_STEP, MOTOR_STEP, TORQUE_NOISE, Bench
 from flexdyn.paper.cases import PaperCases
 from flexdyn.paper.chapter import Chapter, Check, Figure, check
 from flexdyn.paper.hidden_friction_figure import Step, draw
@@ -118,7 +118,7 @@ def sensors_noise(recordings: Sequence[Recording]) -> WindowNoise:
     """
     joints = ("shoulder", "elbow")
     peak = [np.mean([np.abs(each[f"tau.{joint}"]).max() for each in recordings]) for joint in joints]
-    link, motor = (np.full(2, step / np.sqrt(12.0)) for step in (LINK_STEP, motor_step()))
+    link, motor = (np.full(2, step / np.sqrt(12.0)) for step in (LINK_STEP, MOTOR_STEP))
     return WindowNoise(link, motor, TORQUE_NOISE * np.array(peak))
 
 

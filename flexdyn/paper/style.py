@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import MissingExtra
+from flexdyn.errors import needed
 from flexdyn.io.files import replacing
 from flexdyn.paper.cases import TORQUE_END
 from flexdyn.paper.chapter import Figure
@@ -50,11 +50,9 @@ def require_matplotlib() -> Any:
     Raises:
         MissingExtra: it is not installed.
     """
-    try:
+    with needed("matplotlib", "plot"):
         import matplotlib.figure
         import matplotlib.style
-    except ImportError:
-        raise MissingExtra("matplotlib", "plot") from None
     return matplotlib
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.errors import MissingExtra
+from flexdyn.errors import needed
 from flexdyn.io.files import replacing
 from flexdyn.plots.palette import INK, RULE, SOFT
 from flexdyn.plots.panel import Curve, Key, Panel
@@ -56,12 +56,10 @@ def draw(picture: Picture) -> Any:
     Raises:
         MissingExtra: matplotlib is not installed.
     """
-    try:
+    with needed("matplotlib", "plot"):
         import matplotlib
         from matplotlib.figure import Figure
         from matplotlib.text import Text
-    except ImportError:
-        raise MissingExtra("matplotlib", "plot") from None
     with matplotlib.rc_context({**matplotlib.rcParamsDefault, **SETTINGS}):
         figure = Figure(figsize=(picture.width, picture.height), facecolor="white")
         _head(figure, picture)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, MissingExtra
+from flexdyn.errors import InputError, needed
 from flexdyn.io.files import replacing
 
 SUFFIXES = (".png", ".pdf", ".svg")
@@ -37,10 +37,8 @@ def new_figure() -> Any:
     Raises:
         MissingExtra: matplotlib is not installed.
     """
-    try:
+    with needed("matplotlib", "plot"):
         from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingExtra("matplotlib", "plot") from None
     return Figure(figsize=(6.4, 4.4))
 
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from html import escape as html_escape
+from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from flexdyn.errors import MissingExtra
+from flexdyn.errors import needed
 from flexdyn.io.files import write_text
+from flexdyn.io.html import render
 from flexdyn.plots.palette import INK, RULE, SOFT
 from flexdyn.plots.panel import Curve, Key, Panel
 from flexdyn.plots.picture import KEY, Picture
@@ -30,30 +31,8 @@ CONFIG = {
     "plotlyServerURL": "",
 }
 """Of every page and notebook; Plotly's own default has a button that uploads the data."""
-PAGE = """<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src 'unsafe-inline';
- style-src 'unsafe-inline'; img-src data: blob:">
-<title>{title}</title>
-<style>body {{ margin: 0; background: white; }} #picture {{ min-width: {width}px; }}
-@media print {{ .modebar {{ display: none; }} }}</style>
-</head><body>
-{picture}
-<script>{script}</script>
-</body></html>
-"""
-PRINT = """
-// On paper the picture is as wide as the sheet, and on one sheet where it can then still be read (sizes of A4 in px).
-addEventListener("beforeprint", () => {
-  const { width, height } = document.getElementById("picture").getBoundingClientRect();
-  const across = Math.min(1, 690 / width), whole = Math.min(across, 1000 / height);
-  document.body.style.zoom = whole > 0.4 ? whole : across;
-});
-addEventListener("afterprint", () => { document.body.style.zoom = ""; });
-"""
-
 LEGEND = {"xanchor": "left", "yanchor": "top", "bgcolor": "rgba(0,0,0,0)", "borderwidth": 0, "tracegroupgap": 0}
-_escaped = partial(html_escape, quote=False)
+_escaped = partial(escape, quote=False)
 """A text as plotly takes it, which knows no &quot;."""
 
 
@@ -69,8 +48,7 @@ def write_page(picture: Picture, file: Path) -> None:
 
     inner = plotly.io.to_html(figure, config=CONFIG, include_plotlyjs=True, full_html=False, div_id="picture")
     width = int(0.9 * DOT * picture.width)
-    page = PAGE.format(title=html_escape(picture.title), width=width, picture=inner, script=PRINT)
-    write_text(file, page)
+    write_text(file, render("plots/page.html", title=picture.title, width=width, picture=inner))
 
 
 def draw(picture: Picture) -> Any:
@@ -79,10 +57,8 @@ def draw(picture: Picture) -> Any:
     Raises:
         MissingExtra: plotly is not installed.
     """
-    try:
+    with needed("plotly", "plot"):
         import plotly.graph_objects
-    except ImportError:
-        raise MissingExtra("plotly", "plot") from None
     data: list[dict[str, Any]] = [_sample(key, _legend_name(i)) for i, key in enumerate(picture.keys)]
     layout: dict[str, Any] = {
         "height": round(DOT * picture.height),

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexdyn.errors import InputError, MissingExtra
+from flexdyn.errors import InputError, needed
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.table import FloatArray, Table, as_floats
 from flexdyn.records.units import PRISMATIC, SIGNALS
@@ -101,10 +101,8 @@ def table_of(dataset: Any) -> Table:
 
 def library() -> Any:
     """The module xarray."""
-    try:
+    with needed("xarray", "xarray"):
         import xarray
-    except ImportError:
-        raise MissingExtra("xarray", "xarray") from None
     return xarray
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.errors import InputError, MissingExtra
+from flexdyn.errors import InputError, needed
 from flexdyn.records.column_names import split_unit
 from flexdyn.records.meta import as_plain
 from flexdyn.records.table import Table
@@ -26,10 +26,8 @@ def to_frame(rec: Recording) -> Any:
     Raises:
         MissingExtra: pandas is not installed.
     """
-    try:
+    with needed("pandas", "pandas"):
         import pandas
-    except ImportError:
-        raise MissingExtra("pandas", "pandas") from None
     frame = pandas.DataFrame(dict(rec.channels), index=pandas.Index(rec.t, name="t"), copy=True)
     frame.attrs[ATTRIBUTE] = {"name": rec.name, "meta": as_plain(rec.meta)}
     return frame

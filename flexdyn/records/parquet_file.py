@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexdyn.errors import InputError, MissingExtra
+from flexdyn.errors import InputError, needed
 from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.request import Request
@@ -76,11 +76,9 @@ def read(path: Path, request: Request) -> Table:
 
 
 def _library() -> tuple[Any, Any]:
-    try:
+    with needed("pyarrow", "parquet"):
         import pyarrow
         import pyarrow.parquet
-    except ImportError:
-        raise MissingExtra("pyarrow", "parquet") from None
     return pyarrow, pyarrow.parquet
 
 

@@ -38,7 +38,7 @@ class Repair:
         return self.name if self.longest == LONGEST_FILLED_GAP else {self.name: {"longest": self.longest}}
 
 
-def repairs_of(entries: Any, key: str = "repair") -> tuple[Repair, ...]:
+def repairs_of(entries: Any) -> tuple[Repair, ...]:
     """The repairs that a list of names asks for; ``{fill_nan: {longest: 0.5}}`` is a name with its number.
 
     Raises:
@@ -47,8 +47,10 @@ def repairs_of(entries: Any, key: str = "repair") -> tuple[Repair, ...]:
     if isinstance(entries, str | Mapping):
         entries = [entries]
     if not isinstance(entries, Iterable):
-        raise InputError("a list of repairs is needed", key=key, value=entries, remedy=f"known: {', '.join(KNOWN)}")
-    return tuple(_repair(entry, key) for entry in entries)
+        raise InputError(
+            "a list of repairs is needed", key="repair", value=entries, remedy=f"known: {', '.join(KNOWN)}"
+        )
+    return tuple(_repair(entry) for entry in entries)
 
 
 def repaired(table: Table, repairs: Iterable[Repair]) -> Table:
@@ -94,22 +96,22 @@ def repaired(table: Table, repairs: Iterable[Repair]) -> Table:
     return replace(table, columns=dict(columns), meta=meta, rows=rows)
 
 
-def _repair(entry: Any, key: str) -> Repair:
+def _repair(entry: Any) -> Repair:
     name, numbers = entry, None
     if isinstance(entry, Repair):
         return entry
     if isinstance(entry, Mapping) and len(entry) == 1:
         name, numbers = next(iter(entry.items()))
     if not isinstance(name, str) or name not in KNOWN:
-        raise InputError("no such repair", key=key, value=name, remedy=did_you_mean(str(name), KNOWN))
+        raise InputError("no such repair", key="repair", value=name, remedy=did_you_mean(str(name), KNOWN))
     if numbers is None:
         return Repair(name)
     if name != "fill_nan" or not isinstance(numbers, Mapping) or set(numbers) != {"longest"}:
         remedy = "write its name, or {fill_nan: {longest: 0.5}} to fill longer gaps"
-        raise InputError("the repair takes no such number", key=f"{key}.{name}", value=numbers, remedy=remedy)
+        raise InputError("the repair takes no such number", key=f"repair.{name}", value=numbers, remedy=remedy)
     longest = as_number(numbers["longest"])
     if not (math.isfinite(longest) and longest > 0):
-        raise InputError("a time above zero is needed, in s", key=f"{key}.{name}.longest", value=numbers["longest"])
+        raise InputError("a time above zero is needed, in s", key=f"repair.{name}.longest", value=numbers["longest"])
     return Repair(name, longest)
 
 

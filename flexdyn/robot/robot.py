@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -13,12 +13,13 @@ import numpy as np
 import pinocchio as pin
 
 from flexdyn.errors import InputError, did_you_mean, visible
+from flexdyn.io.locked import Locked, locked_copy
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.axes import Axes, with_axes
 from flexdyn.robot.joints import RobotJoint
 from flexdyn.robot.links import Inertial, Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
-from flexdyn.robot.tree import Floats, FramePlacement, Tree, locked, spatial
+from flexdyn.robot.tree import Floats, FramePlacement, Tree, spatial
 
 _ARRAYS = ("lower", "upper", "velocity_limit", "effort_limit", "damping", "friction")
 _FRAME_ORDER = (
@@ -31,7 +32,7 @@ _FRAME_ORDER = (
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Robot(Public):
+class Robot(Locked, Public):
     """An arm of n independent joints, each one number: an unwrapped angle [rad] or a displacement [m].
 
     Made by load_robot. Immutable; its arrays are locked, and it pickles.
@@ -85,14 +86,9 @@ class Robot(Public):
     def __post_init__(self) -> None:
         """Copy and lock arrays and tables."""
         for name in _ARRAYS:
-            object.__setattr__(self, name, locked(getattr(self, name)))
+            object.__setattr__(self, name, locked_copy(getattr(self, name)))
         for name in ("lock", "followers", "coupled_limits"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays and tables are locked again."""
-        values = (getattr(self, entry.name) for entry in fields(self))
-        return (type(self), tuple(_plain(value) for value in values))
 
     def __repr__(self) -> str:
         """Name and joints."""
@@ -322,8 +318,3 @@ class Robot(Public):
         mounted = [entry for entry in self._model.frames if entry.parentJoint == joint + 1]
         bodies = [entry.name for entry in mounted if entry.type == pin.FrameType.BODY]
         return str(bodies[-1] if bodies else self._model.names[joint + 1])
-
-
-def _plain(value: Any) -> Any:
-    """Read-only mappings as plain ones, which pickle."""
-    return {key: _plain(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value

@@ -11,17 +11,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from flexdyn.errors import InputError
+from flexdyn.io.locked import Locked, locked_copy
 from flexdyn.robot.mimic import Mimic
 from flexdyn.robot.motion import motion_of
 
 Floats = NDArray[np.float64]
-
-
-def locked(values: Any, dtype: Any = np.float64) -> NDArray[Any]:
-    """A copy of an array that nobody can write to."""
-    array = np.array(values, dtype=dtype, order="C")
-    array.setflags(write=False)
-    return array
 
 
 def spatial(mass: float, com: Floats, inertia: Floats) -> pin.Inertia:
@@ -32,7 +26,7 @@ def spatial(mass: float, com: Floats, inertia: Floats) -> pin.Inertia:
 
 
 @dataclass(frozen=True, eq=False)
-class FramePlacement:
+class FramePlacement(Locked):
     """A frame rigidly attached to a joint.
 
     Attributes:
@@ -49,16 +43,12 @@ class FramePlacement:
 
     def __post_init__(self) -> None:
         """Copy and lock the arrays."""
-        object.__setattr__(self, "rotation", locked(self.rotation))
-        object.__setattr__(self, "translation", locked(self.translation))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
-        return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
+        object.__setattr__(self, "rotation", locked_copy(self.rotation))
+        object.__setattr__(self, "translation", locked_copy(self.translation))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Tree:
+class Tree(Locked):
     """m one-number joints, each with the body it moves, and how the n independent ones drive them.
 
     q_tree = gain q + offset, v_tree = gain v. Joints stand after their parents.
@@ -93,12 +83,8 @@ class Tree:
         """Copy and lock the arrays."""
         kinds = {"parent": np.int32, "prismatic": np.bool_}
         for field in fields(self):
-            value = locked(getattr(self, field.name), kinds.get(field.name, np.float64))
+            value = locked_copy(getattr(self, field.name), kinds.get(field.name, np.float64))
             object.__setattr__(self, field.name, value)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
-        return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
 
     def __repr__(self) -> str:
         """How many joints there are, in a line."""

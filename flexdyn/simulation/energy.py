@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from types import MappingProxyType
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import Public
 
 Array = NDArray[np.float64]
@@ -25,7 +24,7 @@ class EnergyWarning(UserWarning):
 
 
 @dataclass(frozen=True, repr=False)
-class Energy(Public):
+class Energy(Locked, Public):
     """Where the energy of a motion is and went, sample by sample [J], each (samples,) unless said.
 
     ``mechanical + magnetic - initial = supplied + external - sum of dissipated + residual``.
@@ -66,18 +65,6 @@ class Energy(Public):
         spent = sum(float(each[-1]) for each in self.dissipated.values())
         given = float(self.supplied[-1].sum())
         return f"<Energy: supplied {given:.4g} J, dissipated {spent:.4g} J, {len(self.kinetic)} samples>"
-
-    def __post_init__(self) -> None:
-        """Lock every array."""
-        stored = (self.kinetic, self.spring, self.gravity, self.magnetic)
-        for array in (*stored, self.supplied, self.external, *self.dissipated.values()):
-            array.setflags(write=False)
-        object.__setattr__(self, "dissipated", MappingProxyType(dict(self.dissipated)))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle by its fields, through the constructor: a read-only mapping does not, and locks are lost."""
-        values = [getattr(self, field.name) for field in fields(self)]
-        return (type(self), tuple(dict(value) if isinstance(value, Mapping) else value for value in values))
 
     @property
     def mechanical(self) -> Array:

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from flexdyn.effects import SensorEffect, measure
 from flexdyn.errors import visible
+from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Run(Public):
+class Run(Locked, Public):
     """A simulated motion: locked arrays over a grid of times, one column a joint in the order of q.
 
     Attributes:
@@ -72,17 +72,6 @@ class Run(Public):
     stats: Mapping[str, int] = field(default_factory=dict)
     z: Array
     inputs: Inputs
-
-    def __post_init__(self) -> None:
-        """Lock every array."""
-        for name in ("t", *SIGNALS, "z"):
-            getattr(self, name).setflags(write=False)
-        object.__setattr__(self, "stats", MappingProxyType(dict(self.stats)))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle by its fields: a read-only mapping does not."""
-        names = ("t", *SIGNALS, "z", "model", "solver", "notes", "inputs")
-        return (_rebuild, ({name: getattr(self, name) for name in names} | {"stats": dict(self.stats)},))
 
     def __repr__(self) -> str:
         """What it holds, in a line."""
@@ -237,7 +226,3 @@ class Run(Public):
 
 
 _PRISMATIC_UNITS = {"q": "m", "theta": "m", "v": "m/s", "omega": "m/s", "tau": "N", "tau_applied": "N", "tau_s": "N"}
-
-
-def _rebuild(entries: dict[str, Any]) -> Run:
-    return Run(**entries)

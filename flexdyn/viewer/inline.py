@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from html import escape
+
+from flexdyn.io.html import render
 
 
 @dataclass(frozen=True, repr=False)
@@ -20,8 +21,7 @@ class Inline:
 
     def _repr_html_(self) -> str:
         """The frame, with the page in it."""
-        style = f"width:100%;height:{self.height}px;border:0"
-        return f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{escape(self.text)}"></iframe>'
+        return render("viewer/inline.html", text=self.text, height=self.height)
 
     def __repr__(self) -> str:
         """What it is, where there is no notebook."""

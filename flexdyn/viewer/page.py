@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import base64
 import gzip
-import hashlib
-import html
-import json
-import re
 import struct
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -16,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-HERE = Path(__file__).parent
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'"
+from flexdyn.io import html
 
 
 def page(title: str, about: Mapping[str, Any], commands: Iterable[Mapping[str, Any]]) -> str:
@@ -36,18 +31,8 @@ def page(title: str, about: Mapping[str, Any], commands: Iterable[Mapping[str, A
     # `</script` would end the element; in JavaScript text `<\/script` means the same.
     library = Path(meshcat.viewer_assets_path(), "dist", "main.min.js").read_text(encoding="utf-8")
     library = library.replace("</script", "<\\/script")
-    script = _own("page.js")
-    hashes = " ".join(f"'sha256-{_sha256(text)}'" for text in (library, script))
-    filled = {
-        "POLICY": f"{POLICY}; script-src {hashes}",
-        "TITLE": html.escape(title),
-        "STYLE": _own("page.css"),
-        "ABOUT": _json(about),
-        "SCENE": packed(commands),
-        "MESHCAT": library,
-        "SCRIPT": script,
-    }
-    return re.sub(r"\{\{([A-Z]+)\}\}", lambda hole: filled[hole[1]], _own("page.html"))
+    script = Path(__file__).with_name("page.js").read_text(encoding="utf-8")
+    return html.page("viewer/page.html", title, scripts=(library, script), about=about, scene=packed(commands))
 
 
 def packed(commands: Iterable[Mapping[str, Any]]) -> str:
@@ -64,17 +49,3 @@ def packed(commands: Iterable[Mapping[str, Any]]) -> str:
 def floats(values: NDArray[np.float64]) -> str:
     """Numbers as base64 of little-endian 4-byte floats, row by row."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")
-
-
-def _own(name: str) -> str:
-    return (HERE / name).read_text(encoding="utf-8")
-
-
-def _json(about: Mapping[str, Any]) -> str:
-    """JSON that no HTML parser can take for markup."""
-    text = json.dumps(about, allow_nan=False)
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
-
-
-def _sha256(text: str) -> str:
-    return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +80,7 @@ class Given:
         return column(each.white[:, own], NEGLIGIBLE_SHARE * np.minimum(each.std[own], usual))
 
 
-def column(white: Array, std: Numbers = 0.4, mean: Numbers = 0.0, size: Numbers = 1.0) -> Column:
+def column(white: NDArray[np.floating[Any]], std: Numbers = 0.4, mean: Numbers = 0.0, size: Numbers = 1.0) -> Column:
     """Of rows (rows, width), its numbers free of bounds."""
     width = white.shape[1]
     wide = [np.broadcast_to(np.asarray(each, float), width).copy() for each in (std, mean, size)]
@@ -134,7 +135,7 @@ class Case:
 
     given: tuple[Given, ...]
     always: Column
-    rows: Array
+    rows: NDArray[np.floating[Any]]
     valid: NDArray[np.bool_] = field(default_factory=lambda: np.ones((TIMES, EQUATIONS), bool))
     later: Column | None = None
     factors: dict[FileNumber, float] = field(default_factory=dict)

@@ -7,8 +7,8 @@ import pytest
 
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.drawn import of_equations
-from flexdyn.diagnose.hypothesis.workspace import workspace
 from tests.diagnose.answers import LEVEL, dry_elbow, dry_model, dry_recording
+from tests.diagnose.workspaces import workspace
 
 
 def test_the_law_found_is_drawn_over_what_it_depends_on() -> None:

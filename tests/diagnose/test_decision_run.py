@@ -21,10 +21,10 @@ from flexdyn.diagnose.decision.notes import stopped
 from flexdyn.diagnose.decision.run import STAGES, diagnose
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
-from flexdyn.diagnose.hypothesis.workspace import workspace
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.diagnose.report.verdicts import verdict_sentence
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
+from tests.diagnose.workspaces import workspace
 
 RATE, MASS, LEVEL = 250.0, 2.5, 0.8
 LEVELS = Levels(2e-6, 0.02)

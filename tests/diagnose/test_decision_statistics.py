@@ -13,9 +13,9 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.statistics import CORRELATION_TOLD, statistics
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import workspace
 from tests.diagnose.answers import dry_elbow
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
+from tests.diagnose.workspaces import workspace
 
 
 def test_statistics_are_those_of_the_normal_equations(tmp_path: Path) -> None:

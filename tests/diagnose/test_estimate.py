@@ -17,10 +17,10 @@ from flexdyn.diagnose.hypothesis.estimate import _after, _begun, fit
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import OUT_OF_TOLERANCE_WIDTH, linearised, reached
-from flexdyn.diagnose.hypothesis.workspace import workspace
 from flexdyn.errors import SimulationError
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, Levels
+from tests.diagnose.workspaces import workspace
 from tests.oracles.integrate import held
 
 Array = NDArray[np.float64]

@@ -20,11 +20,11 @@ from flexdyn.diagnose.experiment.reach import Reach
 from flexdyn.diagnose.experiment.rehearsal import RehearsalBench
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.hypothesis.workspace import workspace
 from flexdyn.diagnose.report.result import Experiment, Finding, Suspect
 from flexdyn.errors import SimulationError
 from tests.arms import repickled
 from tests.diagnose.truths import Levels, slider_model, slider_recording
+from tests.diagnose.workspaces import workspace
 
 Array = NDArray[np.float64]
 RATE, MASS, LEVEL, SPEED = 250.0, 2.5, 3.0, 0.2

@@ -52,7 +52,7 @@ def test_every_law_of_the_catalogue_can_stand_in_a_report() -> None:
     model = fd.load_model("scara_two_link")
     drawn = {name: law_picture(_example(kind), model) for name, kind in fd.effects.catalogue().items()}
     assert {name for name, picture in drawn.items() if picture is None} == {"payload", "parameter_error"}
-    assert all(picture is None or picture.startswith("data:image/svg+xml;base64,") for picture in drawn.values())
+    assert all(picture is None or picture.startswith("<svg") for picture in drawn.values())
 
 
 def test_averages_show_a_law_under_noise() -> None:

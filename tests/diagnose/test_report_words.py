@@ -8,7 +8,6 @@ import math
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.report.calibrated import calibration
 from flexdyn.diagnose.report.digits import (
     estimate_text,
     evidence_text,
@@ -20,8 +19,18 @@ from flexdyn.diagnose.report.digits import (
     rounded,
     value_text,
 )
-from flexdyn.diagnose.report.found import finding_article
-from flexdyn.diagnose.report.result import VERDICTS, Calibration, Considered, Finding, Left, Number, Structure, Suspect
+from flexdyn.diagnose.report.page import part
+from flexdyn.diagnose.report.result import (
+    VERDICTS,
+    Calibration,
+    Considered,
+    Diagnosis,
+    Finding,
+    Left,
+    Number,
+    Structure,
+    Suspect,
+)
 from flexdyn.diagnose.report.sentences import (
     error_sentence,
     finding_sentence,
@@ -32,6 +41,17 @@ from flexdyn.diagnose.report.sentences import (
 from flexdyn.diagnose.report.verdicts import verdict_sentence
 from flexdyn.diagnose.report.words import channel_unit, finding_phrase
 from tests.diagnose import report_cases as cases
+
+
+def _part(diagnosis: Diagnosis, name: str) -> str:
+    """A part of the page in one line, without blanks between its elements."""
+    return " ".join(part(diagnosis, name).split()).replace("> <", "><")
+
+
+def _article(diagnosis: Diagnosis, place: int) -> str:
+    """What the page tells of one finding, counted from 1."""
+    return _part(diagnosis, "findings").split("<article")[place]
+
 
 SENTENCES = {
     "explained": "The disagreement has 4 causes; the largest is Stribeck friction or presliding friction on the motor"
@@ -144,23 +164,22 @@ def test_gap_and_errors_are_told_with_their_data() -> None:
 def test_evidence_is_read_off_the_structures() -> None:
     """How many hold it and what the best one without it has; no claim that no other effect does as well."""
     diagnosis = cases.explained()
-    stribeck, _, wrong, _ = diagnosis.findings
-    told = finding_article(diagnosis, 3, wrong)
+    told = _article(diagnosis, 3)
     assert "3 of the 4 ranked structures hold it. The best one without it has nothing instead" in told
     assert "its log evidence is lower by 4.1, its probability 0.03." in told
-    assert "Every one of the 4 ranked structures holds one of these names." in finding_article(diagnosis, 1, stribeck)
+    assert "Every one of the 4 ranked structures holds one of these names." in _article(diagnosis, 1)
     better = (*diagnosis.structures, Structure((cases.COULOMB,), 0.001, -1200.0))
-    told = finding_article(dataclasses.replace(diagnosis, structures=better), 3, wrong)
+    told = _article(dataclasses.replace(diagnosis, structures=better), 3)
     assert "has Coulomb friction on the motor side of elbow instead; its log evidence is higher by 4.2" in told
     assert "No other effect" not in told
-    none = finding_article(dataclasses.replace(diagnosis, structures=()), 3, wrong)
+    none = _article(dataclasses.replace(diagnosis, structures=()), 3)
     assert "ranked structures" not in none
 
 
 def test_a_weak_finding_is_said_to_be_weak() -> None:
     """Below 0.95 it is not established; a gap that grows with it is not a gain."""
     weak = Finding(cases.COULOMB, 0.6, -0.4, -0.031)
-    told = finding_article(dataclasses.replace(cases.unexplained(), findings=(weak,)), 1, weak)
+    told = _article(dataclasses.replace(cases.unexplained(), findings=(weak,)), 1)
     assert "more likely than not, not established: 0.95 is required" in told
     assert "If it alone is left out, the improvement on the test data grows by 3.1 %." in told
     assert "weak evidence against it" in told
@@ -183,7 +202,7 @@ def test_a_title_says_where_each_of_its_names_acts() -> None:
     """Rivals of one place share it; those elsewhere, and wrong numbers, come with a place of their own."""
     here, elsewhere = cases.PRESLIDING, dataclasses.replace(cases.PRESLIDING, joint="shoulder")
     finding = Finding(cases.STRIBECK, 1.0, 1.0, 1.0, (here, elsewhere, cases.WRONG))
-    told = finding_article(cases.no_discrepancy(), 1, finding)
+    told = _article(dataclasses.replace(cases.no_discrepancy(), findings=(finding,)), 1)
     assert "<h3>1. Stribeck friction or presliding friction</h3>" in told
     place = "on the motor side of elbow, or presliding friction on the motor side of shoulder, or a wrong stiffness of"
     assert f"<p>{place} shoulder" in told
@@ -215,8 +234,8 @@ def test_a_number_beyond_its_tolerance_is_not_said_to_be_within() -> None:
     """Where something is left unexplained, it may bend a number of the file farther than its tolerance lets it."""
     bent = (Calibration("elbow", "stiffness", 2.9, 0.2, 0.02), Calibration("elbow", "damping", 1.01, 0.2, 0.02))
     diagnosis = cases.no_discrepancy()
-    assert "They moved by no more than 3" in calibration(diagnosis)
-    told = calibration(dataclasses.replace(diagnosis, calibration=bent))
+    assert "They moved by no more than 3" in _part(diagnosis, "calibration")
+    told = _part(dataclasses.replace(diagnosis, calibration=bent), "calibration")
     assert "1 number moved by more than 3" in told
     assert "They moved by no more" not in told
 
@@ -224,7 +243,7 @@ def test_a_number_beyond_its_tolerance_is_not_said_to_be_within() -> None:
 def test_a_number_that_could_be_anything_is_said_to_be_unknown() -> None:
     """Where its interval is wider than all that its tolerance lets it be, digits would say more than is known."""
     loose = (Calibration("elbow", "stiffness", 1.09, 44.0, 0.03), Calibration("elbow", "damping", 1.01, 0.08, 0.03))
-    told = calibration(dataclasses.replace(cases.no_discrepancy(), calibration=loose))
+    told = _part(dataclasses.replace(cases.no_discrepancy(), calibration=loose), "calibration")
     assert told.count("not held by these data") == 1
     assert "<td>factor 1</td><td>1.010</td><td>0.080</td><td>0.853 to 1.167</td>" in told
 
@@ -239,7 +258,7 @@ def test_a_calibrated_number_stands_beside_what_was_given() -> None:
         Calibration("effects[0]", "stiffness", 0.9, 0.05, 0.1),
         Calibration("link1", "link_mass", 1.05, 0.01, 0.03),
     )
-    told = calibration(dataclasses.replace(cases.no_discrepancy(), calibration=moved, model=model))
+    told = _part(dataclasses.replace(cases.no_discrepancy(), calibration=moved, model=model), "calibration")
     assert "<td>1.5 N m s/rad</td><td>1.530</td><td>0.015</td><td>1.501 to 1.559</td><td>+2 %</td>" in told
     assert "<td>2 N m/rad</td><td>1.80</td><td>0.10</td><td>1.60 to 2.00</td><td>\N{MINUS SIGN}10 %</td>" in told
     assert "<td>factor 1</td><td>1.050</td><td>0.010</td><td>1.030 to 1.070</td><td>+5 %</td>" in told

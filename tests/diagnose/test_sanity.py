@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.sanity import check_recordings
-from flexdyn.diagnose.hypothesis.workspace import workspace
 from tests.arms import SLIDER, slider
 from tests.diagnose.truths import ARM, Levels, two_link_motion, two_link_recording
+from tests.diagnose.workspaces import workspace
 from tests.oracles.integrate import held
 
 Array = NDArray[np.float64]

@@ -13,13 +13,14 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import prepared, workspace
+from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
+from tests.diagnose.workspaces import workspace
 
 RATE, MASS, LEVEL = 500.0, 2.5, 3.0
 LEVELS = Levels(2e-6, 0.02)

@@ -34,7 +34,7 @@ def moved(plant: Plant, corners: tuple[bench.Corners, bench.Corners]) -> Truth:
     """The arm under the bench's control law, as the other simulator has it."""
     wanted = bench.motion(corners)
     forward = bench.feedforward(PaperCases().arm(), wanted)
-    gains = np.full(2, bench.KP), np.full(2, bench.KD), np.full(2, bench.motor_step())
+    gains = np.full(2, bench.KP), np.full(2, bench.KD), np.full(2, bench.MOTOR_STEP)
     return controlled(plant, Control(wanted, forward, *gains, bench.FILTERED))
 
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import flexdyn as fd
-from flexdyn.effects import ChannelLag, EncoderEccentricity, SensorEffect, SensorGain, SensorOffset, measure
+from flexdyn.effects import ChannelLag, EncoderEccentricity, SensorEffect, SensorGain, SensorOffset, measure, recovered
 from tests.arms import unlisted
 from tests.effects.arms import ELASTIC, model_of
 
@@ -76,6 +76,31 @@ def test_a_users_own_sensor_effect_comes_last() -> None:
     """It sees what flexdyn's own make of the channel."""
     own = [Saturation("q.j"), SensorGain("q.j", gain=1.0)]
     np.testing.assert_array_equal(measure(own, X, T), np.clip(X + X, -0.5, 0.5))
+
+
+@unlisted
+class Bent(SensorEffect):
+    """A user's own: a scale that is not even."""
+
+    def error(self, x: Any) -> Any:
+        """Of the third order."""
+        return 0.1 * x**3
+
+
+def test_what_a_sensor_did_is_undone() -> None:
+    """All but the lag: gains and offsets add, discs see one angle, and a user's own law is inverted by itself."""
+    effects: list[SensorEffect] = [
+        SensorOffset("q.j", offset=0.3),
+        Bent("q.j"),
+        SensorGain("q.j", gain=-0.4),
+        EncoderEccentricity("q.j", amplitude=0.02, harmonic=2.0, phase=0.1),
+        SensorGain("q.j", gain=0.1),
+        EncoderEccentricity("q.j", amplitude=0.01, phase=0.7),
+    ]
+    np.testing.assert_allclose(recovered(effects, measure(effects, X, T), T), X, atol=1e-12)
+    late = [*effects, ChannelLag("q.j", delay=0.01)]
+    np.testing.assert_array_equal(recovered(late, X, T), recovered(effects, X, T))
+    np.testing.assert_array_equal(recovered([], X, T), X)
 
 
 EFFECTS: list[SensorEffect] = [

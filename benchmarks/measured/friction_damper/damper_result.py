@@ -19,6 +19,7 @@ class Study:
         mass: of the bench, of all files [kg].
         errors: of the corrected models.
         errors_without: of the same models without the bench's mass.
+        plain_errors: of the axis without friction.
         compared: the corrected models over the tensions.
         records: by file.
         forces: computed by the corrected models over the whole 1 Hz files [N].
@@ -28,6 +29,7 @@ class Study:
     mass: float
     errors: Errors
     errors_without: Errors
+    plain_errors: Errors
     compared: fd.ModelsCompared
     records: Mapping[str, fd.Recording]
     forces: Mapping[str, Array]

@@ -25,7 +25,7 @@ from damper_data import (
     read_records,
     without_bench,
 )
-from damper_page import write_page
+from damper_page import LUGRE, write_page
 from damper_result import Study
 
 import flexdyn as fd
@@ -60,13 +60,15 @@ def study(folder: Path) -> Study:
     records = read_records(folder)
     fast = [f"1Hz_{each}lb" for each in TENSIONS]
     mass = bench_mass(records[name] for name in fast)
-    diagnoses = {name: task(records[name], mass).diagnosis() for name in fast}
+    plain = {name: task(records[name], mass) for name in fast}
+    diagnoses = {name: each.diagnosis() for name, each in plain.items()}
     models = {name: each.model for name, each in diagnoses.items()}
     return Study(
         diagnoses,
         mass,
         errors(models, records, mass),
         errors(models, records, 0.0),
+        errors({name: each.model for name, each in plain.items()}, records, mass),
         fd.compare_models(list(diagnoses.values()), labels=[f"{each} lb" for each in TENSIONS]),
         records,
         {name: computed_force(model, records[name], mass) for name, model in models.items()},

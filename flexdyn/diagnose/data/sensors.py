@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.effects import ChannelLag, EncoderEccentricity, SensorEffect, SensorGain, SensorOffset
+from flexdyn.effects import ChannelLag, SensorEffect, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
-DISC_ROUNDS, DISC_ROUNDING = 20, 1e-15
-"""Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
 SPARE_SAMPLES = 16
 """Samples beyond either end, as many as a spline's coefficients take notice of."""
 
@@ -30,28 +28,16 @@ def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
         if signal in columns:
             j = model.index(joint)
             acting = [e for e in effects if e.channel == channel]
-            columns[signal][:, j] = true_channel(acting, columns[signal][:, j], data.dt)
+            columns[signal][:, j] = true_channel(acting, columns[signal][:, j], data)
     return dataclasses.replace(data, **columns)
 
 
-def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) -> Array:
-    """The channel that these effects make the measured one of; the inverse of `flexdyn.effects.measure`.
-
-    Offset and gain first, then eccentricity by fixed-point iteration, then the lag by cubic interpolation.
-    """
+def true_channel(effects: Iterable[SensorEffect], measured: Array, data: Measured) -> Array:
+    """The channel that these effects make the measured one of; the lag is undone last, by cubic interpolation."""
     effects = list(effects)
-    offset = sum(e.offset for e in effects if isinstance(e, SensorOffset))
-    gain = sum(e.gain for e in effects if isinstance(e, SensorGain))
-    x = (measured - offset) / (1.0 + gain)
-    discs = [e for e in effects if isinstance(e, EncoderEccentricity)]
-    if discs:
-        seen = x
-        for _ in range(DISC_ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
-            before, x = x, seen - sum(e.error(x) for e in discs)
-            if np.abs(x - before).max(initial=0.0) < DISC_ROUNDING:
-                break
+    x = recovered(effects, measured, data.t)
     delay = sum(e.delay for e in effects if isinstance(e, ChannelLag))
-    return advanced(x, delay, dt) if delay else x
+    return advanced(x, delay, data.dt) if delay else x
 
 
 def advanced(x: Array, delay: float, dt: float) -> Array:

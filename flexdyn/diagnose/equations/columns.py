@@ -9,7 +9,6 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channel
 from flexdyn.diagnose.equations.compliance import of_compliance
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.made_up import NOT_PLAIN
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import adds_up, own_torque
 from flexdyn.effects import (
@@ -98,7 +97,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return equations.of_links([LinkSide(model)])[:, 0] / scale
     true, effect = equations.true, on_joint(effect)
     j = true.index(effect.joint)
-    if isinstance(effect, NOT_PLAIN) and equations.made_up[j]:
+    if effect.bends_spring and equations.made_up[j]:
         there = equations.of(equations.model.replace(effects=[*equations.model.effects, effect]))
         return (there.residual - equations.residual) / scale
     if isinstance(effect, JointElasticity):  # to first order
@@ -131,7 +130,7 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         return (of_effect(equations, moved) - of_effect(equations, effect)) / step
     true, effect, moved = equations.true, on_joint(effect), on_joint(moved)
     j = true.index(effect.joint)
-    if isinstance(effect, JointElasticity) or (isinstance(effect, NOT_PLAIN) and equations.made_up[j]):
+    if isinstance(effect, JointElasticity) or (effect.bends_spring and equations.made_up[j]):
         # other rows and positions move with it
         effects = [moved if e == effect else e for e in equations.model.effects]
         return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
@@ -170,7 +169,7 @@ def _of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect
     def true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
         if isinstance(effect, ChannelLag) and effect.signal == "tau":
             return np.asarray(np.interp(data.t + effect.delay, data.t, seen))
-        return true_channel([effect], seen, data.dt)
+        return true_channel([effect], seen, data)
 
     def error(data: Measured) -> Array:
         seen = data.channel(effect.signal)[:, j]

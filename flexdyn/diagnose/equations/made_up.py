@@ -13,8 +13,6 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
-NOT_PLAIN = (Backlash, HardeningSpring, SpringHysteresis)
-"""What makes a transmission another thing than a linear spring."""
 STEEP_SPRING_ROUNDS, STEEP_SPRING_STEP, STEEPEST_SPRING = 8, 1e-4, 10.0
 """Of Newton's method: steps, relative difference for its slopes, and how steep these are at most over the spring's."""
 

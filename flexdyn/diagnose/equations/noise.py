@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise, variances
 from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, Equations
+from flexdyn.records.signals.noise_spectrum import GAUSS
 
 Array = NDArray[np.float64]
 DIFFERENCE = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
 """Coefficients of the sixth difference."""
 ENCODER_NOISE_SHARE = 0.5
 """Share of the residual's noise that encoders may make for the torque's to be told from it."""
-GAUSS = 1.4826
-"""Standard deviation over median absolute deviation of a Gaussian."""
 
 
 def encoder_noise(data: tuple[Measured, ...], signal: str) -> Array:

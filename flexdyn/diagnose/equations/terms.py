@@ -16,7 +16,6 @@ from flexdyn.effects import (
     Effect,
     JointCoupling,
     JointEffect,
-    KinematicError,
     MemoryEffect,
 )
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -51,27 +50,23 @@ def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], mot
     true, theta = motion.delta[:, j], motion.theta[:, j]
     seen, slope = true, np.ones(len(true))
     bent = [e for e in effects if isinstance(e, DeflectionEffect)]
-    for bend in sorted(bent, key=lambda e: not isinstance(e, KinematicError)):
-        if isinstance(bend, KinematicError):
+    for bend in sorted(bent, key=lambda e: e.order):
+        if bend.of_rotor:
             seen = seen + (bend.deflection(true, theta) - true)
-            slope = slope + bend.amplitude * bend.harmonic * np.cos(bend.harmonic * theta + bend.phase)
+            slope = slope + bend.slope(theta)
         else:
             seen = bend.deflection(seen, theta)
     springs = K * seen
     for effect in effects:
         if effect.side == "transmission" and isinstance(effect, MemoryEffect):
             springs = springs + effect.along(seen)
-        elif effect.stage == "spring" and not _is_damping(effect):
+        elif effect.stage == "spring" and not effect.of_velocity:
             springs = springs + torque_of(effect, seen, motion.ddelta[:, j], t=motion.t, tau=motion.tau[:, j])
     dampers = D * motion.ddelta[:, j]
     for effect in effects:
-        if effect.stage == "spring" and _is_damping(effect):
+        if effect.stage == "spring" and effect.of_velocity:
             dampers = dampers + effect.torque(true, motion.ddelta[:, j], t=motion.t)
     return np.stack([springs + dampers, slope * springs + dampers], axis=1)
-
-
-def _is_damping(effect: JointEffect) -> bool:
-    return effect.name == "transmission_damping"
 
 
 def friction_torque(

@@ -20,7 +20,7 @@ from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.suspects import Finding
-from flexdyn.diagnose.report.words import effect_name, suspect_phrase
+from flexdyn.diagnose.report.words import effect_name, is_number, suspect_phrase
 from flexdyn.diagnose.shooting.windows import WindowNoise
 from flexdyn.errors import FlexdynError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -185,8 +185,7 @@ def _chosen(rehearsed: Sequence[Rehearsal]) -> tuple[Rehearsal, int] | None:
 def _names(model: FlexibleJointModel, finding: Finding) -> list[str]:
     """Of the finding and its rivals, with their places where the same effect comes twice."""
     suspects = (finding.suspect, *finding.rivals)
-    wrong = [each.effect == "parameter_error" for each in suspects]
-    plain = [suspect_phrase(model, s) if no else effect_name(s.effect) for s, no in zip(suspects, wrong, strict=True)]
+    plain = [suspect_phrase(model, each) if is_number(each) else effect_name(each.effect) for each in suspects]
     return plain if len(set(plain)) == len(plain) else [suspect_phrase(model, each) for each in suspects]
 
 

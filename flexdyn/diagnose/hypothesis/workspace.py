@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,9 +13,8 @@ from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.mask import sign_mask
-from flexdyn.diagnose.equations.noise import encoder_noise, recorded_torque_noise, torque_noise
+from flexdyn.diagnose.equations.noise import encoder_noise, recorded_torque_noise
 from flexdyn.diagnose.hypothesis import number_columns
-from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.effects import SensorOffset
@@ -54,29 +52,6 @@ class Unweighted:
         numbers = number_columns.of_numbers(equations, list(start.factors))
         offsets = [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
         return cls(equations, numbers, np.stack(offsets, axis=1), channels)
-
-
-def workspace(
-    model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
-) -> tuple[Workspace, Hypothesis, SampleNoise]:
-    """Equations, weights and priors of a model over data; the torque's noise comes from what a first fit leaves.
-
-    Args:
-        model: as it was given.
-        data: to be explained.
-        start: with the effects that were found, where one of them changes which equations there are; None: the model.
-
-    Raises:
-        InputError: no equation says anything at any time.
-    """
-    bare, noise, start = prepared(model, data, start)
-    space = weighed(bare, noise)
-    for _ in range(2):
-        made = fit(start, space, steps=3)
-        left, mask = made.equations.residual, space.whiten.mask
-        noise = dataclasses.replace(noise, tau=torque_noise(made.equations, left, mask, noise))
-        space = weighed(bare, noise, mask)
-    return space, start, noise
 
 
 def prepared(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
-from flexdyn.diagnose.inference.priors import EVERY_DRIVE, EVERY_MOTOR, SMALLEST_TORQUE_SHARE, WAVES
+from flexdyn.diagnose.inference.priors import EVERY_MOTOR, SMALLEST_TORQUE_SHARE
 from flexdyn.effects import Effect, registered
 from flexdyn.model.uncertain_parameters import FileNumber
 
@@ -56,7 +56,7 @@ class Candidate:
     @property
     def group(self) -> str:
         """Kind, by which places are counted; what every motor has is a kind of its own on the motor's side."""
-        plain = self.kind in EVERY_DRIVE and self.place.get("side") == "motor"
+        plain = self.law.prevalence == "everywhere" and self.place.get("side") == "motor"
         return f"{EVERY_MOTOR} {self.kind}" if plain else self.kind
 
     @property
@@ -67,7 +67,7 @@ class Candidate:
     @property
     def names(self) -> tuple[str, ...]:
         """Parameters that the grid is of, as far as they are waves'."""
-        return ("harmonic",) if self.kind in WAVES else ()
+        return ("harmonic",) if self.law.periodic else ()
 
     def natural(self, harmonic: float) -> list[float]:
         """The whole number, and the whole number of motor turns, nearest to a harmonic."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.equations.equations import LINK, SENSOR, Equations
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.autoregression import Autoregression
-from flexdyn.diagnose.inference.priors import WAVES
+from flexdyn.effects import registered
 
 Array = NDArray[np.float64]
 HIGHEST_HARMONIC = 200.0
@@ -101,7 +101,7 @@ def with_harmonics(equations: Equations, known: list[Proposal], runs: NDArray[np
 
 
 def _at(proposal: Proposal, harmonics: Mapping[str, list[float]]) -> Proposal:
-    if proposal.place["effect"] not in WAVES:
+    if not registered()[proposal.place["effect"]].periodic:
         return proposal
     more = {(h,) for h in harmonics.get(proposal.joint, ())}
     return dataclasses.replace(proposal, grid=tuple(sorted({*proposal.grid, *more})))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -20,8 +21,6 @@ from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.inference.priors import (
-    ANGLES,
-    BY_NATURE,
     EFFECT_TORQUE_SHARE,
     FITTED_SIZE_WIDTH,
     FIXED_SIZE_WIDTH,
@@ -176,14 +175,14 @@ class Library:
             least: share of the torque below which an effect is none, whatever the encoders resolve [1].
         """
         share = float(self._size(change[:, None])[0])
-        angle = abs(float(getattr(effect, ANGLES.get(effect.name, ""), np.inf)))
+        angle = abs(float(getattr(effect, effect.position_error or "-", np.inf)))
         place = {key: str(getattr(effect, key)) for key in ("joint", "channel") if hasattr(effect, key)}
         return share, max(least, self._resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
 
     def _resolution(self, place: Mapping[str, str]) -> float:
         """Step of the encoders [rad or m] for effects on positions: what is smaller may be rounding; 0 for others."""
         signal, _, joint = place.get("channel", "").partition(".")
-        if place["effect"] not in ANGLES or signal.startswith("tau"):
+        if not registered()[place["effect"]].position_error or signal.startswith("tau"):
             return 0.0
         j = self.equations.true.index(place.get("joint") or joint)
         return float(np.sqrt(12.0) * max(self.noise.q[j], self.noise.theta[j]))
@@ -315,5 +314,7 @@ def _natural(kind: str, of_drive: float) -> float:
 
     Errors of positions are as large as assembly makes them, however stiff the spring is on which they pull.
     """
-    natural = registered()[kind].natural_size
-    return natural if kind in BY_NATURE else min(of_drive, natural)
+    law = registered()[kind]
+    if law.stage in ("sensor", "deflection") and math.isfinite(law.natural_size):
+        return law.natural_size
+    return min(of_drive, law.natural_size)

@@ -8,20 +8,8 @@ FREED_WIDTH = 1.0
 """Prior standard deviation of the factor of a number whose tolerance is wrong [1]."""
 FREED_TOLERANCES = 10.0
 """The same in tolerances, where the tolerance itself is wider than `FREED_WIDTH`."""
-ANGLES = {
-    "kinematic_error": "amplitude",
-    "encoder_eccentricity": "amplitude",
-    "sensor_offset": "offset",
-}
-"""Effects on positions, and the parameter that says how large they are [rad or m]."""
-BY_NATURE = (*ANGLES, "sensor_gain")
-"""Effects whose size has nothing to do with a drive's torque."""
-EVERY_DRIVE = ("viscous_friction", "coulomb_friction")
-"""Friction that every drive has."""
 EVERY_MOTOR = "of every motor:"
 """What the group of a kind begins with that every motor has."""
-WAVES = ("torque_ripple", "kinematic_error", "encoder_eccentricity", "position_dependent_friction")
-"""Effects that come again with position."""
 UNKNOWN_WIDTH = 1e4
 """Prior standard deviation of a parameter of which nothing is known, in units of a hundredth of its value."""
 FITTED_SIZE_WIDTH = 1e-4

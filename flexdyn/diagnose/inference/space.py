@@ -15,9 +15,10 @@ from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior
 from flexdyn.diagnose.inference.library import Library
-from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, EVERY_DRIVE, EVERY_MOTOR
+from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, EVERY_MOTOR
 from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.lazy import lazy
+from flexdyn.effects import Effect, registered
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -287,4 +288,4 @@ def odds_of(group: str) -> tuple[float, float]:
     """Beta prior of the share of places at which effects of a group are."""
     if group.startswith(EVERY_MOTOR):
         return UBIQUITOUS_BETA
-    return PLAIN_BETA if group in EVERY_DRIVE else PLACE_BETA
+    return PLAIN_BETA if registered().get(group, Effect).prevalence == "everywhere" else PLACE_BETA

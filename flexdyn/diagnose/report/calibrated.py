@@ -1,15 +1,13 @@
-"""Part of report.html: numbers of the model that moved within their tolerance."""
+"""Numbers of the model that moved within their tolerance: in their units, and as the page shows them."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from html import escape
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
-from flexdyn.diagnose.report.digits import counted, interval_text, relative, rounded, unit_text, value_text
-from flexdyn.diagnose.report.html import folded, section, soft, table
+from flexdyn.diagnose.report.digits import interval_text, relative, rounded, unit_text, value_text
 from flexdyn.diagnose.report.measures import Calibration
-from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import CONFIDENCE, Number
 from flexdyn.diagnose.report.words import number_phrase
 from flexdyn.effects import unit_for
@@ -33,31 +31,49 @@ UNITS = {
 """Of a joint's numbers, where it turns and where it slides."""
 EDGE = 3.2
 """Half the width of a number's picture, in tolerances."""
-HEADS = ("number", "given", "estimate", "standard error", "95 % interval", "change", "the same in its tolerances")
 
 
-def calibration(diagnosis: Diagnosis) -> str:
-    """All of them, those that moved farthest first."""
-    if not diagnosis.calibration:
-        return ""
-    ordered = sorted(diagnosis.calibration, key=_displacement, reverse=True)
-    rows = [_row(diagnosis, entry) for entry in ordered]
-    shown = table(HEADS, rows[:CALIBRATED_ROWS_OPEN], name="calibration")
-    if rows[CALIBRATED_ROWS_OPEN:]:
-        rest = table(HEADS, rows[CALIBRATED_ROWS_OPEN:], name="calibration")
-        shown += folded(f"{len(rows) - CALIBRATED_ROWS_OPEN} more, which moved less", rest)
-    beyond = sum(_displacement(entry) > LIMIT for entry in ordered)
-    said = f"They moved by no more than {LIMIT:g} of their stated tolerances, so they are no findings."
-    if beyond:
-        said = (
-            f"{counted(beyond, 'number')} moved by more than {LIMIT:g} of the stated tolerances but is no finding:"
-            " what is left unexplained may have changed it."
-        )
-    return section(
-        "Numbers of the model that were calibrated",
-        soft(f"{said} Behind each name: its stated tolerance, one standard deviation.") + shown,
-        "calibration",
-    )
+@dataclass(frozen=True)
+class CalibratedRow:
+    """A row of the table, as it is read."""
+
+    name: str
+    tolerance: str
+    given: str
+    estimate: str
+    std: str
+    interval: str
+    change: str
+    drift: Drift | None
+
+
+@dataclass(frozen=True)
+class Drift:
+    """A number's picture, 200 wide: a dot with its interval on an axis from -3 to 3 tolerances.
+
+    Attributes:
+        centre: the change [tolerances].
+        low: place of the interval's lower end, like the others.
+        middle: of the dot.
+        high: of the upper end.
+        ticks: of the whole tolerances.
+    """
+
+    centre: float
+    low: str
+    middle: str
+    high: str
+    ticks: tuple[str, ...]
+
+
+def farthest_first(entries: Sequence[Calibration]) -> list[Calibration]:
+    """Those that moved farthest first."""
+    return sorted(entries, key=_displacement, reverse=True)
+
+
+def beyond_tolerance(entries: Sequence[Calibration]) -> int:
+    """How many moved farther than a number may that is calibrated."""
+    return sum(_displacement(entry) > LIMIT for entry in entries)
 
 
 def _displacement(entry: Calibration) -> float:
@@ -65,26 +81,29 @@ def _displacement(entry: Calibration) -> float:
     return size if math.isfinite(size) else 0.0
 
 
-def _row(diagnosis: Diagnosis, entry: Calibration) -> list[str]:
-    name = number_phrase(diagnosis.model, entry.of, entry.parameter)
+def calibrated_row(model: FlexibleJointModel, entry: Calibration) -> CalibratedRow:
+    """A number as the page tells it.
+
+    Args:
+        model: corrected.
+        entry: the number.
+    """
     held = entry.tolerance <= 0.0 or entry.std < LIMIT * entry.tolerance
-    value, unit = given_number(diagnosis.model, entry.of, entry.parameter)
-    number = estimate(diagnosis.model, entry)
+    value, unit = given_number(model, entry.of, entry.parameter)
+    number = estimate(model, entry)
     known = held and math.isfinite(number.std)
     absolute = f"{rounded(entry.tolerance * value, 2)} {unit_text(unit)}"
-    width = absolute if entry.is_open else f"{100.0 * entry.tolerance:.3g}\u00a0%"
-    tolerance = f'<span class="soft">{escape(width)}</span>'
     given = f"{value_text(value, 0.0)} {unit_text(unit)}".strip() if unit != FACTOR else "factor 1"
-    given = "not known" if entry.is_open else given
-    return [
-        f"{escape(name)} {tolerance}",
-        escape(given),
-        value_text(number.value, number.std) if known else "not held by these data",
-        value_text(number.std, number.std) if known else "",
-        interval_text(replace(number, unit="1")) if known else "",
-        "" if entry.is_open else relative(entry.factor),
-        _picture(entry),
-    ]
+    return CalibratedRow(
+        name=number_phrase(model, entry.of, entry.parameter),
+        tolerance=absolute if entry.is_open else f"{100.0 * entry.tolerance:.3g}\u00a0%",
+        given="not known" if entry.is_open else given,
+        estimate=value_text(number.value, number.std) if known else "not held by these data",
+        std=value_text(number.std, number.std) if known else "",
+        interval=interval_text(replace(number, unit="1")) if known else "",
+        change="" if entry.is_open else relative(entry.factor),
+        drift=_drift(entry),
+    )
 
 
 def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
@@ -128,23 +147,15 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
     return math.nan, FACTOR
 
 
-def _picture(entry: Calibration) -> str:
-    """A dot with its interval on an axis from -3 to 3 tolerances."""
+def _drift(entry: Calibration) -> Drift | None:
     if not (entry.tolerance > 0.0 and math.isfinite(entry.factor)):
-        return ""
+        return None
     centre = (entry.factor - 1.0) / entry.tolerance
     half = CONFIDENCE * entry.std / entry.tolerance if math.isfinite(entry.std) else 0.0
-    low, middle, high = (
-        100.0 + 100.0 / EDGE * min(max(x, -EDGE), EDGE) for x in (centre - half, centre, centre + half)
-    )
-    ticks = "".join(
-        f'<line x1="{100 + 100 / EDGE * k:.1f}" x2="{100 + 100 / EDGE * k:.1f}" y1="{2 if k == 0 else 6}"'
-        f' y2="{18 if k == 0 else 14}" stroke="#9ca3af"/>'
-        for k in range(-3, 4)
-    )
-    return (
-        f'<svg class="drift" viewBox="0 0 200 20" role="img" aria-label="{centre:+.1f} tolerances">'
-        f'<line x1="2" x2="198" y1="10" y2="10" stroke="#d1d5db"/>{ticks}'
-        f'<line x1="{low:.1f}" x2="{high:.1f}" y1="10" y2="10" stroke="#1f4e9c" stroke-width="3"/>'
-        f'<circle cx="{middle:.1f}" cy="10" r="4.5" fill="#1f4e9c"/></svg>'
-    )
+    ticks = tuple(map(_place, range(-3, 4)))
+    return Drift(centre, _place(centre - half), _place(centre), _place(centre + half), ticks)
+
+
+def _place(tolerances: float) -> str:
+    """Where a change stands in the picture."""
+    return f"{100.0 + 100.0 / EDGE * min(max(tolerances, -EDGE), EDGE):.1f}"

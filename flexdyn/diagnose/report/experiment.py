@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.control.commands import PD
+from flexdyn.io.locked import Locked, locked_copy
 
 
 @dataclass(frozen=True, eq=False)
-class Experiment:
+class Experiment(Locked):
     """A motion that was shown by simulation to tell a finding from its rivals.
 
     Attributes:
@@ -47,13 +47,7 @@ class Experiment:
     def __post_init__(self) -> None:
         """Copy and lock the arrays."""
         for name in ("t", "position", "left", "noise"):
-            column = np.array(getattr(self, name), dtype=float)
-            column.setflags(write=False)
-            object.__setattr__(self, name, column)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
-        return (type(self), tuple(getattr(self, entry.name) for entry in fields(self)))
+            object.__setattr__(self, name, locked_copy(getattr(self, name)))
 
     @property
     def apart(self) -> float:

@@ -11,7 +11,7 @@ from flexdyn.diagnose.report.ranks import ranks
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Suspect
 from flexdyn.diagnose.report.targets import resolved
-from flexdyn.diagnose.report.words import joined, suspect_phrase, title_phrase
+from flexdyn.diagnose.report.words import is_number, joined, suspect_phrase, title_phrase
 
 RANKS_LISTED = 5
 """Ranks of structures that are told one by one."""
@@ -114,7 +114,7 @@ def _own(suspect: Suspect) -> str:
 
 def _calibrated(diagnosis: Diagnosis, suspect: Suspect) -> Calibration | None:
     """The number that it says is wrong, where it moved within its tolerance."""
-    if suspect.effect != "parameter_error":
+    if not is_number(suspect):
         return None
     whose = (suspect.place.get("of"), suspect.place.get("parameter"))
     return next((each for each in diagnosis.calibration if (each.of, each.parameter) == whose), None)

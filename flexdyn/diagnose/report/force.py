@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.report.digits import percent, rounded
-from flexdyn.diagnose.report.html import section, soft, table
+from flexdyn.diagnose.report.digits import percent
 from flexdyn.diagnose.report.measures import JointError, Role
-from flexdyn.diagnose.report.pictures import AFTER, BEFORE, CONFIG, FONT, curve, in_columns
-from flexdyn.plots.palette import INK, RULE
+from flexdyn.diagnose.report.pictures import AFTER, AXIS, BEFORE, CONFIG, curve, in_columns, page_layout, titled
+from flexdyn.plots.palette import INK
 
 if TYPE_CHECKING:
     from flexdyn.diagnose.report.result import Diagnosis
@@ -51,39 +49,20 @@ class ForceLoop:
         return cls(joint, file, role, units, kept)
 
 
-def forces(diagnosis: Diagnosis) -> str:
-    """Errors of the forces, and room for the pictures."""
-    told = {joint: entry for joint, entry in diagnosis.errors.items() if entry.force}
-    if not told:
-        return ""
-    rows = [_row(joint, entry) for joint, entry in told.items()]
-    heads = ("joint", "force error,<br>as given", "calibrated", "corrected", "recorded", "corrected / recorded")
-    said = (
-        "A test rig prescribes the motion of these joints, so no position is simulated. Each model's force is computed"
-        " along the recorded motion, with the states of its laws and of what moves behind a spring, from the start of"
-        " the recording; the error is that force less the recorded one. Root mean squares over all test data, at the"
-        " full rate."
-    )
-    rooms = "".join(
-        f"<figure><h4>{escape(f'{each.joint}, {ROLES[each.role]}: {each.file}')}</h4>"
-        f'<div id="force-{k}" data-picture></div></figure>'
-        for k, each in enumerate(diagnosis.loops)
-    )
-    key = (
-        '<p><i class="key" style="--colour:#111827"></i>recorded &emsp;'
-        '<i class="key" style="--colour:var(--before)"></i>model as given '
-        '&emsp;<i class="key" style="--colour:var(--after)"></i>corrected model</p>'
-    )
-    return section(
-        "Force of the prescribed motion", table(heads, rows, name="forces") + soft(said) + key + rooms, "force"
-    )
+def forced(diagnosis: Diagnosis) -> list[tuple[str, JointError]]:
+    """Joints whose motion a test rig prescribes, with their errors."""
+    return [(joint, entry) for joint, entry in diagnosis.errors.items() if entry.force]
 
 
-def _row(joint: str, entry: JointError) -> list[str]:
-    before, calibrated, after, size = entry.force
-    share = percent(after / size) if size > 0.0 else "-"
-    numbers = (f"{rounded(x)} {escape(entry.torque_unit)}" for x in (before, calibrated, after, size))
-    return [escape(joint), *numbers, share]
+def share_of_force(entry: JointError) -> str:
+    """Force error of the corrected model over the recorded force."""
+    _, _, after, size = entry.force
+    return percent(after / size) if size > 0.0 else "-"
+
+
+def role_of(loop: ForceLoop) -> str:
+    """What its span was used for, in words."""
+    return ROLES[loop.role]
 
 
 def force_figure(loop: ForceLoop) -> dict[str, Any]:
@@ -94,23 +73,11 @@ def force_figure(loop: ForceLoop) -> dict[str, Any]:
     for k, axes in enumerate(({}, {"xaxis": "x2", "yaxis": "y2"})):
         for row, name, colour in ((2, "recorded", INK), (3, "as given", BEFORE), (4, "corrected", AFTER)):
             data.append(curve(loop.columns[k], loop.columns[row], name, colour, lines=True) | axes)
-    axis = {"gridcolor": RULE, "zeroline": False, "automargin": True, "tickfont": {"size": 11}}
-    layout = {
-        "height": 330,
-        "margin": {"l": 62, "r": 10, "t": 8, "b": 44},
-        "paper_bgcolor": "white",
-        "plot_bgcolor": "white",
-        "font": {"family": FONT, "size": 12, "color": INK},
-        "xaxis": {**axis, "domain": [0.0, 0.47], "title": {"text": f"position [{length}]", "standoff": 6}},
-        "xaxis2": {
-            **axis,
-            "domain": [0.53, 1.0],
-            "anchor": "y2",
-            "title": {"text": f"speed [{length}/s]", "standoff": 6},
-        },
-        "yaxis": {**axis, "title": {"text": f"{word} [{unit}]"}},
-        "yaxis2": {**axis, "anchor": "x2", "matches": "y", "showticklabels": False},
+    layout = page_layout(330, {"l": 62, "r": 10, "t": 8, "b": 44}) | {
+        "xaxis": {**AXIS, "domain": [0.0, 0.47], "title": titled(f"position [{length}]")},
+        "xaxis2": {**AXIS, "domain": [0.53, 1.0], "anchor": "y2", "title": titled(f"speed [{length}/s]")},
+        "yaxis": {**AXIS, "title": titled(f"{word} [{unit}]")},
+        "yaxis2": {**AXIS, "anchor": "x2", "matches": "y", "showticklabels": False},
         "showlegend": False,
-        "hovermode": "closest",
     }
     return {**in_columns(data), "layout": layout, "config": CONFIG}

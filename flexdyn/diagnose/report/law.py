@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import dataclasses
 import io
 import re
@@ -35,7 +34,7 @@ def effect_of(suspect: Suspect) -> Effect | None:
 
 
 def law_picture(suspect: Suspect, model: FlexibleJointModel) -> str | None:
-    """The law with its fitted numbers, as the address of an SVG picture that stands in the page itself.
+    """The law with its fitted numbers, as an SVG picture.
 
     None where the effect has no law to draw.
 
@@ -58,7 +57,7 @@ def law_picture(suspect: Suspect, model: FlexibleJointModel) -> str | None:
     # Letters as outlines would take four fifths of the room.
     with matplotlib.rc_context({"svg.hashsalt": "flexdyn", "svg.fonttype": "none", "font.sans-serif": FONTS}):
         figure.savefig(stream, format="svg", metadata={"Date": None}, bbox_inches="tight", pad_inches=0.05)
-    return f"data:image/svg+xml;base64,{base64.b64encode(_short(stream.getvalue().decode()).encode()).decode('ascii')}"
+    return _short(stream.getvalue().decode())
 
 
 def _short(svg: str) -> str:

@@ -1,16 +1,14 @@
-"""Part of report.html: measured and simulated motion of every joint, over a window that the reader moves."""
+"""The picture of measured and simulated motion of every joint, over a window that the reader moves."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from html import escape
+from dataclasses import dataclass
 from typing import Any
 
-from flexdyn.diagnose.report.html import section, soft
-from flexdyn.diagnose.report.pictures import AFTER, BEFORE, CONFIG, FONT
+from flexdyn.diagnose.report.pictures import AFTER, AXIS, BEFORE, CONFIG, page_layout, titled
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.trajectory import MODELS, MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
-from flexdyn.plots.palette import INK, RULE
+from flexdyn.plots.palette import INK
 
 BETWEEN = "#9CA3AF"
 """Of the calibrated model; page.css has the same."""
@@ -29,31 +27,29 @@ CLOCK = 1_000_000
 ROLES = {"test": "test data", "fit": "data of the fit"}
 
 
-def motions(diagnosis: Diagnosis) -> str:
-    """Room for the picture, and what it is moved with."""
+@dataclass(frozen=True)
+class Controls:
+    """What the reader chooses from: values and their texts, and which length is chosen at first."""
+
+    joints: list[tuple[str, str]]
+    spans: list[tuple[str, str]]
+    lengths: list[tuple[str, str]]
+    length: str
+
+
+def controls(diagnosis: Diagnosis) -> Controls:
+    """What the picture is moved with."""
     given = diagnosis.trajectories
-    if not given:
-        return ""
-    spans = {_span(each): _span_text(each) for each in given}
     longest = max(last - first for first, last in map(_reach, given))
-    lengths = [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")]
-    first = f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all"
-    joints = [(name, name) for name in dict.fromkeys(each.joint for each in _ordered(diagnosis))]
-    controls = (
-        f"{_choice('joint', 'Joint', joints, joints[0][0])}{_choice('span', 'Data', list(spans.items()), '')}"
-        f"{_choice('length', 'Window', lengths, first)}"
-        '<label class="slide">from <input id="place" type="range" min="0" max="1000" value="0"'
-        ' aria-label="Start of the window"> <span id="shown"></span></label>'
+    # The joint whose torque the given model explains worst is shown first.
+    shares = {joint: entry.torque_share_before for joint, entry in diagnosis.errors.items()}
+    ordered = sorted(given, key=lambda each: -shares.get(each.joint, 0.0))
+    return Controls(
+        [(name, name) for name in dict.fromkeys(each.joint for each in ordered)],
+        list({_span(each): _span_text(each) for each in given}.items()),
+        [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")],
+        f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all",
     )
-    said = (
-        "Positions are simulated without feedback over windows of 0.5 s, each from the state that was measured at its"
-        " start; lines are open where no window was simulated, and where a joint may rest, as friction then holds any"
-        " torque. Torques, smoothed as in the equations: what each model needs for the motion that was"
-        " measured, beside the torque that was recorded. Errors: simulated minus measured, needed minus recorded."
-        " A click on a name in the legend hides its curves."
-    )
-    body = f'<div class="controls">{controls}</div><div id="motion" data-picture></div>{soft(said)}'
-    return section("Measured and simulated motion", body, "motions")
 
 
 def motion_figures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
@@ -74,7 +70,7 @@ def _figure(trajectory: Trajectory) -> dict[str, Any]:
         columns += [packed(curve.t, CLOCK), *map(packed, (curve.measured, *curve.errors))]
         unit = curve.label[curve.label.find("[") :]
         for row, title in ((2 * k, curve.label), (2 * k + 1, f"error {unit}")):
-            layout[_axis(row)]["title"] = {"text": escape(title, quote=False), "standoff": 6}
+            layout[_axis(row)]["title"] = titled(title)
     return {
         "joint": trajectory.joint,
         "span": _span(trajectory),
@@ -111,19 +107,13 @@ def _lines(curve: MeasuredCurve, row: int, first: int) -> list[dict[str, Any]]:
 
 def _layout(rows: int) -> dict[str, Any]:
     """Axes one below the other: of each pair the upper one is the higher one."""
-    axis = {"gridcolor": RULE, "zeroline": False, "tickfont": {"size": 11}}
+    axis = {**AXIS, "automargin": False}
     heights = [0.28, 0.15] * (rows // 2)
     gap = 0.035
     scale = (1.0 - gap * (rows - 1)) / sum(heights)
-    layout: dict[str, Any] = {
-        "height": 170 * rows,
-        "margin": {"l": 86, "r": 10, "t": 30, "b": 44},
-        "paper_bgcolor": "white",
-        "plot_bgcolor": "white",
-        "font": {"family": FONT, "size": 12, "color": INK},
-        "xaxis": {**axis, "anchor": f"y{rows}", "title": {"text": "t [s]", "standoff": 6}},
+    layout = page_layout(170 * rows, {"l": 86, "r": 10, "t": 30, "b": 44}) | {
+        "xaxis": {**axis, "anchor": f"y{rows}", "title": titled("t [s]")},
         "legend": {"orientation": "h", "x": 0.0, "y": 1.0, "yanchor": "bottom"},
-        "hovermode": "closest",
         "dragmode": "zoom",
     }
     top = 1.0
@@ -136,20 +126,6 @@ def _layout(rows: int) -> dict[str, Any]:
 
 def _axis(row: int) -> str:
     return f"yaxis{row + 1}" if row else "yaxis"
-
-
-def _ordered(diagnosis: Diagnosis) -> list[Trajectory]:
-    """The joint whose torque the given model explains worst is shown first."""
-    shares = {joint: entry.torque_share_before for joint, entry in diagnosis.errors.items()}
-    return sorted(diagnosis.trajectories, key=lambda each: -shares.get(each.joint, 0.0))
-
-
-def _choice(name: str, label: str, entries: Sequence[tuple[str, str]], chosen: str) -> str:
-    options = "".join(
-        f'<option value="{escape(value)}"{" selected" if value == chosen else ""}>{escape(text)}</option>'
-        for value, text in entries
-    )
-    return f'<label>{label} <select id="{name}">{options}</select></label>'
 
 
 def _span(each: Trajectory) -> str:

@@ -3,48 +3,65 @@
 from __future__ import annotations
 
 import base64
-import hashlib
 import json
-import re
+import math
 import zlib
-from html import escape
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from flexdyn.diagnose.report.apart import errors, gap, left, residuals, where
-from flexdyn.diagnose.report.calibrated import calibration
-from flexdyn.diagnose.report.compared import structures
-from flexdyn.diagnose.report.done import data, fit
-from flexdyn.diagnose.report.force import force_figure, forces
-from flexdyn.diagnose.report.found import findings
-from flexdyn.diagnose.report.head import head, tail
-from flexdyn.diagnose.report.material import notes, plans
-from flexdyn.diagnose.report.motions import motion_figures, motions
-from flexdyn.diagnose.report.parted import shares
+from flexdyn.diagnose.report import (
+    apart,
+    calibrated,
+    compared,
+    digits,
+    force,
+    found,
+    motions,
+    sentences,
+    verdicts,
+    words,
+)
+from flexdyn.diagnose.report.document import CONSIDERED
+from flexdyn.diagnose.report.force import force_figure
+from flexdyn.diagnose.report.law import law_picture
+from flexdyn.diagnose.report.motions import motion_figures
 from flexdyn.diagnose.report.pictures import experiment_figure, residual_figure
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.errors import MissingExtra
+from flexdyn.errors import needed
+from flexdyn.io import html
 
-HERE = Path(__file__).parent
 PARTS = (
-    head,
-    gap,
-    errors,
-    forces,
-    motions,
-    findings,
-    shares,
-    residuals,
-    left,
-    where,
-    calibration,
-    fit,
-    structures,
-    notes,
-    plans,
-    data,
-    tail,
+    "head",
+    "gap",
+    "errors",
+    "forces",
+    "motions",
+    "findings",
+    "shares",
+    "residuals",
+    "left",
+    "where",
+    "calibration",
+    "fit",
+    "structures",
+    "notes",
+    "plans",
+    "data",
+    "tail",
 )
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'"
+"""Templates of the page's parts, in their order; each leaves itself out where there is nothing to say."""
+KNOWN = {
+    name: value
+    for module in (apart, calibrated, compared, digits, force, found, motions, sentences, verdicts, words)
+    for name, value in vars(module).items()
+    if not name.startswith("_")
+}
+"""What templates may call: all that these modules offer."""
+CORRELATIONS_OPEN = 10
+"""Correlations that stand open; the others are folded away."""
+NOISE_CHANNELS_OPEN = 4
+"""Channels whose noise is told at once; more are folded away."""
 
 
 def page(diagnosis: Diagnosis) -> str:
@@ -56,37 +73,39 @@ def page(diagnosis: Diagnosis) -> str:
     Raises:
         MissingExtra: matplotlib or plotly is not installed.
     """
-    try:
+    with needed("plotly", "plot"):
         from plotly.offline import get_plotlyjs
-    except ImportError:
-        raise MissingExtra("plotly", "plot") from None
-    content, laws = _without_pictures("\n".join(part(diagnosis) for part in PARTS))
     figures = _figures(diagnosis)
-    library, script = (get_plotlyjs() if figures else ""), _own("page.js")
-    # The script unpacks the library and runs it as an element of its own, whose text must have this hash.
-    hashes = " ".join(f"'sha256-{_sha256(text)}'" for text in (library, script))
+    laws = [law_picture(finding.suspect, diagnosis.model) for finding in diagnosis.findings]
+    # The script unpacks the library and runs it as an element of its own.
+    library, script = (get_plotlyjs() if figures else ""), Path(__file__).with_name("page.js").read_text("utf-8")
     kind = "Interrupted diagnosis" if diagnosis.verdict == "interrupted" else "Diagnosis"
-    filled = {
-        "POLICY": f"{POLICY}; script-src {hashes}",
-        "TITLE": escape(f"{kind} of {diagnosis.model.name}"),
-        "STYLE": _own("page.css"),
-        "CONTENT": content,
-        "FIGURES": _packed(json.dumps({"figures": figures, "laws": laws}, allow_nan=False)),
-        "PLOTLY": _packed(library),
-        "SCRIPT": script,
-    }
-    return re.sub(r"\{\{([A-Z]+)\}\}", lambda hole: filled[hole[1]], _own("page.html"))
+    return html.page(
+        "diagnose/report/page.html",
+        f"{kind} of {diagnosis.model.name}",
+        scripts=(library, script),
+        parts=PARTS,
+        figures=_packed(json.dumps({"figures": figures, "laws": laws}, allow_nan=False)),
+        library=_packed(library),
+        **_known(diagnosis, laws),
+    )
 
 
-def _without_pictures(content: str) -> tuple[str, list[str]]:
-    """The page with places for the pictures of laws, and these as SVG text: packed, they take a tenth of the room."""
-    pictures: list[str] = []
+def part(diagnosis: Diagnosis, name: str) -> str:
+    """One of the `PARTS` of the page.
 
-    def place(found: re.Match[str]) -> str:
-        pictures.append(base64.b64decode(found[1]).decode("utf-8"))
-        return f'data-law="{len(pictures) - 1}"'
+    Args:
+        diagnosis: that it tells of.
+        name: of the part.
+    """
+    return html.render(f"diagnose/report/{name}.html", **_known(diagnosis, [None] * len(diagnosis.findings)))
 
-    return re.sub(r'src="data:image/svg\+xml;base64,([^"]+)"', place, content), pictures
+
+def _known(diagnosis: Diagnosis, laws: Sequence[str | None]) -> dict[str, Any]:
+    """All that stands in the templates."""
+    own = {"CONSIDERED": CONSIDERED, "isfinite": math.isfinite, "isnan": math.isnan, "diagnosis": diagnosis}
+    limits = {"CORRELATIONS_OPEN": CORRELATIONS_OPEN, "NOISE_CHANNELS_OPEN": NOISE_CHANNELS_OPEN}
+    return {**KNOWN, **own, **limits, "model": diagnosis.model, "laws": laws}
 
 
 def _figures(diagnosis: Diagnosis) -> dict[str, object]:
@@ -98,14 +117,6 @@ def _figures(diagnosis: Diagnosis) -> dict[str, object]:
     return traces | {f"plan-{k}": experiment_figure(plan) for k, plan in plans if plan is not None}
 
 
-def _own(name: str) -> str:
-    return (HERE / name).read_text(encoding="utf-8")
-
-
 def _packed(text: str) -> str:
     """Text of a third of the length, in letters that no HTML parser can take for markup."""
     return base64.b64encode(zlib.compress(text.encode(), 9)).decode("ascii")
-
-
-def _sha256(text: str) -> str:
-    return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")

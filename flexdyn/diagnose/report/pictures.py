@@ -26,6 +26,8 @@ CONFIG = {
     "plotlyServerURL": "",
 }
 """Of every picture; its buttons offer to send data to nobody."""
+AXIS = {"gridcolor": RULE, "zeroline": False, "automargin": True, "tickfont": {"size": 11}}
+"""Of every axis."""
 LEVELS = (10_000, 1500)
 """Between zero and the largest, across and up: many for each dot of a picture that is 500 wide and 200 high."""
 
@@ -42,25 +44,29 @@ def residual_figure(trace: ResidualTrace) -> dict[str, Any]:
             data += _stands_out(trace.means[:, 0], trace.means[:, column], f"{name}, averaged", colour)
     if len(trace.law):
         data += _stands_out(trace.law[:, 0], trace.law[:, 1], "the law found", INK)
-    axis = {"gridcolor": RULE, "zeroline": False, "automargin": True, "tickfont": {"size": 11}}
-    layout = {
-        "height": 246,
-        "margin": {"l": 58, "r": 10, "t": 10, "b": 44},
-        "paper_bgcolor": "white",
-        "plot_bgcolor": "white",
-        "font": {"family": FONT, "size": 12, "color": INK},
-        "xaxis": {**axis, "title": {"text": escape(trace.x_label, quote=False), "standoff": 6}},
-        "yaxis": {
-            **axis,
-            "title": {"text": escape(trace.y_label, quote=False), "standoff": 6},
-            "zeroline": True,
-            "zerolinecolor": INK,
-            **_frame(trace),
-        },
+    layout = page_layout(246, {"l": 58, "r": 10, "t": 10, "b": 44}) | {
+        "xaxis": {**AXIS, "title": titled(trace.x_label)},
+        "yaxis": {**AXIS, "title": titled(trace.y_label), "zeroline": True, "zerolinecolor": INK, **_frame(trace)},
         "showlegend": False,
-        "hovermode": "closest",
     }
     return {**in_columns(data), "layout": layout, "config": CONFIG}
+
+
+def page_layout(height: int, margin: dict[str, int]) -> dict[str, Any]:
+    """What the layouts of all pictures of the page share.
+
+    Args:
+        height: of the picture [px].
+        margin: around the axes, by side [px].
+    """
+    font = {"family": FONT, "size": 12, "color": INK}
+    white = {"paper_bgcolor": "white", "plot_bgcolor": "white"}
+    return {"height": height, "margin": margin, **white, "font": font, "hovermode": "closest"}
+
+
+def titled(text: str) -> dict[str, Any]:
+    """Title of an axis; Plotly takes markup."""
+    return {"text": escape(text, quote=False), "standoff": 6}
 
 
 def _frame(trace: ResidualTrace) -> dict[str, Any]:
@@ -104,18 +110,11 @@ def experiment_figure(plan: Experiment) -> dict[str, Any]:
         noise,
         curve(plan.t, plan.left, "left", AFTER, lines=True) | {"yaxis": "y2"},
     ]
-    axis = {"gridcolor": RULE, "zeroline": False, "automargin": True, "tickfont": {"size": 11}}
-    layout = {
-        "height": 430,
-        "margin": {"l": 62, "r": 10, "t": 8, "b": 44},
-        "paper_bgcolor": "white",
-        "plot_bgcolor": "white",
-        "font": {"family": FONT, "size": 12, "color": INK},
-        "xaxis": {**axis, "anchor": "y2", "title": {"text": "t [s]", "standoff": 6}},
-        "yaxis": {**axis, "domain": [0.68, 1.0], "title": {"text": escape(plan.labels[0], quote=False)}},
-        "yaxis2": {**axis, "domain": [0.0, 0.6], "title": {"text": escape(plan.labels[1], quote=False)}},
+    layout = page_layout(430, {"l": 62, "r": 10, "t": 8, "b": 44}) | {
+        "xaxis": {**AXIS, "anchor": "y2", "title": titled("t [s]")},
+        "yaxis": {**AXIS, "domain": [0.68, 1.0], "title": titled(plan.labels[0])},
+        "yaxis2": {**AXIS, "domain": [0.0, 0.6], "title": titled(plan.labels[1])},
         "showlegend": False,
-        "hovermode": "closest",
     }
     return {**in_columns(data), "layout": layout, "config": CONFIG}
 

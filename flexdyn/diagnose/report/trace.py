@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.errors import InputError
+from flexdyn.io.locked import Locked, locked_copy
 
 NARROW = 500
 """Slices of time whose extremes are drawn: such a picture is half as wide as the page."""
 
 
 @dataclass(frozen=True, eq=False)
-class ResidualTrace:
+class ResidualTrace(Locked):
     """What the model leaves unexplained, before and after its correction, over what it may depend on.
 
     Attributes:
@@ -51,21 +51,14 @@ class ResidualTrace:
             InputError: the columns are of different lengths, or x is not finite.
         """
         for name in ("x", "before", "after"):
-            column = np.array(getattr(self, name), dtype=float)
+            column = locked_copy(getattr(self, name))
             if column.ndim != 1 or len(column) != np.size(self.x):
                 raise InputError("columns of one length are needed", key=f"trace.{name}", value=column.shape)
-            column.setflags(write=False)
             object.__setattr__(self, name, column)
         for name in ("means", "law"):
-            table = np.array(getattr(self, name), dtype=float)
-            table.setflags(write=False)
-            object.__setattr__(self, name, table)
+            object.__setattr__(self, name, locked_copy(getattr(self, name)))
         if not np.isfinite(self.x).all():
             raise InputError("finite numbers are needed", key="trace.x", value=self.title)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
-        return (type(self), tuple(getattr(self, entry.name) for entry in fields(self)))
 
     @classmethod
     def thinned(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.diagnose.report.measures import Role
+from flexdyn.io.locked import Locked, locked_copy
 
 Array = NDArray[np.float64]
 MODELS = ("as given", "calibrated", "corrected")
@@ -18,7 +19,7 @@ MOST_TRAJECTORY_POINTS = 6000
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredCurve:
+class MeasuredCurve(Locked):
     """A measured signal and how far each model is off.
 
     Attributes:
@@ -36,13 +37,7 @@ class MeasuredCurve:
     def __post_init__(self) -> None:
         """Copy and lock."""
         for name in ("t", "measured", "errors"):
-            column = np.array(getattr(self, name), dtype=float)
-            column.setflags(write=False)
-            object.__setattr__(self, name, column)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
-        return (type(self), (self.label, self.t, self.measured, self.errors))
+            object.__setattr__(self, name, locked_copy(getattr(self, name)))
 
     def thinned(self, most: int) -> MeasuredCurve:
         """At most so many points: of every slice of time the first one, and the extremes of what is drawn.

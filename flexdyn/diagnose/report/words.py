@@ -6,7 +6,8 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 
-from flexdyn.diagnose.report.digits import probability_text, relative
+from flexdyn.diagnose.report.digits import probability_text, relative, rounded
+from flexdyn.diagnose.report.measures import RecordingSpan
 from flexdyn.diagnose.report.suspects import Finding, Suspect
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -146,6 +147,12 @@ def channel_unit(model: FlexibleJointModel, channel: str) -> str:
     if signal in SIGNALS:
         return SIGNALS[signal].format(model.robot.angle_unit(joint))
     return model.robot.torque_unit(joint) if signal.startswith("tau") else ""
+
+
+def noise_lines(model: FlexibleJointModel, span: RecordingSpan) -> list[str]:
+    """The noise of each channel with its unit."""
+    given = span.noise.items()
+    return [f"{name} {rounded(level, 2)} {channel_unit(model, name)}".strip() for name, level in given]
 
 
 def _is_at(model: FlexibleJointModel, suspect: Suspect, here: str) -> bool:

@@ -14,10 +14,6 @@ from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
 Law = Callable[[Sequence[SensorEffect], Array, Array], Array]
-NEWTON_ROUNDS = 30
-"""Steps of Newton's method, at most."""
-NEWTON_ROUNDING = 1e-14
-"""Share of the largest value below which a step of Newton's method is rounding."""
 
 
 def sensors(model: FlexibleJointModel, channel: str) -> tuple[SensorEffect, ...]:
@@ -70,18 +66,3 @@ def of_windows(law: Law, effects: Sequence[SensorEffect], x: Array, t: Array) ->
     if all(type(effect).measured is SensorEffect.measured for effect in effects):  # every sample by itself
         return law(effects, x.ravel(), t.ravel()).reshape(x.shape)
     return np.stack([law(effects, *each) for each in zip(x, t, strict=True)])
-
-
-def undone(effects: Sequence[SensorEffect], reported: Array, t: Array) -> Array:
-    """The true channel, as far as that can be had: all but the lag, which is a shift in time (see `lag`)."""
-    instant = [effect for effect in effects if not isinstance(effect, ChannelLag)]
-    if not instant:
-        return reported
-    x = reported.copy()
-    for _ in range(NEWTON_ROUNDS):  # Newton's method, sample by sample
-        gain = slope(instant, x, t)
-        step = (reported - measure(instant, x, t)) / np.where(np.abs(gain) > 0.05, gain, 1.0)
-        x = x + step
-        if not np.abs(step).max(initial=0.0) > NEWTON_ROUNDING * np.abs(x).max(initial=0.0):
-            break
-    return x

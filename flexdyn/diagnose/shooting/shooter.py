@@ -15,9 +15,9 @@ from flexdyn import _core
 from flexdyn.analysis.analysed_model import command_delays, without
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
-from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors, undone
+from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.effects import CommandDelay, MemoryEffect
+from flexdyn.effects import CommandDelay, MemoryEffect, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.at_time import at_time, is_timed
 from flexdyn.simulation.inputs_and_signals import SIGNALS
@@ -229,7 +229,7 @@ def _torques(model: FlexibleJointModel, windows: Windows, extra: Array | None) -
             if recording.has("tau", joint):
                 columns[:, j] = recording[f"tau.{joint}"]
         for j, each in enumerate(effects):
-            columns[:, j] = undone(each, columns[:, j], recording.t)
+            columns[:, j] = recovered(each, columns[:, j], recording.t)
         tables.append(columns)
     found = []
     reach = math.ceil(np.abs(shifts).max() / windows.period) + 2

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.analysis.jacobian import dry_velocities
-from flexdyn.diagnose.shooting.sensing import lag, sensors, undone
+from flexdyn.diagnose.shooting.sensing import lag, sensors
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.effects import DeflectionEffect, SpringHysteresis
+from flexdyn.effects import DeflectionEffect, SpringHysteresis, recovered
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -113,7 +113,7 @@ def _around(shooter: Shooter, name: str) -> _Local:
             parts.append(np.tile([0.0, 0.0, 0.0, 0.1, 0.1, 0.0, 0.0], (len(rows), 1)))
             continue
         late = lag(effects)
-        x = undone(effects, np.asarray(recording[name]), recording.t)
+        x = recovered(effects, np.asarray(recording[name]), recording.t)
         parts.append(_cubics(recording.t - late, x, recording.t[rows], rows, noise, windows.period))
     table = np.empty((len(windows), 7))
     table[order] = np.concatenate(parts)
@@ -239,7 +239,7 @@ def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
         if name not in recording:
             return None
         effects = sensors(model, name)
-        x = undone(effects, np.asarray(recording[name]), recording.t)
+        x = recovered(effects, np.asarray(recording[name]), recording.t)
         return np.interp(recording.t, recording.t - lag(effects), x) if lag(effects) else x
 
     q, theta = position("q"), position("theta")

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import MissingExtra
+from flexdyn.errors import MissingExtra, needed
 
 
 def check_library() -> None:
@@ -24,10 +24,8 @@ def check_library() -> None:
 
 def library() -> Any:
     """The module h5py."""
-    try:
+    with needed("h5py", "hdf5"):
         import h5py
-    except ImportError:
-        raise MissingExtra("h5py", "hdf5") from None
     return h5py
 
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexdyn.errors import MissingExtra
+from flexdyn.errors import needed
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table
 
@@ -63,7 +63,5 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
 
 
 def _library() -> None:
-    try:
+    with needed("rosbags", "ros"):
         import rosbags.rosbag2  # noqa: F401
-    except ImportError:
-        raise MissingExtra("rosbags", "ros") from None

@@ -10,6 +10,7 @@ LONGEST_ROS_NAME = 300
 """Characters of the longest name of a topic, type or column."""
 
 _SHOWN = 60
+_LISTED = 8
 
 
 def check_word(name: str, what: str) -> None:
@@ -23,10 +24,10 @@ def check_word(name: str, what: str) -> None:
         raise InputError(problem, value=name[:_SHOWN], remedy="the file is damaged")
 
 
-def listed(names: Iterable[str], most: int = 8) -> str:
+def listed(names: Iterable[str]) -> str:
     """The first of some names, each cut to a length that fits into a line."""
     every = list(names)
-    return ", ".join(name[:_SHOWN] for name in every[:most]) + (", ..." if len(every) > most else "")
+    return ", ".join(name[:_SHOWN] for name in every[:_LISTED]) + (", ..." if len(every) > _LISTED else "")
 
 
 def near(word: str, known: Iterable[str]) -> str:

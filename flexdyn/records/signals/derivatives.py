@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexdyn.errors import InputError
+from flexdyn.io.locked import Locked
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.noise import Noise, estimate_noise
 from flexdyn.records.signals.resample import HELD
@@ -26,7 +26,7 @@ _UNEVEN = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Derivatives:
+class Derivatives(Locked):
     """One recording seen through one filter: every term of an equation of motion smoothed alike.
 
     Attributes:
@@ -44,14 +44,6 @@ class Derivatives:
     recording: Recording
     smoother: Smoother
     noise: Mapping[str, Noise]
-
-    def __post_init__(self) -> None:
-        """Lock the mapping."""
-        object.__setattr__(self, "noise", MappingProxyType(dict(self.noise)))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Read-only mappings do not pickle: send a plain one."""
-        return (type(self), (self.recording, self.smoother, dict(self.noise)))
 
     @property
     def t(self) -> FloatArray:

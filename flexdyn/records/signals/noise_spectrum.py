@@ -15,6 +15,8 @@ Mask = npt.NDArray[np.bool_]
 SEGMENT_LENGTHS = (256, 128, 64, 32, 16)
 _FEWEST_SEGMENTS = 24
 _CLIP = 4.0
+GAUSS = 1.4826
+"""Standard deviation over median absolute deviation of a Gaussian."""
 _STEEP = 25.0
 """Power over that an octave above, from which on a spectrum is motion's: 14 dB."""
 _TOP = 0.85
@@ -88,7 +90,7 @@ def clipped(values: FloatArray, moves: Mask) -> tuple[float, Mask]:
     if not moves.any():
         return 0.0, moves
     size = np.abs(values)
-    std, good = 1.4826 * float(np.median(size[moves])), moves
+    std, good = GAUSS * float(np.median(size[moves])), moves
     for _ in range(20):
         bad = np.convolve(size > _CLIP * std, np.ones(5), "same") > 0.5
         now = moves & ~bad

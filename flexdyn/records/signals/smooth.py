@@ -177,12 +177,6 @@ class Smoother:
         variance = 2 * float(given @ both) - float(given[0] * both[0])
         return math.sqrt(max(0.0, variance)) * scale
 
-    def noise_autocorrelation(self, order: str = "value") -> FloatArray:
-        """Autocorrelation of an output at lags 0, 1, ... where the input is white noise; zero beyond those returned."""
-        kernel, _ = self._weights(order)
-        both = np.correlate(kernel, kernel, "full")[len(kernel) - 1 :]
-        return np.asarray(both / both[0])
-
     @property
     def _kernels(self) -> Kernels:
         return kernels(int(self.width) // 2, int(self.degree), int(self.taper))

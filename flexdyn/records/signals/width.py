@@ -14,13 +14,13 @@ from flexdyn.records.table import FloatArray
 
 _LONGEST_SEGMENT = 8192
 _GROWTH = 1.15
+NARROWEST_WIDTH = 5
+"""Of a smoother of degree 3 [samples]: on fewer the polynomial would pass through all of them."""
 _AROUND = 15
 """Bins averaged before the motion is looked for: one bin alone stands out of noise now and then."""
 
 
-def best_smoother(
-    x: npt.ArrayLike, rate: float, noise: Noise, *, order: str = "second", degree: int = 3, taper: int = 3
-) -> Smoother:
+def best_smoother(x: npt.ArrayLike, rate: float, noise: Noise, *, order: str = "second") -> Smoother:
     """The smoother with the smallest estimated error of one output.
 
     Wiener's criterion (1949) over the widths of the family: with the motion's spectrum S (Welch's estimate of the
@@ -35,8 +35,6 @@ def best_smoother(
         rate: samples per second [Hz].
         noise: of the channel, as `estimate_noise` finds it.
         order: the output that is to be best: ``"value"``, ``"first"`` or ``"second"``.
-        degree: of the polynomial.
-        taper: exponent of the weights.
 
     Raises:
         InputError: too few samples.
@@ -44,7 +42,7 @@ def best_smoother(
     if order not in ORDERS:
         raise InputError("no such output", key="order", value=order, remedy="known: " + ", ".join(ORDERS))
     samples = np.asarray(x, float)
-    narrowest = Smoother(2 * (degree // 2) + 3, rate, degree, taper)
+    narrowest = Smoother(NARROWEST_WIDTH, rate)
     length = min(_LONGEST_SEGMENT, 2 ** int(np.log2(max(1, len(samples) // 3))))
     if length < 4 * narrowest.reach:
         problem, remedy = f"{len(samples)} samples are too few to choose a width", "give the smoother yourself"
@@ -55,7 +53,7 @@ def best_smoother(
     best, least = narrowest, np.inf
     width = float(narrowest.width)
     while width + 2 * DIFFERENCE_REACH <= length // 2:
-        smoother = Smoother(2 * round((width - 1) / 2) + 1, rate, degree, taper)
+        smoother = Smoother(2 * round((width - 1) / 2) + 1, rate)
         response = _response(smoother, length)
         error = float(np.mean(weight * ((1 - response) ** 2 * motion + response**2 * noisy)))
         if error < least:

@@ -1,0 +1,98 @@
+"""Friction that depends on position, on the motion so far, or on time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.effects.base import JointEffect, parameter, spaced
+from flexdyn.effects.memory import MemoryEffect
+
+
+class PositionDependentFriction(JointEffect):
+    """Dry friction that comes and goes over a turn: an eccentric bearing, teeth of uneven fit.
+
+    ``f = amplitude (1 + sin(harmonic x + phase)) Sgn(u)``, set-valued at rest; it is never negative.
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        amplitude: mean level, and how far it swings [N m].
+        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
+        phase: [rad].
+    """
+
+    sides = ("link", "motor")
+    stage = "dry"
+    law = "amplitude*(1 + sin(harmonic*x + phase))*Sgn(u)"
+    neutral = {"amplitude": 0.0}
+    shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
+    periodic = True
+    contains = ("coulomb_friction",)
+    plainer = ("coulomb_friction",)
+
+    amplitude: float = parameter("N m", lower=0.0)
+    harmonic: float = parameter("1")
+    phase: float = parameter("rad")
+
+
+class PreslidingFriction(MemoryEffect):
+    """Friction as of bristles that bend before they slip: a spring for small motions, a level for large ones.
+
+    ``f = stiffness z + damping z'``, ``z' = u - stiffness abs(u) z/level``. It is not dry: under a torque below its
+    level it creeps. It stores ``1/2 stiffness z^2`` and never supplies energy beyond that. Source: the LuGre model
+    without Stribeck effect (Canudas de Wit, Olsson, Astrom, Lischinsky, IEEE TAC 40(3), 1995, eq. 1-3).
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        level: reached after a few ``level/stiffness`` of one direction [N m].
+        stiffness: of the bristles [N m/rad].
+        damping: of the bristles [N m s/rad].
+    """
+
+    sides = ("link", "motor")
+    stage = "friction"
+    law = "stiffness*z + damping*z', z' = u - stiffness*abs(u)*z/level"
+    neutral = {"level": 0.0}
+    shown = {"level": 1.0, "stiffness": 500.0}
+    contains = ("coulomb_friction", "viscous_friction")
+    plainer = ("coulomb_friction",)
+
+    level: float = parameter("N m", lower=0.0)
+    stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
+    damping: float = parameter("N m s/rad", lower=0.0, default=0.0)
+
+    @property
+    def reach(self) -> float:
+        """Largest bend of the bristles, level/stiffness [rad or m]."""
+        return self.level / self.stiffness
+
+    def _torque_of(self, z: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.stiffness * z + self.damping * rate
+
+
+class WarmUpFriction(JointEffect):
+    """Viscous friction of a cold gear that fades as the run goes on.
+
+    ``f = coefficient exp(-t/time_constant) u``, t since the start of the run.
+
+    Args:
+        joint: its name.
+        side: ``link`` or ``motor``.
+        coefficient: at the start of the run [N m s/rad].
+        time_constant: [s].
+    """
+
+    sides = ("link", "motor")
+    stage = "friction"
+    law = "coefficient*exp(-t/time_constant)*u"
+    neutral = {"coefficient": 0.0}
+    shown = {"coefficient": 1.0, "time_constant": 300.0}
+    linear = ("coefficient",)
+    grids = {"time_constant": ("seconds", spaced(0.04, 1.5, 7))}
+    contains = ("viscous_friction",)
+    plainer = ("viscous_friction",)
+
+    coefficient: float = parameter("N m s/rad", lower=0.0)
+    time_constant: float = parameter("s", lower=0.0, strict=True)

@@ -1,0 +1,55 @@
+"""Frozen dataclasses whose arrays and mappings nobody can change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Locked:
+    """Base of a frozen dataclass: its arrays and mappings are read-only, also after it was pickled."""
+
+    def __post_init__(self) -> None:
+        """Lock every array and mapping."""
+        for name, value in _entries(self).items():
+            object.__setattr__(self, name, lock(value))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Unpickle through the constructor, which locks again; read-only mappings do not pickle."""
+        return (_rebuild, (type(self), {name: plain(value) for name, value in _entries(self).items()}))
+
+
+def lock(value: Any) -> Any:
+    """The value with arrays made read-only, those of tuples and mappings too, and a mapping as a read-only copy."""
+    if isinstance(value, np.ndarray):
+        value.setflags(write=False)
+    elif isinstance(value, tuple):
+        for entry in value:
+            lock(entry)
+    elif isinstance(value, Mapping):
+        return MappingProxyType({key: lock(entry) for key, entry in value.items()})
+    return value
+
+
+def locked_copy(values: Any, dtype: Any = np.float64) -> NDArray[Any]:
+    """A copy of an array that nobody can write to."""
+    array: NDArray[Any] = lock(np.array(values, dtype=dtype, order="C"))
+    return array
+
+
+def plain(value: Any) -> Any:
+    """The value with read-only mappings as plain ones, which pickle."""
+    return {key: plain(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value
+
+
+def _entries(of: Any) -> dict[str, Any]:
+    return {entry.name: getattr(of, entry.name) for entry in fields(of)}
+
+
+def _rebuild(kind: type[Any], entries: dict[str, Any]) -> Any:
+    return kind(**entries)
