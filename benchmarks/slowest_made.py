@@ -113,7 +113,8 @@ def _yaml(head: bytes, entry: str, tail: bytes = b"") -> Callable[[Path, float],
         corpus.models(path.parent)
         corpus.studies(path.parent)
         corpus.maps(path.parent)
-        room, lines = YAML - len(head) - len(tail), []
+        room = YAML - len(head) - len(tail)
+        lines: list[str] = []
         while room > 0:
             lines.append(entry.replace("NUMBER", str(len(lines))))
             room -= len(lines[-1])

@@ -82,7 +82,7 @@ def _coordinate(name: str, dtype: str, attrs: Mapping[str, str], values: NDArray
 def _column(name: str, runs: tuple[int, ...], chunk: tuple[int, ...], attrs: Mapping[str, str]) -> StoreArray:
     """One number a run."""
     stored = array_name(name)
-    told = attrs if stored == name else attrs | {"name": name}
+    told = attrs if stored == name else {**attrs, "name": name}
     return StoreArray(stored, ("run",), runs, chunk, "float64", told)
 
 
