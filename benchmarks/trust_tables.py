@@ -32,8 +32,8 @@ def fuzz_table(results: Mapping[str, Any]) -> str:
 
 def growth_table(results: Mapping[str, Any]) -> str:
     """Random arms on which the solvers part: what a tiny turn of the first joint becomes, and the solvers beside it."""
-    head = ["seed", "joints", "solvers apart at default tolerances", "1e-12 rad at the start, multiplied by"]
-    head += ["known until, s", "1e-10 rad at the start, then", "solvers at tight tolerances, then"]
+    head = ["seed", "joints", "solvers apart at default tolerances", "a turn grows by", "until, s"]
+    head += ["1e-9 rad at the start, then", "solvers at tight tolerances, then"]
     body = [
         [
             *(str(each[key]) for key in ("seed", "joints")),
