@@ -51,7 +51,7 @@ class Tangent:
         self.stiffness = 0.5 * (stiffness + stiffness.T)
         self.damping = -reduced @ A[velocity, velocity]
         if not all(np.isfinite(matrix).all() for matrix in (A, self.inertia, self.stiffness, self.damping)):
-            problem = "small motions about the pose are beyond what a float can hold"
+            problem = "numbers of the linear model about the pose are too large for a double"
             raise InputError(problem, key="model", remedy="check stiffness, damping, rotor_inertia and the pose")
 
     def squared_frequencies(self, kept: Any = slice(None)) -> tuple[Array, Array]:

@@ -118,7 +118,7 @@ def equilibrium(
     mass = statics.links.mass_matrix(guess)
     if not np.abs(size).max() < 1e150:  # its square is a number too
         remedy = "give torques in N m (prismatic: N)"
-        raise InputError("torques beyond what a float can hold", key="tau", value=asked, remedy=remedy)
+        raise InputError("torques too large for a double", key="tau", value=asked, remedy=remedy)
     q, found = Search(net, mass, size).find(guess)
     if found:
         return _frictionless(statics, q, asked)

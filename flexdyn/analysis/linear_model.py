@@ -99,7 +99,7 @@ class LinearModel:
             try:
                 states = np.linalg.solve(2j * np.pi * f * np.eye(len(self.A)) - self.A, self.B)
             except np.linalg.LinAlgError:
-                problem, remedy = "the response is without bound", "take a frequency beside it"
+                problem, remedy = "the response is infinite", "take a slightly different frequency"
                 raise InputError(problem, key="frequencies", value=float(f), remedy=remedy) from None
             response[k] = (self.C @ states + self.D) * np.exp(-2j * np.pi * f * self.delays)
         return response

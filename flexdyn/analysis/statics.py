@@ -58,7 +58,7 @@ class Statics:
         H = np.empty((size, size))
         self.plant.inertia(self.state(q, q), H)
         if self.plant.coupled and np.linalg.eigvalsh(H)[0] <= 0.0:
-            problem = "the links weigh less than their rotors' spin at this pose"
+            problem = "the inertia of the links is smaller than that of the rotors they carry, at this pose"
             remedy = "the URDF's links must include the rotors they carry; or take reduced"
             raise InputError(problem, key="robot.rotor_coupling", remedy=remedy)
         return H
@@ -95,7 +95,7 @@ class Statics:
         def lacking(theta: Array) -> Array:
             return np.where(self.elastic, self.net(q, theta, still)[0] - net, 0.0)
 
-        return self._rotors(lacking, q, self.tolerance(q, lacking(q)), "no deflection of the spring carries")
+        return self._rotors(lacking, q, self.tolerance(q, lacking(q)), "no deflection of the spring balances")
 
     def driven_springs(self, q: Array, tau: Array) -> Array:
         """Rotor positions (n,) at which the springs take up the motors' torques tau at rest.
@@ -107,7 +107,7 @@ class Statics:
         def excess(theta: Array) -> Array:
             return np.where(self.elastic, -self.net(q, theta, tau)[1], 0.0)
 
-        return self._rotors(excess, q, self.tolerance(q, excess(q), tau), "no deflection of the spring takes up")
+        return self._rotors(excess, q, self.tolerance(q, excess(q), tau), "no deflection of the spring balances")
 
     def motor_torques(self, q: Array, theta: Array, net: Array | float = 0.0) -> Array:
         """Torques asked of the motors (n,) that leave `net` on the rotors; infinite where no torque reaches that far.

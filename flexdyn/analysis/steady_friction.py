@@ -173,15 +173,15 @@ def _trial(law: str, points: DirectionPoints, check: DirectionPoints, others: tu
     numbers = {name: curve.number(f"{law}.{name}") for name in LAWS[law]}
     why = ""
     if gained < SURE**2:
-        why = "its number is not surely above zero"
+        why = "its coefficient is not significantly above zero"
     elif drop < DECISIVE_DROP:
-        why = "the fit does not want it"
+        why = "it improves the fit too little"
     elif min(one, two) < 0.0 or one + two < DECISIVE_DROP:
         why = "other speeds do not confirm it"
     elif law == "stribeck_friction" and not _within(numbers["velocity"][0], points.u):
-        why = "its velocity lies outside the speeds that were run"
+        why = "its velocity is outside the recorded speeds"
     elif checked < -PREDICTION_RISE:
-        why = "runs that took no part speak against it"
+        why = "runs that were not used in the fit contradict it"
     intervals = {name: curve.interval(f"{law}.{name}") for name in LAWS[law]}
     return LawTrial(law, not why, numbers, intervals, drop, (one, two), checked, why)
 

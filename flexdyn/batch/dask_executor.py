@@ -158,7 +158,7 @@ class Dask:
 
     def _gone(self) -> FlexdynError:
         return FlexdynError(
-            f"{self._name} is gone; what was done is stored, and --resume (resume=True) goes on from it"
+            f"{self._name} cannot be reached any more; finished chunks are stored: continue with --resume (resume=True)"
         )
 
 

@@ -99,7 +99,9 @@ def _strongest(columns: MetricColumns, chosen: Sequence[str] | None, notes: list
     """Those parameters that there is room for, side by side, unless they were chosen."""
     if chosen is not None or len(columns.parameters) <= MOST_PARAMETERS:
         return columns
-    notes.append(f"Metrics over the {MOST_PARAMETERS} of {len(columns.parameters)} parameters that do the most to any.")
+    notes.append(
+        f"Metrics over the {MOST_PARAMETERS} of {len(columns.parameters)} parameters with the largest influence."
+    )
     return columns.only(columns.strongest(MOST_PARAMETERS))
 
 

@@ -100,7 +100,7 @@ def _executor(workers: int | None, scheduler: Any) -> Executor:
     if scheduler is None:
         return Threads(workers)
     if workers is not None:
-        remedy = "the cluster knows its own: leave one of the two out"
+        remedy = "a cluster has its own workers: leave one of the two out"
         raise InputError("workers and a scheduler", key="workers", value=workers, remedy=remedy)
     from flexdyn.batch.dask_executor import Dask
 
@@ -109,8 +109,8 @@ def _executor(workers: int | None, scheduler: Any) -> Executor:
 
 def _new(study: Study, path: Path) -> Store:
     if path.exists():
-        remedy = "go on with it by --resume (in Python resume=True), or remove it"
-        raise InputError("it is there already", file=path, remedy=remedy)
+        remedy = "continue it with --resume (in Python resume=True), or remove it"
+        raise InputError("it exists already", file=path, remedy=remedy)
     if not path.parent.is_dir():
         raise InputError("no such folder", file=path, value=str(path.parent), remedy="make it first")
     return create(study, path)

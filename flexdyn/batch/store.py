@@ -101,7 +101,7 @@ class Store:
         Raises:
             InputError: the disk is full, or may not be written to.
         """
-        with writing(self.path, "what is done stays; make room and go on with --resume"):
+        with writing(self.path, "finished chunks are stored; make room and continue with --resume"):
             for each in self._chunked:
                 write_piece(self.path / each.name, chunk, each.piece, columns[each.name], each.fill)
 
@@ -123,7 +123,7 @@ class Store:
         Raises:
             InputError: the folder may not be written to.
         """
-        with writing(self.path, "it must be writable to go on"):
+        with writing(self.path, "it must be writable to continue"):
             for left in self.path.rglob("*.partial"):
                 left.unlink()
 
@@ -135,7 +135,7 @@ class Store:
         """
         fresh = self.path.with_name(f".{self.path.name}.part")
         self.sweep()
-        with writing(self.path, "it must be writable to go on"):
+        with writing(self.path, "it must be writable to continue"):
             shutil.rmtree(fresh, ignore_errors=True)
             try:
                 _skeleton(self.study, fresh)

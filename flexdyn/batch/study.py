@@ -128,7 +128,7 @@ class Study(Public):
             if mine.get(key) == its.get(key) or _is_place(key):
                 continue
             if key.startswith("files."):
-                return f"what the file of {key.removeprefix('files.')} holds is not the same"
+                return f"what the file of {key.removeprefix('files.')} holds has changed"
             here, there = (shown(side[key]) if key in side else "not given" for side in (mine, its))
             return f"{key} is {here} here and {there} there"
         return None

@@ -82,7 +82,7 @@ def study_from_dict(content: Mapping[str, Any], folder: Path) -> Study:
         of_command = not error.file and str(error.key).startswith("pd.")
         raise (error.at(key="command") if of_command else error) from None
     except OverflowError:
-        raise InputError("an integer in it is beyond what a float can hold") from None
+        raise InputError("an integer in it is too large for a double") from None
 
 
 def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
@@ -207,7 +207,7 @@ def _duration(given: Any, model: FlexibleJointModel, command: Any) -> float:
         length = make_drive(model, command, None).duration
         if length is None:
             remedy = "give it in s, or a command that has an end"
-            raise InputError("how long to simulate is not said", key="duration", remedy=remedy)
+            raise InputError("the duration is missing", key="duration", remedy=remedy)
         return length
     number = as_number(given)
     if not 0 < number < math.inf:

@@ -58,7 +58,7 @@ def build() -> Any:
         pretty_exceptions_enable=False,
         rich_markup_mode="markdown",
         help="Simulate robot arms with elastic joints, compare them with measurements, and name missing effects.",
-        epilog="Exit codes: 0 done, 2 what was given is wrong (one line on stderr says what), 1 a fault of flexdyn.",
+        epilog="Exit codes: 0 done, 2 an input is wrong (one line on stderr says which), 1 a fault of flexdyn.",
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_program)

@@ -43,15 +43,17 @@ def batch(
         typer.Option(metavar="ADDRESS", help="The Dask scheduler whose workers do the runs: tcp://host:8786."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", metavar="", help="Go on with the store: only what is missing is done.")
+        bool, typer.Option("--resume", metavar="", help="Continue the store: only missing runs are computed.")
     ] = False,
     summary: Annotated[
-        bool, typer.Option("--summary", metavar="", help="Say what is in a store, finished or not.")
+        bool, typer.Option("--summary", metavar="", help="Print what a store contains, finished or not.")
     ] = False,
     views: Annotated[
         list[str] | None,
         typer.Option(
-            "--view", metavar="NAME", help="Of the picture: metrics, sensitivities, trajectories; again: more."
+            "--view",
+            metavar="NAME",
+            help="View in the picture: metrics, sensitivities or trajectories. May be given several times.",
         ),
     ] = None,
     extract: Annotated[
@@ -96,7 +98,7 @@ def _run(
         except KeyboardInterrupt:
             if output.exists():
                 words = ["flexdyn", "batch", str(study), "-o", str(output), "--resume"]
-                note(f"what is done is stored; go on with: {shlex.join(words)}")
+                note(f"finished runs are stored; continue with: {shlex.join(words)}")
             raise
     try:
         _show(results.summary(), as_json)

@@ -45,7 +45,7 @@ EXAMPLES: Mapping[str, ExampleCase] = {
     "viscous_friction": ExampleCase(
         "friction that grows with a motor's speed", ViscousFriction("elbow", side="motor", coefficient=1.2)
     ),
-    "backlash": ExampleCase("play in a gear", Backlash("elbow", half_gap=2e-3)),
+    "backlash": ExampleCase("backlash in a gear", Backlash("elbow", half_gap=2e-3)),
 }
 
 
@@ -107,14 +107,14 @@ def commands(folder: Path) -> tuple[str, ...]:
 
 def _readme(name: str, folder: Path) -> str:
     lines = (
-        "model.yaml   the arm as it is believed to be",
-        "monday.csv   a log of the arm as it is: positions of links and rotors, torques; noise as of good sensors",
-        "tuesday.csv  another motion of it, which takes no part in the diagnosis and tests its answer",
+        "model.yaml   the model of the arm, which lacks an effect",
+        "monday.csv   a log of the true arm: positions of links and rotors, torques; noise of good sensors",
+        "tuesday.csv  another motion of it, which is not used in the fit and tests the answer",
         "",
         f"Hidden in the logs and missing in the model: {name}, {EXAMPLES[name].words}. The commands that find it:",
         "",
         *(f"    {command}" for command in commands(folder)),
         "",
-        "The logs are simulated by flexdyn itself; how the diagnosis fares on robots is another question.",
+        "The logs are simulated by flexdyn itself; a diagnosis of a real robot is harder.",
     )
     return "\n".join(lines) + "\n"

@@ -38,7 +38,7 @@ def report(error: BaseException) -> int:
     if isinstance(error, UsageError):
         return _say(usage_line(error), 2)
     if isinstance(error, MemoryError):
-        return _say("it does not fit into memory; ask for less, for example a lower --rate or a shorter --duration", 2)
+        return _say("it does not fit into memory; use less, for example a lower --rate or a shorter --duration", 2)
     if isinstance(error, OSError) and error.strerror:
         return _say(f"{error.filename or 'output'}: {error.strerror}", 2)
     hint = "" if debug else "; run with FLEXDYN_DEBUG=1 for the traceback"

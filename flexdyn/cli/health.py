@@ -141,7 +141,7 @@ def _files() -> tuple[bool, str]:
 
 TESTS = {
     "two solvers agree": _solvers,
-    "energy is kept": _energy,
+    "energy is conserved": _energy,
     "friction as in closed form": _friction,
-    "a file comes back": _files,
+    "a file is read back unchanged": _files,
 }

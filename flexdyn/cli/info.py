@@ -29,7 +29,7 @@ DRIVES = {
     "J": "rotor inertia",
     "K": "stiffness",
     "D": "damping",
-    "q": "position at which the rest is told",
+    "q": "position at which the other columns hold",
     "M_ii": "inertia of the arm about the joint",
     "f locked": "frequency of the joint with its rotor held, all other joints rigid",
     "f free": "the same with its rotor free",
@@ -274,5 +274,5 @@ def _effects(document: Mapping[str, Any]) -> Any:
         place = (effect["joint"] or "-", effect["side"] or "-")
         rows.append((effect["from"], effect["effect"], *place, ", ".join(numbers + frame)))
         if effect["neutral"]:
-            rows[-1] = (*rows[-1][:-1], f"{rows[-1][-1]} (neutral: does nothing)")
+            rows[-1] = (*rows[-1][:-1], f"{rows[-1][-1]} (neutral: it changes nothing)")
     return table("Effects", ("from", "effect", "joint", "side", "parameters"), rows) if rows else "Effects: none"

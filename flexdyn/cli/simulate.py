@@ -34,7 +34,7 @@ SYMBOLS = {
     "q": "link position",
     "v": "link velocity",
     "theta": "motor position, reflected",
-    "tau": "motor torque asked for",
+    "tau": "commanded motor torque",
     "tau_s": "torque in the spring",
     "| |": "the largest size",
 }

@@ -76,7 +76,7 @@ def difference(one: MotionSource, two: MotionSource, channel: str, rows: slice) 
     if (missed := in_gaps(two.recording.t, t)).any():
         t, first = t[~missed], first[~missed]
         if len(t) < 2:
-            remedy = "what both recorded is less than two samples"
+            remedy = "the recordings have fewer than two samples in common"
             raise InputError(f"{two.name} has a gap there", key=channel, remedy=remedy)
     second = taken_at(two, channel, t)
     for values in (first, second):

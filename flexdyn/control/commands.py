@@ -172,7 +172,7 @@ class PD:
             raise InputError("no such interpolation", key="pd.interpolation", value=interpolation, remedy=remedy)
         if interpolation is not None and isinstance(reference, Samples):
             remedy = "give it to the Samples"
-            raise InputError("Samples bring their own interpolation", key="pd.interpolation", remedy=remedy)
+            raise InputError("Samples have their own interpolation", key="pd.interpolation", remedy=remedy)
         if feedback not in ("theta", "q"):
             raise InputError("no such feedback", key="pd.feedback", value=feedback, remedy="it is theta or q")
         entries = {

@@ -62,7 +62,7 @@ class Joint:
             remedy = "give the rotor's inertia in kg m^2 on the motor side, or stiffness .inf for a rigid joint"
             raise InputError("an elastic joint needs it above 0", key="rotor_inertia", remedy=remedy)
         if self.rotor_inertia > 0 and not 0 < self.reflected_inertia < math.inf:
-            problem = "gear_ratio^2 rotor_inertia is beyond what a float can hold"
+            problem = "gear_ratio^2 rotor_inertia is too large for a double"
             raise InputError(problem, key="rotor_inertia", value=self.rotor_inertia)
 
     @property

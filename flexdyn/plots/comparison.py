@@ -24,7 +24,7 @@ SIDE_BY_SIDE = 3
 
 
 def draw_comparison(found: Comparison) -> Picture:
-    """Errors by channel as bars, one panel a unit, and below the channel of each unit that is the furthest off.
+    """Errors by channel as bars, one panel a unit, and below the channel with the largest error in each unit.
 
     Args:
         found: by `flexdyn.compare`.
@@ -90,7 +90,7 @@ def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
         ]
         span = (found.start, found.end)
         panel = Panel(
-            f"{short(row.channel)}, the furthest off",
+            f"{short(row.channel)}, largest error",
             TIME,
             f"value{unit}",
             tuple(curves),

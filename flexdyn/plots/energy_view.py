@@ -37,20 +37,18 @@ def energy_panels(scene: PlotScene, place: int, model: FlexibleJointModel | None
     if source.run is None:
         found = file_energy(source.recording, model)
         flows = {"supplied by the motors": (found.supplied, PARTS["supplied"])}
-        flows["gone: friction, wrenches, sampling"] = (found.rest, LOSSES[0])
+        flows["lost to friction, wrenches, sampling"] = (found.rest, LOSSES[0])
         return (
             _panel(f"Energy{name}: where it is", scene, place, _stored(found)),
-            _panel(f"Energy{name}: supplied since the first sample, and what of it is gone", scene, place, flows),
+            _panel(f"Energy{name}: supplied and lost since the first sample", scene, place, flows),
         )
     energy = source.run.energy
     within = "closes" if energy.closes else "does NOT close"
     left = {"left over": (energy.residual, PARTS["residual"])}
     return (
         _panel(f"Energy{name}: where it is", scene, place, _stored(energy)),
-        _panel(f"Energy{name}: what came and went since the start", scene, place, _flows(energy)),
-        _panel(
-            f"Energy{name}: left over by the ledger, which {within} to {energy.tolerance:.2g} J", scene, place, left
-        ),
+        _panel(f"Energy{name}: supplied and dissipated since the start", scene, place, _flows(energy)),
+        _panel(f"Energy{name}: error of the ledger, which {within} to {energy.tolerance:.2g} J", scene, place, left),
     )
 
 

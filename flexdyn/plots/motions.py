@@ -74,7 +74,7 @@ def plot(
     apart = [short(source.name) for source, rows in zip(scene.sources, scene.common, strict=True) if rows is None]
     if apart:
         notes.append(
-            f"No residual, there being no common time with {short(scene.sources[0].name)}: {', '.join(apart)}."
+            f"No residual, because there is no time in common with {short(scene.sources[0].name)}: {', '.join(apart)}."
         )
     blocks = _joint_blocks(scene, drawn)
     keys = _keys(scene, drawn, blocks)
@@ -117,7 +117,7 @@ def _drawable(
         else:
             energy = _energy(scene, model, notes)
     if missing and chosen:
-        notes.append(f"Not drawn, there being no such signals: {', '.join(missing)}.")
+        notes.append(f"Not drawn, because there are no such signals: {', '.join(missing)}.")
     return drawn, energy
 
 

@@ -81,7 +81,7 @@ def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
     axes.plot(tau, tau, color=GREY, linewidth=1.0, linestyle=DASHED, label="without")
     axes.plot(tau, effect.torque(0.0, 0.0, tau=tau), color=BLUE, linewidth=LAW_LINE_WIDTH, label="with it")
     axes.legend(frameon=False, loc="upper left")
-    return r"torque asked for $\tau$ [N m]", up
+    return r"commanded torque $\tau$ [N m]", up
 
 
 def _family(axes: Any, effect: JointEffect, across: Array, state: tuple[Any, Any]) -> None:

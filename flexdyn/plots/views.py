@@ -52,7 +52,7 @@ VIEWS: dict[str, View] = {
         "Torques",
         "torque",
         (
-            SignalTrace("tau", "tau: asked of the motor"),
+            SignalTrace("tau", "tau: commanded"),
             SignalTrace("tau_applied", "tau_applied: after the actuator's effects", "dotted"),
             SignalTrace("tau_s", "tau_s: in the transmission", "dashed"),
         ),

@@ -40,7 +40,7 @@ def check_size(declared: int, on_disk: int) -> None:
         InputError: more than `most_bytes`.
     """
     if declared > most_bytes(on_disk):
-        problem = f"the file of {on_disk} bytes announces {declared} bytes of arrays"
+        problem = f"the file of {on_disk} bytes declares {declared} bytes of arrays"
         usual = f"{USUAL_EXPANSION} times the file's size, up to 256 MiB {MOST_EXPANSION} times"
         raise InputError(problem, remedy=f"the limits are 16 GiB and {usual}")
 

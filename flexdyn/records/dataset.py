@@ -28,7 +28,7 @@ LONG_NAMES = {
     "v": "link velocity",
     "theta": "rotor position, reflected",
     "omega": "rotor velocity, reflected",
-    "tau": "motor torque asked for, reflected",
+    "tau": "commanded motor torque, reflected",
     "tau_applied": "motor torque after actuator effects, reflected",
     "tau_s": "torque in the transmission",
     "temperature": "temperature",

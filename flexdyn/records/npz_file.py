@@ -44,7 +44,7 @@ def read(path: Path, request: Request) -> Table:
         InputError: not an NPZ file, cut, objects inside, or sizes that the file cannot honestly have.
     """
     table = Table()
-    with damage_named("not an NPZ file, or cut"):
+    with damage_named("not an NPZ file, or truncated"):
         _check_directory(path)
         archive = zipfile.ZipFile(path)
     with archive:

@@ -57,7 +57,7 @@ def read(path: Path, request: Request) -> Table:
     pa, pq = _library()
     table = Table()
     with open(path, "rb") as stream:
-        with damage_named("not a Parquet file, or cut"):
+        with damage_named("not a Parquet file, or truncated"):
             file = pq.ParquetFile(stream, page_checksum_verification=True, pre_buffer=False)
             schema, rows = file.schema_arrow, _rows_in_groups(file)
         check_count(len(schema.names))

@@ -148,7 +148,7 @@ def _filled(columns: _Columns, rows: Rows, longest: float) -> tuple[_Columns, in
     t = columns["t"]
     broken = ~np.isfinite(t)
     if broken.any():
-        raise rows.error("no time to fill anything in at", index=int(np.argmax(broken)), channel="t", remedy="drop_nan")
+        raise rows.error("the time itself is missing", index=int(np.argmax(broken)), channel="t", remedy="drop_nan")
     touched = np.zeros(len(t), bool)
     whole = {}
     for name, values in columns.items():
@@ -167,7 +167,7 @@ def _check_gaps(t: FloatArray, good: npt.NDArray[np.bool_], name: str, rows: Row
     if not len(known) or not good[0] or not good[-1]:
         at = 0 if not good[0] else int(known[-1]) + 1
         remedy = "drop_nan drops such rows"
-        raise rows.error("nothing to fill the gap from at the end", index=at, channel=name, remedy=remedy)
+        raise rows.error("the gap has no sample on one side", index=at, channel=name, remedy=remedy)
     gaps = np.diff(t[known])
     long = (np.diff(known) > 1) & ~(gaps <= longest) | (gaps <= 0)
     if long.any():

@@ -93,7 +93,7 @@ def check_name(name: str) -> None:
     if not isinstance(name, str) or not name:
         problem = "the channel has no name"
     elif name in ("t", RESERVED):
-        problem = "the name is taken and no channel can have it"
+        problem = "the name is reserved"
     elif not name.isprintable() or "," in name:
         problem = "the channel's name holds a comma or a character that does not print"
     elif len(name) > _LONGEST_NAME:

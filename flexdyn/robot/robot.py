@@ -304,7 +304,7 @@ class Robot(Public):
         given = self._links[place].inertial
         frame = self.frame(link)
         if given is None or given.mass == 0.0 or frame.joint < 0:
-            problem = "the link has no mass" if frame.joint >= 0 else "the link stands still: its mass moves nothing"
+            problem = "the link has no mass" if frame.joint >= 0 else "the link does not move: its mass has no effect"
             raise InputError(problem, key="link", value=link)
         true = change(given)
         mounted = pin.SE3(frame.rotation, frame.translation)

@@ -145,7 +145,7 @@ class Tree:
             raise InputError("not a mass", key="mass", value=mass, remedy="give it in kg, 0 or more")
         if frame.joint < 0:
             remedy = "name a frame that a joint moves"
-            raise InputError("a mass on the base moves nothing", key="frame", value=frame.name, remedy=remedy)
+            raise InputError("a mass on the base has no effect", key="frame", value=frame.name, remedy=remedy)
         if mass == 0.0:
             return self
         j, point = frame.joint, frame.translation

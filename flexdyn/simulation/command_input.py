@@ -306,7 +306,7 @@ def _caller(controller: Controller) -> Any:
         tau = np.atleast_1d(np.asarray(controller.law(t, State(q, v, theta, omega)), dtype=float))
         if tau.shape != q.shape or not np.isfinite(tau).all():
             remedy = f"it must return {len(q)} finite torques"
-            raise InputError("the controller's torque is no use", key=f"t = {t:g} s", value=tau, remedy=remedy)
+            raise InputError("the controller returned no valid torque", key=f"t = {t:g} s", value=tau, remedy=remedy)
         return np.ascontiguousarray(tau)
 
     return call

@@ -94,12 +94,12 @@ def ledger(run: Moved) -> Energy:
     job = _core.job(plant, command, wrenches, inputs.x0, inputs.duration, settings, run.t, out, sums)
     report = _core.simulate(job, None)
     if report["reason"]:  # a law in Python that is not the same the second time
-        problem = f"the motion could not be gone through again for its energy: {report['reason']}"
+        problem = f"the motion could not be integrated again for its energy: {report['reason']}"
         raise SimulationError(problem, t=report["t"], state=report["x"], solver=run.solver, reason=report["reason"])
     energy = _energy(run, plant, sums)
     if not energy.closes:
         worst = float(np.abs(energy.residual).max())
-        text = f"the energy ledger of {run.model.name} leaves {worst:.3g} J of {energy.tolerance:.3g} J unexplained"
+        text = f"the energy ledger of {run.model.name} misses {worst:.3g} J, more than {energy.tolerance:.3g} J"
         warnings.warn(
             f"{text}: {type(run.solver).__name__} does not resolve the motion", EnergyWarning, stacklevel=4
         )  # beyond Run.energy and its cached_property

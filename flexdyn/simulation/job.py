@@ -171,7 +171,7 @@ def played(drive: Drive, report: Mapping[str, Any], n: int, duration: float) -> 
 def _duration(duration: float | None, drive: Drive) -> float:
     span = drive.duration if duration is None else duration
     if span is None:
-        raise InputError("how long to simulate is not said", key="duration", remedy="give a duration in s or a command")
+        raise InputError("the duration is missing", key="duration", remedy="give a duration in s or a command")
     number = as_number(span)
     if not 0 < number < math.inf:
         raise InputError("a time above 0 s is needed", key="duration", value=span)

@@ -300,4 +300,8 @@ def _check_coupling(model: FlexibleJointModel, plant: _core.Plant) -> None:
     plant.inertia(x, H)
     if np.linalg.eigvalsh(H)[0] <= 0.0:
         remedy = "the URDF's links must include the rotors they carry; or take reduced"
-        raise InputError("the links weigh less than their rotors' spin", key="robot.rotor_coupling", remedy=remedy)
+        raise InputError(
+            "the inertia of the links is smaller than that of the rotors they carry",
+            key="robot.rotor_coupling",
+            remedy=remedy,
+        )

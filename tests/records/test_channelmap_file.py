@@ -99,7 +99,7 @@ MISTAKES = [
     ({"chanels": {}}, "chanels: no such key; did you mean 'channels'?"),
     ({"channels": ["q"]}, "channels: a mapping of keys is needed, got ['q']"),
     ({"channels": {3: "x"}}, "channels: the channel has no name, got 3"),
-    ({"channels": {"t": "x"}}, "channels: the name is taken and no channel can have it, got 't'"),
+    ({"channels": {"t": "x"}}, "channels: the name is reserved, got 't'"),
     ({"channels": {"Tau.elbow": "x"}}, "channels.Tau.elbow: no such signal, got 'Tau'; did you mean 'tau'?"),
     ({"channels": {"q.elbow": None}}, "channels.q.elbow.from: the name of a column, or its number from 1, is needed"),
     (
@@ -119,15 +119,15 @@ MISTAKES = [
     ),
     (motor(side="motor"), "channels.tau.elbow.gear_ratio: side: motor needs gear_ratio; give it here or as joints.elb"),
     (motor(side="motr"), "channels.tau.elbow.side: no such choice, got 'motr'; did you mean 'motor'?"),
-    (motor(gear_ratio=3), "channels.tau.elbow.gear_ratio: a number that nothing uses; it goes with side: motor"),
+    (motor(gear_ratio=3), "channels.tau.elbow.gear_ratio: the number is not used; it goes with side: motor"),
     (motor(side="motor", gear_ratio=-3), "channels.tau.elbow.gear_ratio: a number above zero is needed, got -3; a rev"),
     (motor(side="motor", gear_ratio="x"), "channels.tau.elbow.gear_ratio: a finite number is needed, got 'x'"),
-    (motor(unit="N m", factor=2), "channels.tau.elbow.factor: both factor and a unit that tells it, got 'N m'"),
-    (motor(unit="N m", torque_constant=2), "channels.tau.elbow.torque_constant: a number that nothing uses; it goes w"),
+    (motor(unit="N m", factor=2), "channels.tau.elbow.factor: factor and unit both give the scale, got 'N m'"),
+    (motor(unit="N m", torque_constant=2), "channels.tau.elbow.torque_constant: the number is not used; it goes w"),
     (motor(factor=0), "channels.tau.elbow.factor: a number other than zero is needed, got 0"),
     (motor(factor=float("nan")), "channels.tau.elbow.factor: a finite number is needed, got nan"),
     (elbow(unit="counts"), "channels.q.elbow.counts_per_turn: unit: counts needs counts_per_turn"),
-    (elbow(unit="deg", counts_per_turn=4), "channels.q.elbow.counts_per_turn: a number that nothing uses; it goes wit"),
+    (elbow(unit="deg", counts_per_turn=4), "channels.q.elbow.counts_per_turn: the number is not used; it goes wit"),
     (elbow(sign=-2), "channels.q.elbow.sign: 1 or -1 is needed, got -2; scale with factor"),
     (elbow(sign=True), "channels.q.elbow.sign: 1 or -1 is needed, got True"),
     (elbow(delay="2 ms"), "channels.q.elbow.delay: a finite number is needed, got '2 ms'"),
@@ -168,7 +168,10 @@ MISTAKES = [
     (wrist(position=[[1, 1], [2, 2]]), "couplings[0].position: the matrix is singular, got [[1, 1], [2, 2]]; correct"),
     (wrist(torque=[1, 1]), "couplings[0].torque: a matrix of 2 rows of 2 numbers is needed, got [1, 1]"),
     (wrist(signals=["tau"]), "couplings[0].signals: no such name, got 'tau'; known: q, v, theta, omega"),
-    (wrist(signals=["q", "v"]), "couplings[0]: nothing that the coupling acts on; map one of q, v, tau, tau_applied"),
+    (
+        wrist(signals=["q", "v"]),
+        "couplings[0]: no channel of the coupled joints is mapped; map one of q, v, tau, tau_applied",
+    ),
 ]
 
 

@@ -87,7 +87,7 @@ def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
             raise InputError(problem, key=joint, remedy=did_you_mean(joint, model.joint_names))
     for joint in model.joint_names:
         if not recording.has("tau", joint):
-            remedy = f"record the torque asked for as tau.{joint}, or lock the joint in the model"
+            remedy = f"record the commanded torque as tau.{joint}, or lock the joint in the model"
             raise InputError("no torque of the joint was recorded", key=f"tau.{joint}", remedy=remedy)
         if not recording.has("q", joint) and not recording.has("theta", joint):
             remedy = f"record q.{joint} or theta.{joint}"

@@ -35,8 +35,8 @@ LEAST_MOVING_TIME = 1.5
 SHORTEST_RECORDING = 0.5
 """Least length of one recording [s]: a window."""
 REMEDY = (
-    f"{LEAST_MOVING_TIME:g} s of motion to fit are the least, three windows of 0.5 s; several short recordings add up;"
-    " without test data of their own (check), the last fifth of it is kept apart, and at least 1 s"
+    f"at least {LEAST_MOVING_TIME:g} s of motion to fit are needed, three windows of 0.5 s; several short recordings"
+    " add up; without test data of their own (check), the last fifth is kept as test data, and at least 1 s"
 )
 LEAST_RATE = 20.0
 """Least rate [Hz]: below it no acceleration of an arm is seen, and a clock in ms is likely."""
@@ -93,7 +93,7 @@ def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> t
 def _check_clock(data: Measured) -> None:
     if data.dt > 1.0 / LEAST_RATE:
         remedy = "times are in s: divide them by 1000 if they are in ms; else record at 100 Hz or more"
-        problem = f"samples {data.dt:g} s apart are too slow to see an arm accelerate"
+        problem = f"samples {data.dt:g} s apart are too far apart to show an arm's accelerations"
         raise InputError(problem, file=data.name, key="t", remedy=remedy)
     length = data.dt * (len(data.t) - 1)
     if length < SHORTEST_RECORDING - data.dt or len(data.t) <= 2 * reach(data.dt):
@@ -106,7 +106,7 @@ def _check_torques(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
         held = [float(each.tau[0, j]) for each in data]
         constant = all((each.tau[:, j] == each.tau[0, j]).all() for each in data)
         if constant and (any(held) or all((each.tau == each.tau[:1]).all() for each in data)):
-            remedy = "record the torque asked for while it changes: a motion with accelerations and reversals"
+            remedy = "record the commanded torque while it changes: a motion with accelerations and reversals"
             value = f"{held[0]:g} throughout"
             problem = "the torque is constant"
             raise InputError(problem, file=data[0].name, key=f"tau.{joint}", value=value, remedy=remedy)
@@ -223,7 +223,7 @@ def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured)
         joint, gain, share = model.joint_names[j], float(seen.gain[j]), float(seen.share[j])
         if share > EXPLAINED_SHARE and far(gain):
             remedy = f"check the unit of tau.{joint} and the masses of the model"
-            problem = "the torque has the right course and the wrong size"
+            problem = "the torque has the right shape and the wrong size"
             value = f"{gain:.3g} times what the model needs"
             raise InputError(problem, file=data.name, key=f"tau.{joint}", value=value, remedy=remedy)
         if share > NOTED_VARIANCE_SHARE and 0.5 < gain < 2.0:

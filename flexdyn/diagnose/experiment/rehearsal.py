@@ -206,7 +206,7 @@ class RehearsalBench:
         solver = _solver(model, move.path, self.reach.dt)
         run = simulate(model, command, seconds, solver, q0=start, theta0="equilibrium", rate=rate, progress=watch)
         if not self.reach.holds(run.q, run.v, run.tau):
-            raise InputError("beyond what the arm has been seen to do", key="motion", value=move.words)
+            raise InputError("beyond the motions in the recordings", key="motion", value=move.words)
         whole = run.to_recording()
         kept = {name: values for name, values in whole.channels.items() if self._is_measured(name)}
         units = {name: unit for name, unit in whole.meta.get("units", {}).items() if name in kept}

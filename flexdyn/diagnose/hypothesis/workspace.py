@@ -92,8 +92,8 @@ def prepared(
     noise = SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
     bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
     if sign_mask(bare.equations, noise).all():
-        problem = "joints rest, or may rest, so often that no equation says anything"
-        remedy = "let all joints move at once for seconds: while one sticks, nobody knows what friction holds"
+        problem = "joints rest, or may rest, so often that no equation can be used"
+        remedy = "let all joints move at once for seconds: while one sticks, its friction torque is unknown"
         raise InputError(problem, file=data[0].name, key="t", remedy=remedy)
     return bare, noise, start
 

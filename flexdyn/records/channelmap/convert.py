@@ -74,7 +74,9 @@ def conversion(channel: Channel, stated: str | None = None) -> Conversion:
             denominator *= ratio
         else:
             remedy = "it fits positions, velocities and torques: leave it out"
-            raise InputError("no channel that a gear changes", key=_key(channel, "side"), value="motor", remedy=remedy)
+            raise InputError(
+                "a gear does not change this channel", key=_key(channel, "side"), value="motor", remedy=remedy
+            )
         # A rotary motor drives a prismatic joint as well as a revolute one, so its angles tell nothing of the joint.
         told = "" if told in SLIDING else told
     return Conversion(numerator, denominator, unit.zero * channel.sign + channel.offset, told, label)
@@ -101,7 +103,7 @@ def _unit(channel: Channel, name: str) -> Unit:
         raw = unit is not None and unit.quantity in ELECTRICAL and signal != "voltage"  # the factor says what it drives
         if unit is not None and unit.quantity in fitting and not raw:
             key, remedy = _key(channel, "factor"), "leave one of them out"
-            raise InputError("both factor and a unit that tells it", key=key, value=name, remedy=remedy)
+            raise InputError("factor and unit both give the scale", key=key, value=name, remedy=remedy)
         return Unit("", channel.factor)
     if not name or (unit is None and not signal):
         return Unit("")
@@ -117,7 +119,7 @@ def _unit(channel: Channel, name: str) -> Unit:
 def _converter(channel: Channel, name: str) -> Unit:
     """Counts of a PWM or an ADC."""
     if channel.factor is not None or name not in ("", "counts"):
-        problem, key = "full_counts says it all", _key(channel, "full_counts")
+        problem, key = "full_counts gives the scale already", _key(channel, "full_counts")
         raise InputError(problem, key=key, remedy="leave factor and unit out; the offset may stay")
     counts = _needed(channel, "full_counts", "full_scale")
     return Unit("", 1.0 if channel.signal == "duty" else _needed(channel, "full_scale", "full_counts"), counts)

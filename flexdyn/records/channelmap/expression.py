@@ -129,7 +129,7 @@ class _Reader:
 
     def _factor(self, depth: int) -> Any:
         if depth > DEEPEST:
-            raise self.refused("more brackets within one another than anybody reads")
+            raise self.refused("brackets nest too deep")
         kind, text = self.token
         if kind == "number":
             return float(self._take())

@@ -142,7 +142,7 @@ def _computed(entries: Any, channels: tuple[Channel, ...], *, keep: bool) -> tup
         key = f"computed.{name}"
         _check_channel_name(name, "computed")
         if name in known:
-            remedy = "give it another name in channels: it is carried along under that"
+            remedy = "give it another name in channels: it is kept under that name"
             raise InputError("the channel is there already", key=key, value=text, remedy=remedy)
         expression = expression_of(text, key)
         if not keep:
@@ -206,7 +206,7 @@ def _with_shared(key: str, given: dict[str, Any], shared: Mapping[str, Any]) -> 
     for number, (used, where) in uses.items():
         used = used and (number == "gear_ratio" or "factor" not in given)
         if number in given and not used:
-            raise InputError("a number that nothing uses", key=f"{key}.{number}", remedy=f"it goes with {where}")
+            raise InputError("the number is not used", key=f"{key}.{number}", remedy=f"it goes with {where}")
         if used and number in shared:
             given.setdefault(number, shared[number])
     return given

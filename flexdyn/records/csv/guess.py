@@ -41,7 +41,7 @@ def encoding_of(path: Path, told: str | None) -> tuple[str, str, str]:
     try:
         codecs.getincrementaldecoder("utf-8")().decode(sample)  # a letter may be cut at the end of the sample
     except UnicodeDecodeError:
-        guess = "the letters are not UTF-8 and were read as Windows-1252 (latin-1)"
+        guess = "the text is not UTF-8 and was read as Windows-1252 (latin-1)"
         return WESTERN, "replace", f"{guess}; if names look wrong, say source: {{encoding: ...}} in a channel map"
     return "utf-8-sig", "surrogateescape", ""
 

@@ -68,7 +68,7 @@ def _told(blocks: Iterator[Block], layout: Layout) -> _Start:
     first = layout.first_line or (layout.names_line or 0) + 1
     at = layout.names_line or first - 1
     if at >= first:
-        remedy = "samples follow their names"
+        remedy = "the samples must come after their names"
         raise InputError(
             "the first line of samples is not below the names", key="first_line", value=first, remedy=remedy
         )

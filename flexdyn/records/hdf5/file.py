@@ -69,7 +69,7 @@ def read_here(path: Path, request: Request) -> Table:
     """
     h5py = library()
     table = Table()
-    with damage_named("not an HDF5 file, or cut"), h5py.File(path, "r") as file:
+    with damage_named("not an HDF5 file, or truncated"), h5py.File(path, "r") as file:
         datasets = dict(_anywhere(h5py, file) if request.mapped else _datasets(h5py, file))
         meta = datasets.pop(RESERVED, None)
         if meta is not None:
@@ -146,7 +146,7 @@ def _anywhere(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
 def member(h5py: Any, group: Any, link: str) -> Any:
     """What a link leads to, if it leads there directly: soft and external links could lead anywhere."""
     if not isinstance(group.get(link, getlink=True), h5py.HardLink):
-        raise InputError("the file links elsewhere", value=link, remedy="copy the linked dataset into the file")
+        raise InputError("a link leads out of the file", value=link, remedy="copy the linked dataset into the file")
     return group[link]
 
 

@@ -77,7 +77,7 @@ def read(path: Path, request: Request) -> Table:
     if _HDF5 in (head[:8], head[512:520]):
         return v73.read(path, request)
     columns = LeafColumns(request)
-    with damage_named("not a MAT-file, or cut"):
+    with damage_named("not a MAT-file, or truncated"):
         v5.read(path, request, columns)
         return columns.table()
 

@@ -144,7 +144,7 @@ def _head(cursor: Cursor) -> _Head:
     kind = int(flags[0]) & 0xFF
     shape = () if kind == _OPAQUE else tuple(int(extent) for extent in cursor.numbers())
     if min(shape, default=0) < 0 or len(shape) > _MOST_DIMENSIONS:
-        raise InputError("an array has no possible shape", value=shape, remedy="the file is damaged")
+        raise InputError("an array has an impossible shape", value=shape, remedy="the file is damaged")
     return _Head(kind, bool(int(flags[0]) & _COMPLEX), shape, cursor.text())
 
 

@@ -60,4 +60,4 @@ class Cursor:
 
 def cut() -> InputError:
     """What is said of bytes that are not there."""
-    return InputError("the file is cut or damaged", remedy="copy the file again")
+    return InputError("the file is truncated or damaged", remedy="copy the file again")

@@ -76,7 +76,7 @@ def read_here(path: Path, request: Request) -> Table:
     """
     h5py = library()
     columns = LeafColumns(request)
-    with damage_named("not a MAT-file, or cut"), h5py.File(path, "r") as file:
+    with damage_named("not a MAT-file, or truncated"), h5py.File(path, "r") as file:
         reader = _Reader(h5py, os.path.getsize(path))
         names = [name for name in file if not name.startswith("#")]
         for place, name in enumerate(names):

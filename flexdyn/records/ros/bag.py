@@ -112,10 +112,10 @@ def opened(path: Path) -> Iterator[Bag]:
 def _library() -> Iterator[None]:
     """Whatever rosbags stumbles over, as one line."""
     try:
-        with damage_named("not a bag, cut, or damaged"):
+        with damage_named("not a bag, truncated, or damaged"):
             yield
     except MemoryError:
-        problem = "cut or damaged: a part of it announces more than fits into memory"
+        problem = "truncated or damaged: a part of it declares more than fits into memory"
         raise InputError(problem, remedy="copy the file again") from None
 
 
@@ -178,7 +178,7 @@ def _files(path: Path, stack: ExitStack) -> tuple[list[Path], Callable[[bytes], 
     mode = str(info.get("compression_mode") or "none").lower()
     kind = str(info.get("compression_format") or "none").lower()
     if mode not in ("none", "file", "message") or (mode != "none" and kind != "zstd"):
-        problem = "a compression that is not read"
+        problem = "this compression is not supported"
         raise InputError(
             problem, file=path / "metadata.yaml", value=f"{mode} {kind}", remedy="convert it with ros2 bag"
         )
@@ -191,7 +191,7 @@ def _files(path: Path, stack: ExitStack) -> tuple[list[Path], Callable[[bytes], 
                 unpack_file(packed, plain)
             files[index] = plain
     if bad := [file.name for file in files if file.suffix.lower() not in (".mcap", ".db3")]:
-        raise InputError("a storage that is not read", value=bad[0], remedy="known: .mcap, .db3")
+        raise InputError("this storage is not supported", value=bad[0], remedy="known: .mcap, .db3")
     return files, (lambda raw: unpacked(raw, "zstd", MOST_MESSAGE)) if mode == "message" else None
 
 

@@ -164,7 +164,7 @@ class BoundedReader(Reader):  # type: ignore[misc]
             plain = unpacked(data, kind, most) if kind in _UNPACK else data
             self.plain_left -= len(plain)
             if self.plain_left < 0:
-                raise InputError("chunks are unpacked again and again", remedy="sort the bag by time first")
+                raise InputError("the same chunks would be unpacked many times", remedy="sort the bag by time first")
             return plain
 
         return chunk._replace(decompressor=bounded)

@@ -67,7 +67,7 @@ class Wanted:
             return None
         if missing:
             alike = near(missing[0], columns)
-            problem = f"message {row} of {self.topic} has no such column, but others that were asked for"
+            problem = f"message {row} of {self.topic} has no such column, but has other requested ones"
             remedy = f"{alike} if {_TWO_PUBLISHERS}"
             raise InputError(problem, key=missing[0], remedy=remedy, row=row, channel=missing[0])
         self.found.update(self.names)

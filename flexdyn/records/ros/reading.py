@@ -167,7 +167,7 @@ def _collect(bag: Bag, every: Sequence[Series], request: Request) -> None:
         announced = bag.topics[series.topic].count
         if announced is not None and series.seen != announced:
             problem = f"{series.seen} messages where the index announces {announced}"
-            raise InputError(problem, key=series.topic, remedy="the bag is cut or damaged; reindex or recover it")
+            raise InputError(problem, key=series.topic, remedy="the bag is truncated or damaged; reindex or recover it")
 
 
 def _zero(stamps: Integers) -> int:
@@ -184,6 +184,6 @@ def _notes(table: Table, series: Series) -> list[str]:
         notes.append(f"{name} of {series.topic} is NaN in every message and was left out")
     if any(name.startswith("tau.") for name in table.columns):
         notes.append(
-            f"effort of {series.topic} was taken as tau, the torque asked for; map it to tau_s if it is measured"
+            f"effort of {series.topic} was taken as tau, the commanded torque; map it to tau_s if it is measured"
         )
     return notes

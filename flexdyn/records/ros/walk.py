@@ -137,7 +137,7 @@ class _Walk:
     def _numbers(self, kind: str, path: Path, count: int | None) -> None:
         """One number (no count), or several side by side; lists of bytes are no columns (pictures, blobs)."""
         if kind not in _TYPES:
-            raise InputError("a type of field that is not read", key=".".join(map(str, path)), value=kind)
+            raise InputError("this type of field is not supported", key=".".join(map(str, path)), value=kind)
         size = np.dtype(_TYPES[kind]).itemsize
         code = _TYPES[kind] if size == 1 else self.order + _TYPES[kind]
         if count == 0:

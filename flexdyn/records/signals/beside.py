@@ -71,7 +71,7 @@ def _on_the_clock_of(first: Recording, other: Recording) -> tuple[FloatArray, st
     if isinstance(began, int) and isinstance(later, int):
         late = (later - began) / 1e9
         return np.asarray(other.t + late), f"by the time of day: it started {late:.6g} s later"
-    return other.t, "both clocks are taken to be one"
+    return other.t, "both clocks are assumed to agree"
 
 
 def _at(times: FloatArray, t: FloatArray, values: FloatArray, method: str) -> FloatArray:

@@ -70,7 +70,7 @@ def split(rec: Recording, *, at: Sequence[float] | None = None, gaps: float | No
     rows = [0, *(int(end) for end in ends), len(rec)]
     pieces = tuple(_rows(rec, low, high) for low, high in pairwise(rows) if high - low >= 2)
     if not pieces:
-        raise InputError("every sample stands alone", key="gaps", value=gaps, remedy="give a longer gap")
+        raise InputError("every piece would have one sample", key="gaps", value=gaps, remedy="give a longer gap")
     return pieces
 
 

@@ -79,7 +79,7 @@ class Derivatives:
             order: ``"value"``, ``"first"`` or ``"second"``.
         """
         if channel not in self.noise:
-            raise InputError("the noise of the channel was not asked for", key=channel, remedy="name it in channels=")
+            raise InputError("the noise of the channel was not requested", key=channel, remedy="name it in channels=")
         held = order == "value" and _signal(channel) in HELD
         return self.smoother.noise_std("held" if held else order, self.noise[channel].autocovariance)
 
@@ -121,7 +121,7 @@ def derivatives(
     if smoother is None:
         moving = [channel for channel in positions if np.ptp(rec[channel]) > 0]
         if not moving:
-            raise InputError("no position moves that a width could be chosen by", key="cutoff", remedy="give one [Hz]")
+            raise InputError("no position moves, so no width can be chosen", key="cutoff", remedy="give one [Hz]")
         found = {channel: noise[channel] if channel in noise else noise_of(rec, channel) for channel in moving}
         choices = [best_smoother(rec[channel], rate, found[channel]) for channel in moving]
         smoother = min(choices, key=lambda choice: choice.width)

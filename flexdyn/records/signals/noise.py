@@ -110,7 +110,7 @@ def estimate_noise(t: npt.ArrayLike, x: npt.ArrayLike, *, unit: str = "", held: 
         start = int(np.flatnonzero(np.diff(samples))[0] + 1) % hold
         times, samples = times[start::hold], samples[start::hold]
     if len(samples) < 2 * max(_ORDERS):
-        problem = f"{len(samples)} values, each held for {hold} samples, are too few to tell noise"
+        problem = f"{len(samples)} values, each held for {hold} samples, are too few to estimate noise"
         raise InputError(problem, key="x", remedy="give a longer recording")
     step = quantisation_step(samples)
     std, found = _estimated(times, samples, step)
@@ -147,7 +147,9 @@ def _checked(t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[FloatArray, FloatArray
         problem = f"times {times.shape} and samples {samples.shape} are no two columns of one length"
         raise InputError(problem, key="x", remedy="give one channel")
     if len(times) < FEWEST:
-        raise InputError(f"{len(times)} samples are too few to tell noise", key="x", remedy=f"give {FEWEST} or more")
+        raise InputError(
+            f"{len(times)} samples are too few to estimate noise", key="x", remedy=f"give {FEWEST} or more"
+        )
     for key, values in (("t", times), ("x", samples)):
         if not np.isfinite(values).all():
             row = int(np.argmin(np.isfinite(values)))
