@@ -13,12 +13,12 @@ from flexdyn.errors import InputError
 class Payload(Effect):
     """A point mass that the arm carries.
 
-    It enters M(q) and h(q, v) like any mass: ``M += mass J^T J``, J the frame's translational Jacobian, and its weight
-    loads the joints. Paper: m_e, the mass of the end effector, and m_L in eq. 16-19.
+    It enters M(q) and h(q, v) like any mass: ``M += mass J^T J`` with the frame's translational Jacobian J, and its
+    weight loads the joints. Paper: m_e, the mass of the end effector, and m_L in eq. 16-19.
 
     Args:
         mass: [kg].
-        frame: at whose origin it sits; left out: the last frame of the chain.
+        frame: the mass is at the origin of this frame; default: the last frame of the chain.
     """
 
     stage = "inertia"
@@ -39,7 +39,7 @@ class ParallelSpring(JointEffect):
     Args:
         joint: its name.
         stiffness: [N m/rad].
-        rest: where it pulls to [rad].
+        rest: position at which its torque is zero [rad].
     """
 
     sides = ("link",)
@@ -56,7 +56,7 @@ class PositionTorque(JointEffect):
     """A torque that depends on the joint's position alone: a counterbalance, cables, a hose.
 
     ``tau_link = -(cos_1 cos q + sin_1 sin q + cos_2 cos 2q + sin_2 sin 2q)``, on the right side of the link's
-    equation. On a prismatic joint q counts in m.
+    equation. For a prismatic joint q is in m.
 
     Args:
         joint: its name.
@@ -79,15 +79,15 @@ class PositionTorque(JointEffect):
 
 
 class EndStop(JointEffect):
-    """Bumpers at the ends of a joint's travel: they press, they never pull.
+    """Bumpers at the ends of a joint's range: they press, they never pull.
 
-    ``tau_link = -(stiffness (q - upper) + damping v)`` beyond upper, likewise below lower, and 0 where that would pull
+    ``tau_link = -(stiffness (q - upper) + damping v)`` beyond upper, likewise below lower, and 0 if that would pull
     the link into the bumper.
 
     Args:
         joint: its name.
-        lower: [rad]; -inf: none on this side.
-        upper: [rad]; inf: none on this side.
+        lower: [rad]; -inf: no bumper on this side.
+        upper: [rad]; inf: no bumper on this side.
         stiffness: [N m/rad].
         damping: [N m s/rad].
     """
@@ -112,7 +112,7 @@ class EndStop(JointEffect):
 
 
 class JointCoupling(JointEffect):
-    """The rotor of one joint drags on that of another: differential wrists, belts over a common shaft.
+    """The rotor of one joint drags the rotor of another: differential wrists, belts over a common shaft.
 
     ``f_motor = coefficient omega`` of joint `other`, on the left side of the rotor's equation of `joint`. It is not
     friction: it may supply power.
@@ -149,5 +149,5 @@ class JointCoupling(JointEffect):
         return super()._example_place(joint, other) | {"other": other}
 
     def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
-        # Pointwise the core knows one joint alone.
+        # The core's pointwise evaluation knows one joint only.
         return self.coefficient * u
