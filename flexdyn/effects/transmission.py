@@ -127,8 +127,8 @@ class SpringHysteresis(MemoryEffect):
     Eng. Mech. Div. ASCE 102, 1976) with exponent 1 and no softening on unloading.
 
     Args:
-        joint: its name; it must be elastic. stiffness: at a reversal, in addition to the joint's K [N m/rad]; far from
-            a reversal the torque is stiffness*width.
+        joint: its name; it must be elastic.
+        stiffness: at a reversal, in addition to the joint's K [N m/rad]; far from it the torque is stiffness*width.
         width: scale of the deflection over which the torque changes its sign after a reversal [rad].
     """
 
