@@ -1,4 +1,4 @@
-"""What notebooks show of an object and what tab completion offers: small HTML tables, and public names."""
+"""HTML tables that notebooks show for an object, and the public names that tab completion offers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from html import escape
 from typing import Any
 
 MOST_TABLE_ROWS = 20
-"""Rows of a table; further ones are counted."""
+"""Largest number of rows of a table; further rows are only counted."""
 _CELL = 'style="text-align:left;padding:2px 12px 2px 0"'
 
 
@@ -20,7 +20,7 @@ class Public:
 
 
 def card(title: str, facts: Mapping[str, Any], *tables: str, notes: Iterable[str] = ()) -> str:
-    """HTML of an object: its title, a line for each fact, tables, notes; whatever stands in them is only text.
+    """HTML of an object: its title, a line for each fact, tables, notes; all content is escaped.
 
     Args:
         title: what it is.
@@ -35,7 +35,7 @@ def card(title: str, facts: Mapping[str, Any], *tables: str, notes: Iterable[str
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST_TABLE_ROWS) -> str:
-    """An HTML table; of many rows the first `most`."""
+    """An HTML table with at most `most` rows."""
     listed = [tuple(row) for row in rows]
     head = "".join(f"<th {_CELL}>{escape(text)}</th>" for text in heads)
     body = "".join(
