@@ -14,12 +14,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Electrical:
-    """Of every joint's motor at the samples (samples, n); NaN where the joint has no DC motor.
+    """Electrical quantities of every joint's motor at the samples (samples, n); NaN where a joint has no DC motor.
 
     Attributes:
-        voltage: at the motor's terminals [V]: as asked for, but where the supply or the current's limit cuts it.
+        voltage: at the motor's terminals [V]: the commanded one, limited by the supply and the current limit.
         current: [A].
-        power: voltage times current [W]; the rest of it beside `heat` is mechanical.
+        power: voltage times current [W]: the sum of `heat` and the mechanical power.
         heat: R current^2 [W].
 
     Example:
@@ -38,11 +38,11 @@ class Electrical:
 
 
 def asked_voltage(model: FlexibleJointModel, tau: Array) -> Array:
-    """Volts that the torques asked for stand for (samples, n), cut at the supply; NaN without a motor.
+    """Voltages of the commanded torques (samples, n) [V], limited to the supply; NaN without a motor.
 
     Args:
-        model: whose actuators.
-        tau: torques asked for (samples, n).
+        model: that has the actuators.
+        tau: commanded torques (samples, n) [N m or N].
     """
     volts = np.full_like(tau, np.nan)
     for j, joint in enumerate(model.joints.values()):
@@ -53,11 +53,11 @@ def asked_voltage(model: FlexibleJointModel, tau: Array) -> Array:
 
 
 def electrical(model: FlexibleJointModel, tau: Array, omega: Array) -> Electrical:
-    """Of motors that are asked for torques while they turn.
+    """Compute the electrical quantities from commanded torques and rotor speeds.
 
     Args:
-        model: whose actuators.
-        tau: torques asked for (samples, n) [N m or N].
+        model: that has the actuators.
+        tau: commanded torques (samples, n) [N m or N].
         omega: rotor speeds, reflected (samples, n).
     """
     volts, true = asked_voltage(model, tau), model.resolved()

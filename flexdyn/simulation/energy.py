@@ -1,4 +1,4 @@
-"""The energy ledger of a run: where the energy is, what came in, what each effect took out."""
+"""The energy ledger of a run: stored energy, supplied energy, and the energy that each effect took."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 class EnergyWarning(UserWarning):
-    """A run's energy ledger does not close to its solver's tolerance.
+    """The energy ledger of a run does not close to the tolerance of its solver.
 
     Example:
         >>> issubclass(fd.EnergyWarning, UserWarning)
@@ -26,20 +26,20 @@ class EnergyWarning(UserWarning):
 
 @dataclass(frozen=True, repr=False)
 class Energy(Public):
-    """Where the energy of a motion is and went, sample by sample [J], each (samples,) unless said.
+    """Stored, supplied and dissipated energy of a motion at each sample [J], (samples,) unless another shape is given.
 
     ``mechanical - initial = supplied + external - sum of dissipated + residual``.
 
     Attributes:
         kinetic: of the links and rotors.
-        spring: held by springs of all kinds: transmissions, bristles, hysteresis, parallel springs, counterbalances.
-        gravity: of the links, from the height of the base.
-        supplied: by each motor since the start, tau_applied omega integrated (samples, n).
+        spring: stored in springs of all kinds: transmissions, bristles, hysteresis, parallel springs, counterbalances.
+        gravity: of the links; it is zero at the height of the base.
+        supplied: by each motor since the start, the integral of tau_applied omega (samples, n).
         external: by wrenches since the start.
         dissipated: since the start, by ``effect.joint.side``; ``damping.JOINT`` is the joint's own. An end stop's entry
-            holds what its spring still stores.
-        initial: mechanical energy at the start of the run, which the first sample need not be [J].
-        tolerance: that the residual should stay below [J].
+            includes the energy that its spring still stores.
+        initial: mechanical energy at the start of the run, which may be before the first sample [J].
+        tolerance: bound for the residual [J].
 
     Example:
         >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
@@ -59,7 +59,7 @@ class Energy(Public):
     tolerance: float
 
     def __repr__(self) -> str:
-        """What went where over the whole run [J], in a line."""
+        """Supplied and dissipated energy of the whole run [J], in one line."""
         spent = sum(float(each[-1]) for each in self.dissipated.values())
         given = float(self.supplied[-1].sum())
         return f"<Energy: supplied {given:.4g} J, dissipated {spent:.4g} J, {len(self.kinetic)} samples>"
@@ -71,18 +71,18 @@ class Energy(Public):
         object.__setattr__(self, "dissipated", MappingProxyType(dict(self.dissipated)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle by its fields, through the constructor: a read-only mapping does not, and locks are lost."""
+        """Pickle by the fields and the constructor: a read-only mapping cannot be pickled, and locks would be lost."""
         values = [getattr(self, field.name) for field in fields(self)]
         return (type(self), tuple(dict(value) if isinstance(value, Mapping) else value for value in values))
 
     @property
     def mechanical(self) -> Array:
-        """Kinetic, spring and gravity energy together: constant where nothing drives or brakes."""
+        """The sum of kinetic, spring and gravity energy: constant if nothing drives or brakes."""
         return self.kinetic + self.spring + self.gravity
 
     @property
     def residual(self) -> Array:
-        """What the ledger leaves unexplained: the integration's error."""
+        """The error of the ledger, which is the error of the integration."""
         came = self.supplied.sum(axis=1) + self.external
         went = np.sum(list(self.dissipated.values()), axis=0) if self.dissipated else 0.0
         return np.asarray(self.mechanical - self.initial - came + went)

@@ -1,4 +1,4 @@
-"""Why an integration stopped, where it stood, and what would do instead."""
+"""The error of an integration that stopped: reason, time, and the solver to use instead."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from flexdyn.simulation.solver_choice import STIFF
 from flexdyn.simulation.solvers import RungeKutta4, Solver
 
 SPENT = "more steps than allowed"
-STABLE = 2.5  # step times rate up to which the classical method is stable, whatever the phase
+STABLE = 2.5  # step times rate up to which the classical method is stable at any phase
 RUNAWAY = 1e6  # rad/s or m/s: no joint is as fast
-EVENTFUL = 0.2  # events a step: the steps are short for their sake
+EVENTFUL = 0.2  # events per step: the events make the steps short
 
 
 def stopped(
     report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel, tau: NDArray[np.float64]
 ) -> SimulationError:
-    """The error of a run that could not go on.
+    """The error of a run that could not continue.
 
     Args:
         report: of the core.
         solver: of the run.
         model: that moved.
-        tau: torques at its samples (samples, n), as far as it came.
+        tau: torques at its samples (samples, n), until it stopped.
     """
     t, reason, state = float(report["t"]), str(report["reason"]), np.array(report["x"])
     asked = tau[max(0, int(report["written"]) - 1)] if report["written"] else np.zeros(model.n)
@@ -39,7 +39,7 @@ def stopped(
     short = reason == SPENT or endless or "step fell below" in reason
     fastest = fastest_motion(model, state, asked, t) if short and np.isfinite(state).all() else None
     often = endless or int(report["events"]) > EVENTFUL * max(1, int(report["steps"]))
-    # At a fixed step a motion runs away because the step is too large.
+    # With a fixed step a motion diverges because the step is too large.
     runaway = "" if isinstance(solver, RungeKutta4) else _runaway(model, state)
     remedy = runaway or _remedy(name, solver, fastest, short=short, often=often)
     why = f"{reason} ({tried} tried, {int(report['events'])} events)" if reason == SPENT else reason
@@ -56,7 +56,7 @@ def stopped(
 
 
 def _runaway(model: FlexibleJointModel, state: NDArray[np.float64]) -> str:
-    """What to say of a motion that no arm makes; nothing of others."""
+    """The message for a motion that no arm makes; empty for others."""
     n, elastic = model.n, np.flatnonzero(model.elastic)
     speeds = np.abs(state[n + len(elastic) : 2 * (n + len(elastic))])
     if not np.isfinite(speeds).all() or speeds.max() < RUNAWAY:
