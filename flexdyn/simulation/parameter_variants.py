@@ -132,7 +132,7 @@ class Variants:
         return K, D, J
 
     def _parameters(self, effects: Numbers, sound: Flags) -> Array:
-        """Parameters of the laws (runs, laws, max_law_parameters); clears `sound` where one may be refused or neutral."""
+        """Parameters of the laws (runs, laws, max_law_parameters); clears `sound` if one is refused or neutral."""
         base = np.zeros((len(self._acting), _core.max_law_parameters))
         for law, effect in enumerate(self._acting):
             base[law, : len(effect.values)] = effect.values
