@@ -1,4 +1,4 @@
-"""The model that is analysed: true numbers, and some effects left out."""
+"""The model that is analysed: corrected numbers, some effects left out."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 def checked_model(model: Any) -> FlexibleJointModel:
     """The model with parameter errors and joint elasticities folded into its numbers, and without command delays.
 
-    A delay is no law of this instant: it changes no torque at rest, and `command_delays` has it for responses.
+    A delay changes no torque at rest; `command_delays` gives it for frequency responses.
 
     Raises:
-        InputError: it is no model.
+        InputError: the argument is no model.
     """
     if not isinstance(model, FlexibleJointModel):
         raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
@@ -27,7 +27,7 @@ def checked_model(model: Any) -> FlexibleJointModel:
 
 
 def command_delays(model: FlexibleJointModel) -> NDArray[np.float64]:
-    """Dead time between the torque asked for and the motor's (n,) [s]."""
+    """Dead time between the commanded torque and the motor's (n,) [s]."""
     delays = np.zeros(model.n)
     for effect in model.resolved().effects:
         if isinstance(effect, CommandDelay):
@@ -36,7 +36,7 @@ def command_delays(model: FlexibleJointModel) -> NDArray[np.float64]:
 
 
 def without(model: FlexibleJointModel, leave_out: Callable[[Effect], bool]) -> FlexibleJointModel:
-    """The model without some of its effects; the same if it has none of them."""
+    """The model without some of its effects; the model itself if it has none of them."""
     kept = [effect for effect in model.all_effects if not leave_out(effect)]
     if len(kept) == len(model.all_effects):
         return model

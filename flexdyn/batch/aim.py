@@ -31,7 +31,7 @@ class Aim:
     Attributes:
         rest: from when on the command no longer changes [s from the start of the run]: a torque that is played no
             longer changes, a reference stands still; None: it never comes to rest within the run.
-        reference: positions to be tracked, one column a joint; None: torques are played.
+        reference: positions to be tracked, one column for each joint; None: torques are played.
     """
 
     rest: float | None

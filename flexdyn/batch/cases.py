@@ -125,7 +125,7 @@ class Cases:
         Args:
             table: their numbers (runs,) by path.
             out: filled: signal -> (runs, samples, n).
-            progress: called with the number of runs done some ten times a second.
+            progress: called with the number of runs done about ten times a second.
 
         Returns:
             (runs,) which of them are done; the others are to be done one by one, by `case_of`.
@@ -168,7 +168,7 @@ class Cases:
         return Variants(case.model, job.drive, job.duration, job.solver, job.out["t"])
 
     def _job(self, model: FlexibleJointModel) -> Job:
-        """A run of a model under the command, made ready."""
+        """A run of a model under the command, prepared."""
         starts = dict.fromkeys(("q", "v", "theta", "omega"))
         study = self.study
         return prepare(model, self.command, study.duration, self.solver, starts, study.rate, None, None)
@@ -225,7 +225,7 @@ def cases_of(study: Study) -> Cases:
 
 
 def keep(cases: Cases) -> Cases:
-    """Keep cases for whoever asks for those of the same study, in the place of the oldest that are kept.
+    """Keep cases for whoever asks for those of the same study, instead of the oldest that are kept.
 
     Args:
         cases: of a study that is whole.

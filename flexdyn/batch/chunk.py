@@ -1,4 +1,4 @@
-"""One chunk of a study's runs: made ready, integrated, measured and written, on one thread of any machine."""
+"""One chunk of a study's runs: prepared, integrated, measured and written, on one thread of any machine."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Task:
 
         Args:
             chunk: its number.
-            stopped: asked some ten times a second whether to give up.
+            stopped: asked about ten times a second whether to give up.
 
         Raises:
             InputError: the store cannot be written to.

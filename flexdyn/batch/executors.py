@@ -39,7 +39,7 @@ class Executor(Protocol):
 class Threads:
     """Threads of this process: each does whole chunks, and the core works without the interpreter's lock.
 
-    One chunk is made ready and measured while others are integrated.
+    One chunk is prepared and measured while others are integrated.
 
     Args:
         workers: default: the processors this process may use.

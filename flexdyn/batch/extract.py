@@ -46,7 +46,7 @@ def extract(study: Study, k: int, folder: Path) -> Extracted:
     Args:
         study: whose run it is.
         k: its number, from 0.
-        folder: to write them to; it is made if it is not there.
+        folder: to write them to; it is created if it does not exist.
 
     Raises:
         InputError: there is no such run, its numbers fit no model, or the folder cannot be written.

@@ -62,7 +62,7 @@ class Results(Public):
         return f"<Results of {self.study.name} in {self.path}: {runs}>"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: how many runs, what varies, every metric."""
+        """HTML for notebooks: how many runs, what varies, every metric."""
         done = self.status != NOT_DONE
         rows = []
         for kind, columns in (("varies", self.parameters), ("metric", self.metrics)):
@@ -185,7 +185,7 @@ class Results(Public):
 
         Args:
             k: its number, from 0.
-            folder: to write them to; it is made if it is not there.
+            folder: to write them to; it is created if it does not exist.
 
         Raises:
             InputError: there is no such run, or the folder cannot be written.

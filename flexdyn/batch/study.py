@@ -61,7 +61,7 @@ class Study(Public):
         return f"<Study of {self.name}: {self.count} runs of {self.duration:g} s, {len(self.vary)} numbers vary>"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: how many runs, and how each number varies."""
+        """HTML for notebooks: how many runs, and how each number varies."""
         facts = {
             "runs": f"{self.count} of {self.duration:g} s, seed {self.seed}",
             "solver": self.solver["name"],

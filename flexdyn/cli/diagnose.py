@@ -197,7 +197,7 @@ def _check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:
 
 
 def _folder(path: Path | None, inputs: Sequence[Path]) -> Path:
-    """The folder to write to, found fit before any work is done."""
+    """The folder to write to, checked before any work is done."""
     if path is None:
         raise InputError("say where to write", key="--output", remedy="give a folder for the report")
     output_folder(path)

@@ -60,7 +60,7 @@ def write_example(name: str, folder: Path) -> tuple[Path, ...]:
 
     Args:
         name: of `EXAMPLES`.
-        folder: made if it is not there.
+        folder: created if it does not exist.
 
     Returns:
         The files.

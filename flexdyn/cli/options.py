@@ -29,7 +29,7 @@ def by_joint(option: str, texts: Sequence[str], joint_names: Sequence[str]) -> d
         joint_names: of the robot.
 
     Raises:
-        InputError: a joint that is not there, too many or too few values, something that is no number.
+        InputError: an unknown joint, too many or too few values, an entry that is no number.
     """
     entries = [entry.strip() for text in texts for entry in text.split(",")]
     if not entries:
@@ -90,7 +90,7 @@ def span_of(option: str, text: str) -> tuple[float | None, float | None]:
 
 
 def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inputs: Sequence[Path | None] = ()) -> Path:
-    """The file to write, found fit before any work is done.
+    """The file to write, checked before any work is done.
 
     Args:
         option: that it was given with.
@@ -99,7 +99,7 @@ def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inpu
         inputs: files that the command reads and must not overwrite.
 
     Raises:
-        InputError: not given, a suffix that is not known, no such folder, no right to write there, or an input.
+        InputError: not given, an unknown suffix, no such folder, no right to write there, or an input.
     """
     known = ", ".join(suffixes)
     if path is None:

@@ -23,7 +23,7 @@ def load_each(paths: Sequence[Path], maps: Sequence[Path]) -> list[Recording]:
         maps: none, one, or as many as recordings, in their order.
 
     Raises:
-        InputError: another number of maps, or a file that is wrong.
+        InputError: another number of maps, or a file with a fault.
     """
     if len(maps) not in (0, 1, len(paths)):
         problem = f"{len(maps)} maps for {len(paths)} recordings"
@@ -69,7 +69,7 @@ def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Rec
         name: label; default: the file's name without suffix.
 
     Raises:
-        InputError: a file or map that is wrong, another number of maps than files, or files that do not fit together.
+        InputError: a file or map with a fault, another number of maps than files, or files that do not fit together.
     """
     files = parts_of(path)
     if len(files) == 1:

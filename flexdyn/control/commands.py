@@ -24,7 +24,7 @@ class Samples:
 
     Args:
         t: times (samples,) [s], strictly increasing; the run starts at the first.
-        values: (samples, n), one column a joint in the order of q, or a mapping from joint to (samples,).
+        values: (samples, n), one column for each joint in the order of q, or a mapping from joint to (samples,).
         interpolation: ``hold`` (from this sample to the next), ``linear``, ``monotone`` (cubic pieces with a continuous
             velocity that never leave the range between two samples: Fritsch and Carlson, SIAM J. Numer. Anal. 17,
             1980) or ``cubic`` (a C2 spline, which may overshoot).
@@ -71,7 +71,7 @@ class Samples:
             object.__setattr__(self, key, entry)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
+        """Unpickle through the constructor, so that arrays are read-only again."""
         named = self.values if self.joints is None else dict(zip(self.joints, self.values.T, strict=True))
         return (type(self), (self.t, named, self.interpolation))
 

@@ -97,7 +97,7 @@ class PaperServo:
     _slow: Array = field(default_factory=lambda: np.zeros(2), init=False)
 
     def __call__(self, t: float, state: State) -> Array:
-        """Torques asked for, held to the next sample (2,) [N m]."""
+        """Commanded torques, held to the next sample (2,) [N m]."""
         k = min(round(t * BENCH_RATE), len(self.wanted) - 2)
         seen = quantised(state.theta, motor_step())
         last = seen if self._seen is None else self._seen

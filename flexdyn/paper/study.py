@@ -66,7 +66,7 @@ def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], No
     ``summary.json`` and ``runs/NAME.npz``. A second time it replaces them.
 
     Args:
-        out: the folder; it is made if it is not there.
+        out: the folder; it is created if it does not exist.
         diagnose: hide the arm's friction too, and let the diagnosis find it: its report goes to ``diagnosis``.
         progress: called with a line as each part begins, and by the diagnosis as it goes on.
 

@@ -33,7 +33,7 @@ _BY_STAGE: dict[str, Drawing] = {
 def draw_law(kind: type[Effect], path: str | Path) -> None:
     """Draw the law of an effect, with the parameters of its example.
 
-    Dry laws are drawn set-valued, laws with memory as loops, those of the motor over the torque asked for, its speed or
+    Dry laws are drawn set-valued, laws with memory as loops, those of the motor over the commanded torque, its speed or
     angle, those of sensors as measured over true.
 
     Args:

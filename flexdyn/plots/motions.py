@@ -58,7 +58,7 @@ def plot(
         The picture: ``show()`` opens it in the browser, ``save(path)`` writes it; a notebook shows it by itself.
 
     Raises:
-        InputError: nothing to draw, a joint or view that is not there, an empty window, a suffix that is not known.
+        InputError: nothing to draw, a joint or view that is not there, an empty window, an unknown suffix.
         MissingExtra: matplotlib or plotly is not installed.
 
     Example:

@@ -16,7 +16,7 @@ VISIBLE = 0.02
 
 
 def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
-    """The response to a step of the torque asked for."""
+    """The response to a step of the commanded torque."""
     end = 4.0 * effect.delay
     asked, given = [-0.5 * end, 0.0, end], [-0.5 * end, effect.delay, end]
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)

@@ -15,7 +15,7 @@ from flexdyn.plots.page import BLUE, DASHED, GREY, LAW_LINE_WIDTH, RED, SHADES, 
 
 Array = NDArray[np.float64]
 ASKED = (-1.2, -0.6, 0.0, 0.6, 1.2)
-"""Torques asked for in the pictures of actuator effects [N m]."""
+"""Commanded torques in the pictures of actuator effects [N m]."""
 DEFLECTION = 0.01
 """How far springs are wound in the pictures [rad]."""
 
@@ -64,7 +64,7 @@ def link(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 
 def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
-    """tau_applied over the rotor's speed or angle for several torques asked for, else over the torque asked for."""
+    """tau_applied over the rotor's speed or angle for several commanded torques, else over the commanded torque."""
     over_speed = any(varies(partial(effect.torque, 0.0, tau=tau), span(effect, 1.3)) for tau in ASKED)
     over_angle = any(varies(partial(effect.torque, u=0.0, tau=tau), 0.5 * turn(effect)) for tau in ASKED)
     up = r"$\tau_\mathrm{applied}$ [N m]"
@@ -85,7 +85,7 @@ def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 
 def _family(axes: Any, effect: JointEffect, across: Array, state: tuple[Any, Any]) -> None:
-    """One curve for each torque asked for, which is dashed beside it."""
+    """One curve for each commanded torque, which is dashed beside it."""
     cross(axes)
     for tau, shade in zip(ASKED, SHADES, strict=True):
         axes.axhline(tau, color=shade, linewidth=0.8, linestyle=DASHED)

@@ -322,7 +322,7 @@ class Recording(Public):
         return f"Recording({label}joints: {joints}; signals: {signals}; {extent})"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: extent, gaps, and what each channel ranges over."""
+        """HTML for notebooks: extent, gaps, and what each channel ranges over."""
         facts = {
             "samples": f"{len(self)}, {self.duration:.6g} s at {self.rate:.6g} Hz",
             "gaps [s]": ", ".join(f"{start:.6g} to {end:.6g}" for start, end in self.gaps[:3]),

@@ -35,7 +35,7 @@ def with_axes(robot: Robot, entries: Any, *, ignore_dynamics: bool = False) -> R
         ignore_dynamics: whether <dynamics> of the joints that are replaced is dropped.
 
     Raises:
-        InputError: a joint that is not there, a name that is taken, a matrix that has no inverse, or <dynamics> of a
+        InputError: an unknown joint, a name that is taken, a matrix that has no inverse, or <dynamics> of a
             joint that is replaced.
     """
     axes = _checked(robot, entries)

@@ -30,7 +30,7 @@ def corrected_urdf(robot: Robot, links: Factors, joints: Factors, folder: Path) 
         folder: that the text is to be saved in: meshes are named relative to it.
 
     Raises:
-        InputError: the robot has no URDF, or the file is not there any more.
+        InputError: the robot has no URDF, or the file does not exist any more.
     """
     if robot.source is None:
         raise InputError("the robot has no URDF", key="robot", remedy="load it from one")

@@ -48,12 +48,12 @@ class FramePlacement:
     translation: Floats
 
     def __post_init__(self) -> None:
-        """Copy and lock the arrays."""
+        """Copy the arrays and make them read-only."""
         object.__setattr__(self, "rotation", locked(self.rotation))
         object.__setattr__(self, "translation", locked(self.translation))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
+        """Unpickle through the constructor, so that arrays are read-only again."""
         return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
 
 
@@ -90,14 +90,14 @@ class Tree:
     offset: Floats
 
     def __post_init__(self) -> None:
-        """Copy and lock the arrays."""
+        """Copy the arrays and make them read-only."""
         kinds = {"parent": np.int32, "prismatic": np.bool_}
         for field in fields(self):
             value = locked(getattr(self, field.name), kinds.get(field.name, np.float64))
             object.__setattr__(self, field.name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
+        """Unpickle through the constructor, so that arrays are read-only again."""
         return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
 
     def __repr__(self) -> str:

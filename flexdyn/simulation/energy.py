@@ -65,7 +65,7 @@ class Energy(Public):
         return f"<Energy: supplied {given:.4g} J, dissipated {spent:.4g} J, {len(self.kinetic)} samples>"
 
     def __post_init__(self) -> None:
-        """Lock every array."""
+        """Make every array read-only."""
         for array in (self.kinetic, self.spring, self.gravity, self.supplied, self.external, *self.dissipated.values()):
             array.setflags(write=False)
         object.__setattr__(self, "dissipated", MappingProxyType(dict(self.dissipated)))

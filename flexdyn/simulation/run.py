@@ -73,7 +73,7 @@ class Run(Public):
     inputs: Inputs
 
     def __post_init__(self) -> None:
-        """Lock every array."""
+        """Make every array read-only."""
         for name in ("t", *SIGNALS, "z"):
             getattr(self, name).setflags(write=False)
         object.__setattr__(self, "stats", MappingProxyType(dict(self.stats)))

@@ -26,7 +26,7 @@ def without_elasticity(
 ) -> PlayedMotion:
     """What the arm does with rigid joints, from where the motion starts, as fast where that is known.
 
-    A run's controller runs on the rigid arm as well. Where there is none, or only a recording, the torques asked for
+    A run's controller runs on the rigid arm as well. Where there is none, or only a recording, the commanded torques
     drive it, each held to the next sample.
 
     Args:

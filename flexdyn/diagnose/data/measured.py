@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """One recording, one column a joint of the model; unmeasured columns are zero.
+    """One recording, one column for each joint of the model; unmeasured columns are zero.
 
     Attributes:
         name: of the recording.
@@ -25,7 +25,7 @@ class Measured:
         dt: between samples [s].
         q: link positions (samples, n) [rad or m].
         theta: rotor positions, reflected (samples, n).
-        tau: torques asked for, held (samples, n) [N m or N].
+        tau: commanded torques, held (samples, n) [N m or N].
         tau_s: torques measured in the transmission (samples, n).
         has_q: joints with a link encoder (n,).
         has_theta: joints with a motor encoder (n,).
@@ -60,7 +60,7 @@ class Measured:
 
 
 def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
-    """A recording made ready.
+    """A recording prepared.
 
     Raises:
         InputError: a joint that the model lacks, or one without torque or without any position.

@@ -141,7 +141,7 @@ class Equations:
     def needed(self, along: SmoothedMotion, j: int) -> Array:
         """Motor torque (samples,) that the model needs for a motion.
 
-        It stands for the torque asked for in columns: that one's noise is in the residual as well, and would bias what
+        It stands for the commanded torque in columns: that one's noise is in the residual as well, and would bias what
         is multiplied with it.
         """
         effects = [e for e in self.true.all_effects if e.stage != "actuator"]
@@ -156,11 +156,11 @@ class Equations:
         return np.asarray(left)
 
     def lost(self, along: SmoothedMotion, j: int) -> Array:
-        """Of the torque asked for (samples,), what the back-EMF of a motor under voltage takes; else nothing."""
+        """Of the commanded torque (samples,), what the back-EMF of a motor under voltage takes; else nothing."""
         return np.asarray(self.back_emf(j) * along.omega[:, j])
 
     def back_emf(self, j: int) -> float:
-        """Slope [N m s/rad] by which a motor under voltage gives less of the torque asked for the faster it turns."""
+        """Slope [N m s/rad] by which a motor under voltage gives less of the commanded torque the faster it turns."""
         return sum(law.back_emf / law.gain for law in self.motors[j])
 
     def of_torque(self, j: int, torque: Callable[[SmoothedMotion], tuple[str, Array]]) -> Array:

@@ -82,12 +82,12 @@ class Mistake:
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """How the torques asked for follow those that the model needs, joint by joint (n,).
+    """How the commanded torques follow those that the model needs, joint by joint (n,).
 
     Offset, viscous and dry friction are taken off both: a model may well lack them.
 
     Attributes:
-        gain: torque asked for over torque needed [1].
+        gain: commanded torque over torque needed [1].
         share: of the variance that the needed torque explains at that gain, 0 to 1.
         plain: the same at a gain of 1; below 0 where it makes things worse.
         says: whether enough is left beside friction and noise to tell.

@@ -26,14 +26,14 @@ SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE = 0.01, 0.1
 
 @dataclass(frozen=True, eq=False)
 class Smoothed:
-    """Signals behind the first filter, at the full rate, one column a joint.
+    """Signals behind the first filter, at the full rate, one column for each joint.
 
     Attributes:
         t: times since the start of the run (samples,) [s].
         dt: between samples [s].
         q, v, a: of the links (samples, n).
         theta, omega, alpha: of the rotors (samples, n); those of the links on a rigid joint with one encoder.
-        tau: torque asked for (samples, n), the mean over each instant's two halves of held samples.
+        tau: commanded torque (samples, n), the mean over each instant's two halves of held samples.
         tau_s: measured in the transmission (samples, n); zero where it was not.
         data: the channels before the filter, sensor effects taken off.
         lost: samples of `data` before the first one here.

@@ -30,7 +30,7 @@ def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
 
 
 def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
-    """tau_applied (samples,): the actuator effects act on the torque asked for one after the other."""
+    """tau_applied (samples,): the actuator effects act on the commanded torque one after the other."""
     tau = motion.tau[:, j]
     acting = [e for e in effects if e.stage == "actuator"]
     for effect in sorted(acting, key=lambda e: e.order):

@@ -45,14 +45,14 @@ class Experiment:
     labels: tuple[str, str]
 
     def __post_init__(self) -> None:
-        """Copy and lock the arrays."""
+        """Copy the arrays and make them read-only."""
         for name in ("t", "position", "left", "noise"):
             column = np.array(getattr(self, name), dtype=float)
             column.setflags(write=False)
             object.__setattr__(self, name, column)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
+        """Unpickle through the constructor, so that arrays are read-only again."""
         return (type(self), tuple(getattr(self, entry.name) for entry in fields(self)))
 
     @property

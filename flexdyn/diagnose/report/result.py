@@ -134,7 +134,7 @@ class Diagnosis(Public):
         `write_model` says so, and one of an earlier report is then removed.
 
         Args:
-            folder: is made if it is not there; files of an earlier report in it are replaced.
+            folder: is created if it does not exist; files of an earlier report in it are replaced.
 
         Raises:
             InputError: the folder cannot be made or written to.

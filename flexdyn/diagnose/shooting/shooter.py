@@ -63,7 +63,7 @@ class SimulatedWindows:
 
 
 class Shooter:
-    """One model made ready to be simulated over windows.
+    """One model prepared to be simulated over windows.
 
     A command delay, and a lag of the recorded torque, become a shift of the torque in time, so that a window has the
     torques of before its start; laws that depend on time since the run's start are moved to the window's.

@@ -80,7 +80,7 @@ def shifted(rec: Recording, seconds: float | Mapping[str, float]) -> Recording:
     Args:
         rec: the recording.
         seconds: added to every time [s]; or a mapping of channels to what is added to theirs. Then the channel is
-            interpolated (held where it is a torque asked for) onto the times that all channels still cover.
+            interpolated (held where it is a commanded torque) onto the times that all channels still cover.
 
     Raises:
         InputError: not finite, an unknown channel, or nothing left in common.

@@ -46,11 +46,11 @@ class Derivatives:
     noise: Mapping[str, Noise]
 
     def __post_init__(self) -> None:
-        """Lock the mapping."""
+        """Make the mapping read-only."""
         object.__setattr__(self, "noise", MappingProxyType(dict(self.noise)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Read-only mappings do not pickle: send a plain one."""
+        """Read-only mappings cannot be pickled: send a plain one."""
         return (type(self), (self.recording, self.smoother, dict(self.noise)))
 
     @property
@@ -145,7 +145,7 @@ def smoothed(rec: Recording, smoother: Smoother) -> Recording:
 
 
 def noise_of(rec: Recording, channel: str) -> Noise:
-    """The noise of one channel, estimated from its samples; a torque asked for that repeats itself is exact."""
+    """The noise of one channel, estimated from its samples; a commanded torque that repeats itself is exact."""
     try:
         return estimate_noise(rec.t, rec[channel], unit=rec.unit(channel), held=_signal(channel) in HELD)
     except InputError as error:
