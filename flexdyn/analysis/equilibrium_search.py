@@ -41,7 +41,7 @@ class Search:
         return q, False
 
     def newton(self, q: Array) -> tuple[Array, bool]:
-        """Newton's method, minimum-norm steps if the matrix is singular; steps are shortened until the torques decrease."""
+        """Newton's method with minimum-norm steps, each of which is shortened until the torques decrease."""
         y = self._torques(q)
         for _ in range(100):
             size = float(np.linalg.norm(y))

@@ -72,7 +72,7 @@ def actuator_gains(statics: Statics, x: Array, tau: Array) -> Array:
 
 
 def sliding_rate(statics: Statics, x: Array, tau: Array) -> Array:
-    """The derivative x' (nx,) at x, with sliding contacts on their branch; the model of `statics` has no contacts at rest."""
+    """The derivative x' (nx,) at x, sliding contacts on their branch; the model of `statics` has none at rest."""
     model = statics.model
     half = model.n + int(model.elastic.sum())
     speeds = [abs(x[half + place]) for place in dry_velocities(model)]

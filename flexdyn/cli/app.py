@@ -13,7 +13,7 @@ from flexdyn.errors import InputError, did_you_mean
 
 
 class Commands(TyperGroup):
-    """The group of all commands; an unknown one is answered with the near miss."""
+    """The group of all commands; an unknown one is answered with the most similar name."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the command that the first argument names.
@@ -106,4 +106,4 @@ def _program(
         ),
     ] = False,
 ) -> None:
-    """Hold the options that come before any command."""
+    """Take the options that come before any command."""

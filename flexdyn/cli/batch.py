@@ -1,4 +1,4 @@
-"""flexdyn batch: all runs of a study, what came out of them, and any one of them taken out again."""
+"""flexdyn batch: all runs of a study, their results, and the extraction of single runs."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def batch(
 ) -> None:
     """Run a batch study, or look into the store of one.
 
-    If the process is killed, the chunks in work are lost, at most: --resume continues, and the store is then bit for
+    If the process is killed, at most the chunks in progress are lost: --resume continues, and the store is then bit for
     bit that of one uninterrupted run. The store's status says why a run failed; the others continue. A metric of your
     own (package.module:function) is imported: run no study file whose Python you do not trust.
     """
@@ -141,7 +141,7 @@ def _show(summary: Any, as_json: bool) -> None:
 
 @contextmanager
 def _progress(name: str) -> Iterator[Callable[[Progress], None] | None]:
-    """Runs done, rate and time left, on stderr where that is a terminal."""
+    """Print finished runs, rate and time left on stderr if it is a terminal."""
     err = console(stderr=True)
     if not err.is_terminal:
         yield None

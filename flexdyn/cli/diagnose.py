@@ -1,4 +1,4 @@
-"""flexdyn diagnose: a model and measured motions in, what is missing in the model out."""
+"""flexdyn diagnose: find what a model lacks from measured motions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CHECK, EXPLAIN = "--check", "--explain"
 
 
 class DiagnoseCommand(TyperCommand):
-    """The command whose ``--check A B`` reads as ``--check A --check B``."""
+    """The command; it reads ``--check A B`` as ``--check A --check B``."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the arguments."""
@@ -39,9 +39,9 @@ class DiagnoseCommand(TyperCommand):
 
 
 def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
-    """Arguments in which every recording after ``--check`` has that option to itself.
+    """The arguments with an option ``--check`` before every recording that follows ``--check``.
 
-    Only after MODEL and FIT: before them the second word is one of those.
+    Only after MODEL and FIT: before them the next word is MODEL or FIT.
 
     Args:
         args: as typed.
@@ -170,7 +170,7 @@ def diagnose(
 
 
 def _block(text: str) -> tuple[float, float]:
-    """A block that is kept apart: both ends are needed."""
+    """Check a block that is kept as test data: both ends are needed."""
     first, last = span_of("--hold-out", text)
     if first is None or last is None:
         raise InputError("a block has a first and a last time", key="--hold-out", value=text, remedy="give both, in s")
@@ -178,7 +178,7 @@ def _block(text: str) -> tuple[float, float]:
 
 
 def _record(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequence[Path]) -> Callable[[], Record]:
-    """What is told of the command and its files once it is done; files as they are now, before anything is read."""
+    """The record of the command and its files, with the files as they are now, before anything is read."""
     from flexdyn.diagnose.report.record import File, record
 
     uses = [(Path(model), "model"), *((path, "fit") for path in fit), *((path, "test") for path in check)]
@@ -188,7 +188,7 @@ def _record(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequen
 
 
 def _check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:
-    """What is to be explained exists: better said now than after the work."""
+    """Check before the work that the effect of ``--explain`` exists."""
     from flexdyn.diagnose.report.targets import check_target
 
     with naming({"explain": EXPLAIN}, file="", files={}):
@@ -210,7 +210,7 @@ def _folder(path: Path | None, inputs: Sequence[Path]) -> Path:
 
 
 def _check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
-    """Data that check an answer may not have given it."""
+    """Refuse test data that are also fit data."""
     for path in check:
         if any(path.exists() and other.exists() and path.samefile(other) for other in fit):
             remedy = "give another recording, or none: then the last fifth of every one is kept for the test"
@@ -218,7 +218,7 @@ def _check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
 
 
 def _check_pictures() -> None:
-    """What the report is drawn with is there: better said now than after minutes of work."""
+    """Check before the work that the libraries for the report are installed."""
     from importlib.util import find_spec
 
     for library in ("matplotlib", "plotly"):

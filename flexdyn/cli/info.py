@@ -1,4 +1,4 @@
-"""flexdyn info: what a robot or model is made of."""
+"""flexdyn info: the parts of a robot or model."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ DRIVES = {
     "f locked": "frequency of the joint with its rotor held, all other joints rigid",
     "f free": "the same with its rotor free",
 }
-"""What the symbols of the drives mean."""
+"""Meanings of the symbols of the drives."""
 
 
 def info(
@@ -101,7 +101,7 @@ def _picture(modes: bool, path: Path | None, output: Path | None) -> Path | None
     """The picture to draw, if one is asked for.
 
     Raises:
-        InputError: of --modes, --path and --output some are there and one that they need is not.
+        InputError: --modes, --path and --output are not given together.
     """
     if path is None and output is None:
         return None
@@ -113,7 +113,7 @@ def _picture(modes: bool, path: Path | None, output: Path | None) -> Path | None
 
 
 def describe(found: Target, q: Mapping[str, float]) -> dict[str, Any]:
-    """Everything `info` says, as the JSON document holds it.
+    """The content of `info`, as in the JSON document.
 
     Args:
         found: robot or model.

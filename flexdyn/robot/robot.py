@@ -1,4 +1,4 @@
-"""A fixed-base arm as flexdyn sees it: named joints, limits, frames, and the tree that the core computes with."""
+"""A fixed-base arm: named joints, limits, frames, and the kinematic tree for the core."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _FRAME_ORDER = (
 class Robot(Public):
     """An arm of n independent joints, each one number: an unwrapped angle [rad] or a displacement [m].
 
-    Made by load_robot. Immutable; its arrays are locked, and it pickles.
+    Made by load_robot. It is immutable, its arrays are read-only, and it can be pickled.
 
     Attributes:
         name: the robot's name.
@@ -43,7 +43,7 @@ class Robot(Public):
         lock: positions [rad or m] of the joints locked by the user, as given.
         joint_names: the independent joints in Pinocchio's order.
         kinds: "revolute" or "prismatic" for each.
-        continuous: whether each may turn without end.
+        continuous: whether each can turn without limit.
         lower: least position, shape (n,) [rad or m]; -inf where unlimited.
         upper: largest position, shape (n,) [rad or m]; inf where unlimited.
         velocity_limit: shape (n,) [rad/s or m/s]; inf where unlimited.
@@ -143,10 +143,10 @@ class Robot(Public):
         raise InputError(f"robot {self.name} is branched and has no one end", key="frame", remedy=remedy)
 
     def joint_index(self, joint: str | int) -> int:
-        """Place of an independent joint in q.
+        """Index of an independent joint in q.
 
         Args:
-            joint: its name, or its place already.
+            joint: its name, or its index already.
 
         Returns:
             An index from 0 to n - 1.
@@ -172,11 +172,11 @@ class Robot(Public):
         return "rad" if self.kinds[self.joint_index(joint)] == "revolute" else "m"
 
     def torque_unit(self, joint: str | int) -> str:
-        """Unit of what drives a joint: "N m" or "N"."""
+        """Unit of a joint's torque or force: "N m" or "N"."""
         return "N m" if self.kinds[self.joint_index(joint)] == "revolute" else "N"
 
     def frame(self, name: str) -> FramePlacement:
-        """Where a frame sits: a link, where link and joint share a name.
+        """The joint and placement of a frame; if a link and a joint have the same name, it is the link.
 
         Args:
             name: a link, joint or other frame of the robot.
@@ -199,7 +199,7 @@ class Robot(Public):
 
     @cached_property
     def _placements(self) -> dict[str, FramePlacement]:
-        """Frames that were asked for already."""
+        """Frames that were computed before."""
         return {}
 
     def expand(self, q: Any) -> Floats:
@@ -223,13 +223,13 @@ class Robot(Public):
     def with_axes(self, axes: Axes, *, ignore_dynamics: bool = False) -> Robot:
         """The robot in the coordinates of drives that move several joints together.
 
-        Every axis takes the place of a joint: ``p = A q``, and the torques of the joints are ``A^T tau``. Gears,
-        rotors, springs, friction and ripple of a drive act on its axis. `expand` gives positions of the joints again.
+        Every axis replaces a joint: ``p = A q``, and the torques of the joints are ``A^T tau``. Gears, rotors, springs,
+        friction and ripple of a drive act on its axis. `expand` converts back to positions of the joints.
 
         Args:
             axes: axis -> {joint: coefficient}, as many axes as joints in them; coefficients of mixed kinds are in
                 rad/m or m/rad.
-            ignore_dynamics: drop <dynamics> of the joints that are replaced, which is refused otherwise.
+            ignore_dynamics: ignore <dynamics> of the replaced joints, which is refused otherwise.
 
         Raises:
             InputError: axes that are not invertible or do not fit.
@@ -264,7 +264,7 @@ class Robot(Public):
 
         Args:
             link: its name.
-            moment: in place of what its <inertial> says [kg m^2].
+            moment: replaces the inertia of its <inertial> [kg m^2].
 
         Returns:
             A new robot; only the link's inertia differs, and its source is None: no file describes it.
@@ -275,7 +275,7 @@ class Robot(Public):
         return self._with_inertial(link, lambda given: given.round(moment))
 
     def link_size(self, link: str) -> tuple[float, float]:
-        """Mass of a link [kg], and its length: to its centre of mass or to its farthest joint, whichever is more [m].
+        """Mass of a link [kg], and its length: to its centre of mass or its farthest joint, whichever is larger [m].
 
         Args:
             link: its name.
@@ -283,14 +283,14 @@ class Robot(Public):
         Raises:
             InputError: no such link, one without mass, or one that stands still.
         """
-        self._with_inertial(link, lambda given: given)  # refuses what has no size
+        self._with_inertial(link, lambda given: given)  # refuses a link without size
         given = next(entry.inertial for entry in self._links if entry.name == link)
         points = [joint.xyz for joint in self._joints if joint.parent == link]
         xyz, mass = ((0.0, 0.0, 0.0), 0.0) if given is None else (given.xyz, given.mass)
         return mass, max(float(np.linalg.norm(point)) for point in (xyz, *points))
 
     def visual_model(self) -> pin.GeometryModel:
-        """The shapes of the robot on the joints of pin_model; meshes are read now. Empty for a pin.Model source."""
+        """The shapes of the robot on the joints of pin_model; this reads the meshes. Empty for a pin.Model source."""
         from flexdyn.robot.geometry import visual_model
 
         return visual_model(self._model, self._links, self._joints)
