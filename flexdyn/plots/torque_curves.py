@@ -17,11 +17,11 @@ Array = NDArray[np.float64]
 ASKED = (-1.2, -0.6, 0.0, 0.6, 1.2)
 """Commanded torques in the pictures of actuator effects [N m]."""
 DEFLECTION = 0.01
-"""How far springs are wound in the pictures [rad]."""
+"""Deflection of springs in the pictures [rad]."""
 
 
 def spring(axes: Any, effect: JointEffect) -> tuple[str, str]:
-    """Torque over the deflection or its rate, whichever the law is of."""
+    """Torque over the deflection or its rate."""
     cross(axes)
     if varies(lambda x: effect.torque(x, 0.0), DEFLECTION):
         delta = np.linspace(-DEFLECTION, DEFLECTION, 801)
@@ -33,7 +33,7 @@ def spring(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 
 def deflection(axes: Any, effect: DeflectionEffect) -> tuple[str, str]:
-    """The deflection that springs see: over the true one, or what the rotor's angle adds to it."""
+    """The deflection that the springs receive over the true one, or its change over the rotor's angle."""
     cross(axes)
     if varies(lambda theta: effect.deflection(0.0, theta), 0.5 * turn(effect)):
         theta = np.linspace(0.0, turn(effect), 1201)
@@ -85,7 +85,7 @@ def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 
 def _family(axes: Any, effect: JointEffect, across: Array, state: tuple[Any, Any]) -> None:
-    """One curve for each commanded torque, which is dashed beside it."""
+    """One curve for each commanded torque, which is drawn dashed."""
     cross(axes)
     for tau, shade in zip(ASKED, SHADES, strict=True):
         axes.axhline(tau, color=shade, linewidth=0.8, linestyle=DASHED)

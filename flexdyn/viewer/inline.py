@@ -24,5 +24,5 @@ class Inline:
         return f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{escape(self.text)}"></iframe>'
 
     def __repr__(self) -> str:
-        """What it is, where there is no notebook."""
+        """The text that is shown without a notebook."""
         return f"<Inline: a page of {len(self.text) / 1e6:.1f} MB for a notebook; fd.play(run) opens the browser>"

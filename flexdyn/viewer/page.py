@@ -1,4 +1,4 @@
-"""One HTML file with everything in it: meshcat's viewer, the scene, the controls. It asks for nothing else."""
+"""One HTML file with meshcat's viewer, the scene and the controls. It loads nothing else."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; ba
 def page(title: str, about: Mapping[str, Any], commands: Iterable[Mapping[str, Any]]) -> str:
     """The page.
 
-    Names of any origin are safe in it: texts come as JSON and are set as text, and the browser runs only the two
-    scripts whose hashes the page's policy names.
+    Names from any source are safe in it: texts are JSON and inserted as text, and the browser runs only the two scripts
+    whose hashes are in the page's policy.
 
     Args:
         title: of the page.
-        about: what page.js needs to know.
+        about: data for page.js.
         commands: meshcat's, in order.
     """
     import meshcat
@@ -51,7 +51,7 @@ def page(title: str, about: Mapping[str, Any], commands: Iterable[Mapping[str, A
 
 
 def packed(commands: Iterable[Mapping[str, Any]]) -> str:
-    """Commands as base64 of gzip of, for each: its length (4 bytes, big-endian) and its msgpack."""
+    """Commands as base64 of a gzip file with the length (4 bytes, big-endian) and the msgpack of each command."""
     import umsgpack
 
     parts = []
@@ -71,7 +71,7 @@ def _own(name: str) -> str:
 
 
 def _json(about: Mapping[str, Any]) -> str:
-    """JSON that no HTML parser can take for markup."""
+    """JSON without characters that an HTML parser takes as markup."""
     text = json.dumps(about, allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
