@@ -1,4 +1,4 @@
-"""The arrays of a study's store: names, shapes, units; all of it follows from the study."""
+"""The arrays of a study's store: names, shapes, units, which follow from the study."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ class StoreArray:
         name: of the array.
         dims: of ``run``, ``time``, ``joint``.
         shape: in runs, samples, joints.
-        piece: shape of each of the pieces that it is cut into, all alike: a chunk of runs, or all of a coordinate.
-        dtype: as the Zarr format calls it: ``float64``, ``int64`` or ``string``.
+        piece: shape of its Zarr chunks: a chunk of runs, or the whole of a coordinate.
+        dtype: of the Zarr format: ``float64``, ``int64`` or ``string``.
         attrs: kind, units, long_name.
-        values: of a coordinate, which is written at once; None: chunk by chunk.
+        values: of a coordinate, which is written at the start; None: written chunk by chunk.
     """
 
     name: str
@@ -43,7 +43,7 @@ class StoreArray:
 
     @property
     def fill(self) -> Any:
-        """What stands where nothing is written yet."""
+        """The value where nothing is written yet."""
         return _FILL[self.dtype]
 
 
@@ -78,7 +78,7 @@ def _coordinate(name: str, dtype: str, attrs: Mapping[str, str], values: NDArray
 
 
 def array_name(path: str) -> str:
-    """The name of the array for a number or metric: a slash would make a group of it.
+    """The name of the array for a number or metric, without slashes, which would make groups.
 
     Args:
         path: of a number, or a metric's name.

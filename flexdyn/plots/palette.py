@@ -42,7 +42,9 @@ def hue(place: int) -> str:
 
 
 def shade(colour: str, sources: Sequence[MotionSource], place: int) -> str:
-    """The colour of one of several motions: grey for a measured beside a simulated one, else a shade of the joint's hue.
+    """The colour of a motion: grey if it was measured and another was not, else a shade of the joint's hue.
+
+
 
     Args:
         colour: of the joint.
