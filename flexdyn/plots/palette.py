@@ -44,8 +44,6 @@ def hue(place: int) -> str:
 def shade(colour: str, sources: Sequence[MotionSource], place: int) -> str:
     """The colour of a motion: grey if it was measured and another was not, else a shade of the joint's hue.
 
-
-
     Args:
         colour: of the joint.
         sources: all motions that are drawn.
