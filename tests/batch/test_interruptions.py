@@ -130,7 +130,9 @@ def test_a_full_disk(tmp_path: Path) -> None:
         pytest.skip("mounting is not allowed here")
     try:
         path = write_study(tmp_path, runs=200, chunk=10)
-        with pytest.raises(InputError, match=r"cannot be written \(No space left on device\); what is done stays"):
+        with pytest.raises(
+            InputError, match=r"cannot be written \(No space left on device\); finished chunks are stored"
+        ):
             fd.run_study(path, disk / "out.zarr")
         there = len(pieces(disk / "out.zarr"))
         subprocess.run(["mount", "-o", "remount,size=20m", str(disk)], check=True)

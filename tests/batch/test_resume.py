@@ -105,7 +105,7 @@ def test_resume_where_there_is_nothing_yet(tmp_path: Path) -> None:
 def test_a_store_is_not_written_over(whole: Path) -> None:
     """Without resume what is there stays as it is."""
     before = tree(whole)
-    with pytest.raises(InputError, match="it exists already; go on with it by --resume"):
+    with pytest.raises(InputError, match="it exists already; continue it with --resume"):
         fd.run_study(whole.parent / "study.yaml", whole)
     assert tree(whole) == before
 

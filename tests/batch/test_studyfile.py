@@ -39,7 +39,7 @@ MISTAKES: list[tuple[dict[str, Any], list[str]]] = [
     ({"command": {"pd": PD | {"reference": "no.csv"}}}, ["command.pd.reference", "no such file", "'no.csv'"]),
     ({"command": {"pd": PD | {"rate": 0}}}, ["command.pd.rate", "above 0 Hz"]),
     ({"duration": -1}, ["duration", "above 0 s", "got -1"]),
-    ({"duration": None, "command": None}, ["duration", "how long"]),
+    ({"duration": None, "command": None}, ["duration", "is missing"]),
     ({"rate": "fast"}, ["rate", "above 0 Hz", "'fast'"]),
     ({"rate": 1e12}, ["rate", "samples in a run"]),
     ({"solver": "TimeSteping"}, ["solver", "did you mean 'TimeStepping'?"]),

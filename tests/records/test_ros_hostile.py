@@ -165,7 +165,7 @@ def test_a_count_that_lies(tmp_path: Path) -> None:
         path.write_bytes(data.replace(count, struct.pack("<HQ", 1, other)))
         refused(path, words)
     path.write_bytes(data.replace(count, struct.pack("<HQ", 1, 2**50)))
-    refused(path, "announces [0-9]+ bytes of arrays")
+    refused(path, "declares [0-9]+ bytes of arrays")
 
 
 def changed(old: str, new: str) -> Callable[[str], str]:
