@@ -131,7 +131,7 @@ MISTAKES = [
     (elbow(sign=-2), "channels.q.elbow.sign: 1 or -1 is needed, got -2; scale with factor"),
     (elbow(sign=True), "channels.q.elbow.sign: 1 or -1 is needed, got True"),
     (elbow(delay="2 ms"), "channels.q.elbow.delay: a finite number is needed, got '2 ms'"),
-    ({"channels": {"x": {"from": "x", "side": "motor", "gear_ratio": 2}}}, "channels.x.side: no channel that a gear"),
+    ({"channels": {"x": {"from": "x", "side": "motor", "gear_ratio": 2}}}, "channels.x.side: a gear does not change"),
     ({"channels": {"power": "x"}, "joints": {"elbow": {}}}, "joints.elbow: no such key"),
     (elbow() | {"joints": {"elbo": {}}}, "joints.elbo: no such key; did you mean 'elbow'?"),
     (elbow() | {"joints": {"elbow": {"ratio": 3}}}, "joints.elbow.ratio: no such key; did you mean 'gear_ratio'?"),
