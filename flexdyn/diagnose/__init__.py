@@ -1,4 +1,4 @@
-"""Diagnosis: where model and measurement disagree, which effect is missing, and what the model is with it."""
+"""Diagnosis: where model and measurement disagree, which effects are missing, and the corrected model."""
 
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.report.result import Diagnosis, Experiment, Finding, Interrupted, Number, Suspect

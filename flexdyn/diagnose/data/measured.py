@@ -1,4 +1,4 @@
-"""Recordings as the diagnosis takes them: on a uniform clock, joint by joint, with what is missing marked."""
+"""Recordings for the diagnosis: on a uniform clock, joint by joint, with flags for missing channels."""
 
 from __future__ import annotations
 
@@ -53,17 +53,17 @@ class Measured:
         return {"q": self.q, "theta": self.theta, "tau": self.tau, "tau_s": self.tau_s}[signal]
 
     def part(self, first: int, last: int) -> Measured:
-        """Samples from `first` up to and without `last`; time goes on counting from the start of the run."""
+        """Samples from `first` up to, but without, `last`; times are still those since the start of the run."""
         cut = slice(first, last)
         columns = (self.q[cut], self.theta[cut], self.tau[cut], self.tau_s[cut])
         return Measured(self.name, self.t[cut], self.dt, *columns, self.has_q, self.has_theta, self.has_tau_s)
 
 
 def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
-    """A recording prepared.
+    """Prepare a recording.
 
     Raises:
-        InputError: a joint that the model lacks, or one without torque or without any position.
+        InputError: a joint that the model does not have, or a joint without torque or without any position.
     """
     _check_joints(model, recording)
     recording = uniform(recording)
@@ -95,7 +95,7 @@ def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
 
 
 def uniform(recording: Recording) -> Recording:
-    """The recording on a uniform clock; as it is where its own is uniform."""
+    """The recording on a uniform clock; unchanged if its own clock is uniform."""
     steps = np.diff(recording.t)
     dt = float(recording.t[-1] - recording.t[0]) / len(steps)
     grid = recording.t[0] + dt * np.arange(len(recording.t))

@@ -1,4 +1,4 @@
-"""Measured channels put right: what a model's sensor effects added is taken off again."""
+"""Corrected channels: the sensor effects of a model are removed from the measured channels."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 DISC_ROUNDS, DISC_ROUNDING = 20, 1e-15
-"""Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
+"""Largest number of iterations for the angle of an eccentric disc, and the change at which they stop [rad]."""
 SPARE_SAMPLES = 16
-"""Samples beyond either end, as many as a spline's coefficients take notice of."""
+"""Number of samples beyond either end that have an influence on a spline's coefficients."""
 
 
 def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
-    """The true channels behind measured ones, if the model's sensor effects are right."""
+    """The true channels, if the model's sensor effects are right."""
     effects = [e for e in model.effects if isinstance(e, SensorEffect) and not e.is_neutral]
     if not effects:
         return data
@@ -35,7 +35,7 @@ def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
 
 
 def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) -> Array:
-    """The channel that these effects make the measured one of; the inverse of `flexdyn.effects.measure`.
+    """The true channel from the measured one; the inverse of `flexdyn.effects.measure`.
 
     Offset and gain first, then eccentricity by fixed-point iteration, then the lag by cubic interpolation.
     """
@@ -46,7 +46,7 @@ def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) ->
     discs = [e for e in effects if isinstance(e, EncoderEccentricity)]
     if discs:
         seen = x
-        for _ in range(DISC_ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
+        for _ in range(DISC_ROUNDS):  # each reduces the error by amplitude times harmonic
             before, x = x, seen - sum(e.error(x) for e in discs)
             if np.abs(x - before).max(initial=0.0) < DISC_ROUNDING:
                 break
@@ -55,7 +55,7 @@ def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) ->
 
 
 def advanced(x: Array, delay: float, dt: float) -> Array:
-    """x(t + delay) [s] at the samples of x, by a cubic spline; beyond its ends the first and the last value hold.
+    """x(t + delay) [s] at the samples of x, by a cubic spline; beyond the ends it is the first and the last value.
 
     On a regular clock the spline is its B-spline coefficients passed through four taps (Unser et al., 1993).
     """

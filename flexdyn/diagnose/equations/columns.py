@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 
 def stands_alone(equations: Equations, effect: JointEffect) -> bool:
-    """Whether an effect's torque stands in the equations as it is, and changes no other."""
+    """Whether an effect's torque enters the equations directly and changes no other torque."""
     if not adds_up(effect):
         return False
     j = equations.true.index(effect.joint)
@@ -36,13 +36,13 @@ def stands_alone(equations: Equations, effect: JointEffect) -> bool:
 
 
 def is_loaded(equations: Equations, j: int) -> bool:
-    """Whether a joint has friction that depends on what its transmission carries."""
+    """Whether a joint has friction that depends on its transmission torque."""
     true = equations.true
     return any(isinstance(e, JointEffect) and e.takes_load and true.index(e.joint) == j for e in true.all_effects)
 
 
 def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> Array:
-    """Change of the residual (rows,) where an effect that stands alone is another one of its kind."""
+    """Change of the residual (rows,) if an effect without influence on others is replaced by another of its kind."""
 
     def change(along: SmoothedMotion) -> tuple[str, Array]:
         (side, before), (_, after) = (own_torque(each, equations.true, along) for each in (effect, moved))
@@ -52,7 +52,7 @@ def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> 
 
 
 def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array:
-    """Change of the residual (rows,) where the model has an effect more, over `scale`."""
+    """Change of the residual (rows,) by an additional effect, divided by `scale`."""
     if isinstance(effect, SensorEffect):
         return _of_sensor(equations, effect) / scale
     if isinstance(effect, Payload):
@@ -74,11 +74,11 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
 
 
 def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -> Array:
-    """Derivative of the residual (rows,) by a parameter of an effect that the model holds.
+    """Derivative of the residual (rows,) by a parameter of an effect of the model.
 
     Args:
         equations: of the model with the effect.
-        effect: that is there.
+        effect: the effect.
         name: of the parameter.
         step: of the difference, in the parameter's unit.
     """
@@ -91,7 +91,7 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
     true, effect, moved = equations.true, on_joint(effect), on_joint(moved)
     j = true.index(effect.joint)
     if isinstance(effect, JointElasticity) or (isinstance(effect, NOT_PLAIN) and equations.made_up[j]):
-        # other rows and positions move with it
+        # other rows and positions change with it
         effects = [moved if e == effect else e for e in equations.model.effects]
         return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
     if stands_alone(equations, effect):
@@ -101,7 +101,7 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
 
 
 def _given(equations: Equations, along: SmoothedMotion, j: int) -> Array:
-    """Torque (samples,) that the model needs of a motor, in recorded torque."""
+    """Torque (samples,) that a motor must give according to the model, in the scale of the recorded torque."""
     return equations.needed(along, j) - equations.lost(along, j)
 
 
@@ -117,12 +117,12 @@ def on_joint(effect: Effect) -> JointEffect:
 
 
 def _of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect | None = None) -> Array:
-    """The measured channel holds what the sensor added: the true one is less by that.
+    """Change of the rows (rows,) by the error that a sensor effect adds: the true channel is smaller by it.
 
     Args:
         equations: of the model.
         effect: of a sensor.
-        instead: of another one of its kind; None: of none.
+        instead: another effect of its kind, whose error is subtracted; None: none.
     """
     j = equations.true.index(effect.joint)
 
