@@ -310,10 +310,10 @@ class Equations:
 
     @lazy
     def gains(self) -> Array:
-        """True torque over recorded torque (n,): the equations have the scale of the recorded torque, with constant
-        noise.
+        """True torque over recorded torque (n,): the equations have the scale of the recorded torque.
 
-        Otherwise a motor without torque and an arm without mass would give residuals without noise.
+        The noise of the recorded torque is constant. Otherwise a motor without torque and an arm without mass would give
+        residuals without noise.
         """
         gains = np.ones(self.true.n)
         for effect in self.true.all_effects:

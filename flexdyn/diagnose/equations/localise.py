@@ -33,8 +33,7 @@ def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tup
     """Share of the gap and regime of every equation, the largest share first.
 
     Normalised residuals are used: with a stiff spring, the noise of the encoders is large in both equations of a
-        joint and
-    would hide in which of them a torque is missing.
+    joint and would hide in which of them a torque is missing.
 
     Only residuals beyond chance count; if there are none, there are no places.
 
