@@ -80,7 +80,7 @@ class Effect:
     A diagnosis proposes every class that names `linear` or `grids`.
 
     Class attributes for a diagnosis:
-                linear: parameters in which, together, the torque is linear; the torque is zero if all of them are 0.
+        linear: parameters in which, together, the torque is linear; the torque is zero if all of them are 0.
         grids: values to try of the other parameters, as multiples of a scale of the joint: the largest torque that its
             motor must have ``given``, its largest ``speed`` or ``deflection``, the ``seconds`` of the recording, or
             ``one`` (the parameter's own unit).

@@ -312,8 +312,8 @@ class Equations:
     def gains(self) -> Array:
         """True torque over recorded torque (n,): the equations have the scale of the recorded torque.
 
-        The noise of the recorded torque is constant. Otherwise a motor without torque and an arm without mass would give
-        residuals without noise.
+        The noise of the recorded torque is constant. Otherwise a motor without torque and an arm without mass would
+        give residuals without noise.
         """
         gains = np.ones(self.true.n)
         for effect in self.true.all_effects:
