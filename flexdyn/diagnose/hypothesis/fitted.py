@@ -84,7 +84,8 @@ class Fit:
 
     @lazy
     def _spread(self) -> Array:
-        """Covariance of all columns: for white rows, or the sandwich estimate over blocks of half a second.
+        """Standard deviations of all columns: the larger of the estimate for white rows and the sandwich over blocks of
+        0.5 s.
 
         If more than noise is left, the filters cause an additional error of the numbers, as large as that of the rows.
         """
