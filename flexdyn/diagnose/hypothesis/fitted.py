@@ -84,8 +84,7 @@ class Fit:
 
     @lazy
     def _spread(self) -> Array:
-        """Standard deviations of all columns: the larger of the estimate for white rows and the sandwich over blocks of
-        0.5 s.
+        """Standard deviations of all columns: the larger one of those for white rows and of the sandwich estimate.
 
         If more than noise is left, the filters cause an additional error of the numbers, as large as that of the rows.
         """
