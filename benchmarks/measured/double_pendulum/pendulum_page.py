@@ -32,7 +32,8 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     head = (
         "# Double pendulum: the friction that was taken out of its model\n\nTwo quasi-direct drives, encoders on the "
         f"motors, 500 Hz. Fitted: {FIT[0]} (excitation, 10 s) and {FIT[1]} (full swing, 6 s); {CHECK[0]} (excitation) "
-        f"and {CHECK[1]} (swing) are not used in the fit. The start is the published model 1.0 with its friction set to zero."
+        f"and {CHECK[1]} (swing) are not used in the fit. The start is the published model 1.0 with its friction set "
+        "to zero."
     )
     parts = [head, checks, *_found(made), *_errors(made)]
     (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")

@@ -14,12 +14,12 @@ RIVAL_PROBABILITY = 0.02
 
 @dataclass(frozen=True)
 class Name:
-    """A candidate of the best set and those that stand in for it elsewhere.
+    """A candidate of the best set and the candidates that replace it in other sets.
 
     Attributes:
-        candidate: its place.
-        rivals: places of those that other sets hold in its place, the most probable first.
-        probability: that it or one of the rivals is there [1].
+        candidate: its index.
+        rivals: indices of the candidates that replace it in other sets, the most probable first.
+        probability: that it or one of the rivals exists [1].
     """
 
     candidate: int
@@ -28,7 +28,7 @@ class Name:
 
     @property
     def established(self) -> bool:
-        """Whether that is probable enough to be told."""
+        """Whether this is probable enough to be reported."""
         return self.probability >= ESTABLISHED
 
 

@@ -1,4 +1,4 @@
-"""What the data cannot tell, and what stopped short."""
+"""Notes about numbers that the data do not determine, and fits that have not converged."""
 
 from __future__ import annotations
 
