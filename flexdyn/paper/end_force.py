@@ -23,7 +23,7 @@ END_FORCE_KP, END_FORCE_KD = 50.0, 4.5  # N m/rad, N m s/rad: hold the motors, c
 
 
 def end_force(cases: PaperCases) -> Chapter:
-    """A lateral push at the tool: at rest the springs bend by K^-1 J^T F."""
+    """A lateral push at the tool: at rest the springs deflect by K^-1 J^T F."""
     light, heavy = (_pushed(cases, v) for v in (PAPER_V, SETTLING))
     arm = cases.arm()
     at = int(np.argmin(np.abs(light.t - RELEASE))) - 1

@@ -1,4 +1,4 @@
-"""The motion that would tell a finding from its rivals."""
+"""The motion that would separate a finding from its rivals."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from flexdyn.control.commands import PD
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """A motion that was shown by simulation to tell a finding from its rivals.
+    """A motion that separates a finding from its rivals in simulation.
 
     Attributes:
         motion: what to do, in words.
-        seconds: it takes, repetitions included [s].
-        passes: how often it is made.
+        seconds: its duration with repetitions [s].
+        passes: number of repetitions.
         payload: known mass to be added at the tip [kg].
-        delta_bic: expected, of the right name to the nearest of the others, whichever of them is right.
-        command: what was simulated: joint control along the motion, once.
-        names: the finding's, and that of its nearest rival.
+        delta_bic: expected delta BIC of the right name to the nearest other one, for any of them being right.
+        command: of the simulation: joint control along one pass of the motion.
+        names: of the finding and of its nearest rival.
         t: times (points,) [s].
-        position: of the joint that moves (points,) [rad or m].
-        left: what the rival then cannot explain, its numbers fitted again, if the finding is right (points,).
-        noise: standard deviation of that (points,).
-        labels: of position and of what is left, with their units.
+        position: of the moving joint (points,) [rad or m].
+        left: residual of the rival with fitted numbers, if the finding is right (points,).
+        noise: standard deviation of `left` (points,).
+        labels: of position and residual, with their units.
     """
 
     motion: str
@@ -57,5 +57,5 @@ class Experiment:
 
     @property
     def apart(self) -> float:
-        """How many times the noise the names are apart: the root of the expected delta BIC."""
+        """Difference between the names in units of the noise: the root of the expected delta BIC."""
         return math.sqrt(self.delta_bic)
