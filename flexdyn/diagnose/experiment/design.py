@@ -201,9 +201,9 @@ def _nothing(names: Sequence[str], rehearsed: Sequence[Rehearsal]) -> str:
     """A sentence that no motion helps, with the largest difference that was found."""
     best = max(rehearsed, key=lambda made: made.apart(_most(made)))
     left = best.apart(_most(best))
-    told = f"no motion within what this arm has been seen to do tells {names[0]} from {' or '.join(names[1:])}"
+    told = f"no motion within the range of the recordings separates {names[0]} from {' or '.join(names[1:])}"
     tried = f"{len(rehearsed)} motions simulated, for up to {LONGEST_MOTION:.0f} s each"
     apart = f"{math.sqrt(left):.1f} times the noise apart"
     if left < SAME_LAW_DELTA_BIC:
         return f"{told}: they are the same law here ({tried}; at best they are {apart})"
-    return f"{told} clearly ({tried}; the best, {best.move.words}, leaves them {apart})"
+    return f"{told} clearly ({tried}; with the best one, {best.move.words}, they are {apart})"
