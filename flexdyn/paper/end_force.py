@@ -42,7 +42,7 @@ def end_force(cases: PaperCases) -> Chapter:
         "Section 3 names the joint torques induced by an end-of-arm force as a further term and then assumes the force "
         "to be zero. Here it acts: the motors hold their place (a PD law at 1 kHz), and the tool is pushed by "
         f"{-FORCE[0]:g} N along -x, across the second link, and let go after {RELEASE:g} s. At rest the springs must "
-        "bend by theta - q = -K^-1 J_r^T F, with the Jacobian of eq. 8-11 at the pose that the arm then has: "
+        "deflect by theta - q = -K^-1 J_r^T F, with the Jacobian of eq. 8-11 at the pose that the arm then has: "
         f"{_degrees(bent)} degrees (shoulder, elbow). With the damping raised to v = {SETTLING:g} N m s/rad, so that "
         f"it comes to rest, the simulated arm deflects by {_degrees(heavy.deflection[at])} degrees, and its tip moves "
         f"by {np.linalg.norm(moved):.0f} mm, {abs(moved[0]):.0f} mm of them along the force. With the paper's "
