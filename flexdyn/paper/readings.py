@@ -152,7 +152,7 @@ def _table(cases: PaperCases) -> tuple[Reading, ...]:
             "Table I",
             "stall torque and no-load speed, which no equation uses",
             "a limit on the motor torque tau of eq. 14, 15 over rotor speed",
-            "that is what such a line means; the figures show torque asked and torque applied",
+            "that is what such a line means; the figures show commanded and applied torque",
         ),
     )
 

@@ -30,7 +30,7 @@ def responses(cases: PaperCases) -> Chapter:
         f"{PULSE:g} s to brake, then nothing, the same at both joints as the caption says. It is the usual test of a "
         f"flexible arm, stays under the stall torque of {cases.limit.stall_torque:g} N m, and starts and stops sharply "
         "enough for the large oscillation that the text describes. Under the torque-speed line of Table I the motors "
-        f"cannot follow all of it: of the torque asked, up to {max(numbers['torque_cut_off_flexible']):.2f} N m is cut "
+        f"cannot follow all of it: of the commanded torque, up to {max(numbers['torque_cut_off_flexible']):.2f} N m is cut "
         "off while they turn fast.\n\n"
         f"The springs deflect by up to {bends} degrees (shoulder, elbow). When the torque is gone, the flexible "
         f"arm goes "
