@@ -16,7 +16,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 def checked_model(model: Any) -> FlexibleJointModel:
     """The model with parameter errors and joint elasticities folded into its numbers, and without command delays.
 
-    A delay changes no torque at rest; `command_delays` gives it for frequency responses.
+    A delay is no law of this instant: it changes no torque at rest, and `command_delays` has it for responses.
 
     Raises:
         InputError: the argument is no model.

@@ -24,7 +24,7 @@ OWN = 1e-7
 
 @dataclass(frozen=True)
 class Combination:
-    """One combination that the motion determines: a sum of numbers of the model.
+    """One number that the motion tells: a sum of numbers of the model.
 
     Attributes:
         terms: coefficient by number; the first one is 1.
@@ -37,11 +37,11 @@ class Combination:
     std: float
 
     def __post_init__(self) -> None:
-        """Make the mapping read-only."""
+        """Lock the mapping."""
         object.__setattr__(self, "terms", MappingProxyType(dict(self.terms)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Read-only mappings cannot be pickled: send a plain one."""
+        """Read-only mappings do not pickle: send a plain one."""
         return (type(self), (dict(self.terms), self.value, self.std))
 
     def __str__(self) -> str:

@@ -59,12 +59,12 @@ class Equilibrium:
     holding: HoldingTorques
 
     def __post_init__(self) -> None:
-        """Make every array read-only."""
+        """Lock every array."""
         for array in (self.q, self.theta, self.x, self.tau, self.friction_link, self.friction_motor, *self.holding):
             array.setflags(write=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are read-only again."""
+        """Unpickle through the constructor, so that arrays are locked again."""
         return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
 
     def __repr__(self) -> str:

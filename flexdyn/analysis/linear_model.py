@@ -55,12 +55,12 @@ class LinearModel:
     held: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Make every array read-only."""
+        """Lock every array."""
         for name in ("A", "B", "C", "D", "x0", "tau0", "rate0", "delays"):
             getattr(self, name).setflags(write=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are read-only again."""
+        """Unpickle through the constructor, so that arrays are locked again."""
         return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
 
     def __repr__(self) -> str:

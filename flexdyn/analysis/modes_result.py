@@ -56,12 +56,12 @@ class Modes:
     anti_resonances: Array
 
     def __post_init__(self) -> None:
-        """Make every array read-only."""
+        """Lock every array."""
         for name in _ARRAYS:
             getattr(self, name).setflags(write=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are read-only again."""
+        """Unpickle through the constructor, so that arrays are locked again."""
         return (_rebuild, ({field.name: getattr(self, field.name) for field in fields(self)},))
 
     def __len__(self) -> int:

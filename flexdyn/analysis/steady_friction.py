@@ -28,7 +28,7 @@ PREDICTION_RISE = 4.0
 
 @dataclass(frozen=True)
 class LawTrial:
-    """The test of one law in addition to all other named laws.
+    """One law beside all others that were named.
 
     Attributes:
         effect: its name.
@@ -57,12 +57,12 @@ class LawTrial:
     why: str
 
     def __post_init__(self) -> None:
-        """Make the mappings read-only."""
+        """Lock the mappings."""
         for name in ("numbers", "intervals"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Read-only mappings cannot be pickled: send a plain one."""
+        """Read-only mappings do not pickle: send a plain one."""
         values = (getattr(self, entry.name) for entry in fields(self))
         return (type(self), tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values))
 

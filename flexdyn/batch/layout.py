@@ -27,10 +27,10 @@ class StoreArray:
         name: of the array.
         dims: of ``run``, ``time``, ``joint``.
         shape: in runs, samples, joints.
-        piece: shape of its Zarr chunks: a chunk of runs, or the whole of a coordinate.
-        dtype: of the Zarr format: ``float64``, ``int64`` or ``string``.
+        piece: shape of each of the pieces that it is cut into, all alike: a chunk of runs, or all of a coordinate.
+        dtype: as the Zarr format calls it: ``float64``, ``int64`` or ``string``.
         attrs: kind, units, long_name.
-        values: of a coordinate, which is written at the start; None: written chunk by chunk.
+        values: of a coordinate, which is written at once; None: chunk by chunk.
     """
 
     name: str
@@ -78,7 +78,7 @@ def _coordinate(name: str, dtype: str, attrs: Mapping[str, str], values: NDArray
 
 
 def array_name(path: str) -> str:
-    """The name of the array for a number or metric, without slashes, which would make groups.
+    """The name of the array for a number or metric: a slash would make a group of it.
 
     Args:
         path: of a number, or a metric's name.

@@ -57,7 +57,7 @@ class Study(Public):
     files: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """The number of runs and what varies, in one line."""
+        """What it makes, in a line."""
         return f"<Study of {self.name}: {self.count} runs of {self.duration:g} s, {len(self.vary)} numbers vary>"
 
     def _repr_html_(self) -> str:

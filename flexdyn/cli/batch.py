@@ -43,10 +43,10 @@ def batch(
         typer.Option(metavar="ADDRESS", help="The Dask scheduler whose workers do the runs: tcp://host:8786."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", metavar="", help="Continue the store: only missing runs are computed.")
+        bool, typer.Option("--resume", metavar="", help="Go on with the store: only what is missing is done.")
     ] = False,
     summary: Annotated[
-        bool, typer.Option("--summary", metavar="", help="Print what a store contains, finished or not.")
+        bool, typer.Option("--summary", metavar="", help="Say what is in a store, finished or not.")
     ] = False,
     views: Annotated[
         list[str] | None,

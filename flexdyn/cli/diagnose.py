@@ -170,7 +170,7 @@ def diagnose(
 
 
 def _block(text: str) -> tuple[float, float]:
-    """Check a block that is kept as test data: both ends are needed."""
+    """A block that is kept apart: both ends are needed."""
     first, last = span_of("--hold-out", text)
     if first is None or last is None:
         raise InputError("a block has a first and a last time", key="--hold-out", value=text, remedy="give both, in s")
@@ -178,7 +178,7 @@ def _block(text: str) -> tuple[float, float]:
 
 
 def _record(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequence[Path]) -> Callable[[], Record]:
-    """The record of the command and its files, with the files as they are now, before anything is read."""
+    """What is told of the command and its files once it is done; files as they are now, before anything is read."""
     from flexdyn.diagnose.report.record import File, record
 
     uses = [(Path(model), "model"), *((path, "fit") for path in fit), *((path, "test") for path in check)]
@@ -188,7 +188,7 @@ def _record(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequen
 
 
 def _check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:
-    """Check before the work that the effect of ``--explain`` exists."""
+    """What is to be explained exists: better said now than after the work."""
     from flexdyn.diagnose.report.targets import check_target
 
     with naming({"explain": EXPLAIN}, file="", files={}):
@@ -197,7 +197,7 @@ def _check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:
 
 
 def _folder(path: Path | None, inputs: Sequence[Path]) -> Path:
-    """The folder to write to, checked before any work is done."""
+    """The folder to write to, found fit before any work is done."""
     if path is None:
         raise InputError("say where to write", key="--output", remedy="give a folder for the report")
     output_folder(path)
@@ -210,7 +210,7 @@ def _folder(path: Path | None, inputs: Sequence[Path]) -> Path:
 
 
 def _check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
-    """Refuse test data that are also fit data."""
+    """Data that check an answer may not have given it."""
     for path in check:
         if any(path.exists() and other.exists() and path.samefile(other) for other in fit):
             remedy = "give another recording, or none: then the last fifth of every one is kept for the test"
@@ -218,7 +218,7 @@ def _check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
 
 
 def _check_pictures() -> None:
-    """Check before the work that the libraries for the report are installed."""
+    """What the report is drawn with is there: better said now than after minutes of work."""
     from importlib.util import find_spec
 
     for library in ("matplotlib", "plotly"):

@@ -74,24 +74,23 @@ class Effect:
         neutral: the parameter values at which it changes nothing; a neutral effect is left out of the plant.
         no_torque: if the law is no torque over position and velocity: what to use instead.
         shown: parameter values with which the documentation shows it.
-        takes_load: whether its torque depends on the transmission torque; then it needs an elastic joint.
-        order: place among the effects on the motor's torque; the lowest acts first, users' own effects last.
+        takes_load: its torque depends on what the transmission carries, so that it needs an elastic joint.
+        order: place among the effects on the motor's torque; the least acts first, users' own last.
 
     A diagnosis proposes every class that names `linear` or `grids`.
 
     Class attributes for a diagnosis:
-        linear: parameters in which, together, the torque is linear; the torque is zero if all of them are 0.
-        grids: values to try of the other parameters, as multiples of a scale of the joint: the largest torque that its
-            motor must have ``given``, its largest ``speed`` or ``deflection``, the ``seconds`` of the recording, or
-            ``one`` (the parameter's own unit).
-        contains: names of effects that it becomes in a limit of its parameters; no structure holds both.
-        plainer: those of them that are the same law without its additional parameters: only what these add is evidence
-            for it.
-        natural_size: prior standard deviation of its size, if this size does not scale with the drive's torque.
-        prevalence: prior odds that a drive has it, against something unknown that resembles it.
-        of_velocity: whether it is friction that depends on the velocity alone.
-        of_recorded_torque: whether it changes the commanded torque. Then its column is computed from the recorded
-            torque. Columns of other effects use the torque that the model needs, which has less noise.
+        linear: parameters in which the torque is linear, all together: it is nothing where they are 0.
+        grids: values to try of the others, in units of what the joint does: the greatest torque that its motor must
+            have ``given``, its greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of
+            the parameter's own unit.
+        contains: names of effects that it becomes in a limit of its numbers; they never stand beside it.
+        plainer: those of them that are the same law without its further numbers: only what these add speaks for it.
+        natural_size: prior standard deviation of its size where that has nothing to do with the drive's torque.
+        prevalence: how many drives have it. It is weighed against something unknown that looks like it.
+        of_velocity: friction that the velocity alone decides.
+        of_recorded_torque: it bends the torque on its way, so that what it does is a matter of the recorded torque;
+            what others do is taken of the torque that the model needs, whose noise is less.
     """
 
     name: ClassVar[str]

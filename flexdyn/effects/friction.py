@@ -169,7 +169,7 @@ class QuadraticDrag(JointEffect):
 class LoadDependentFriction(JointEffect):
     """Dry friction in proportion to the torque that the gear carries, set-valued at rest.
 
-    ``f = coefficient abs(tau_s) Sgn(omega)``, where tau_s is the present transmission torque, damping included. Source:
+    ``f = coefficient abs(tau_s) Sgn(omega)``, tau_s the transmission torque of this instant, damping included. Source:
     the load-dependent losses of worm, harmonic and planetary gears (1 - efficiency, to first order).
 
     Args:
@@ -191,36 +191,36 @@ class LoadDependentFriction(JointEffect):
 
 
 class DirectionalGearLoss(JointEffect):
-    """Dry friction in proportion to the load, with one coefficient if the motor drives and another if the load drives.
+    """Dry friction in proportion to the load, one share where the motor drives and another where the load drives it.
 
-    ``f = (driving if tau_s omega > 0 else driven) abs(tau_s) Sgn(omega)``, where tau_s is the present transmission
-    torque, damping included. If ``tau_s omega > 0``, power flows from the motor to the link. Equal coefficients are
-    `LoadDependentFriction`. The efficiency is ``1/(1 + driving)`` if the motor drives and ``1 - driven`` if the
-    load drives.
+    ``f = (driving if tau_s omega > 0 else driven) abs(tau_s) Sgn(omega)``, tau_s the transmission torque of this
+    instant, damping included. Where ``tau_s omega > 0`` power flows from the motor to the link. Equal coefficients are
+    `LoadDependentFriction`. The efficiency is ``1/(1 + driving)`` where the motor drives and ``1 - driven`` where the
+    load does.
 
-    At rest each direction has its own level, because in one direction the motor would drive, in the other the load::
+    At rest each direction has its own level, for one of them would be driving and the other one being driven::
 
         tau_s > 0:   f in [-driven tau_s, driving tau_s],
         tau_s < 0:   f in [-driving |tau_s|, driven |tau_s|].
 
-    A rotor at rest has ``tau_m = tau_s + f``. It stays at rest while::
+    A rotor at rest has ``tau_m = tau_s + f``, so that it stays there while::
 
         (1 - driven) |tau_s| <= tau_m sign(tau_s) <= (1 + driving) |tau_s|.
 
-    A gear with ``driven >= 1`` is self-locking: without motor torque no load turns it back. To lower the load, the
-    motor must push with more than ``(driven - 1) |tau_s|``. If the rotor moves with the load, it is braked to rest,
-    because the friction is larger than the load. Both levels are at least 0 at any load. In motion the torque is the
-    end of the interval for that direction, so at a given load the law is monotone in omega, and each state has exactly
-    one motion.
+    A gear with ``driven >= 1`` locks itself: without motor torque no load turns it back, and to let the load down the
+    motor must push with more than ``(driven - 1) |tau_s|``. A rotor that the load has set in motion is then braked to
+    rest, for the friction is more than the load that drives it. Both levels are at least 0 at any load, and in motion
+    the torque is the end of the interval of its direction: the law is monotone in omega at a given load, and from each
+    state one motion follows.
 
-    Source: worm and screw gears, which are self-locking if the lead angle is below the angle of friction; the mesh
-    efficiencies of Pelchen, Schweiger, Otter, Modeling and Simulating the Efficiency of Gearboxes and of Planetary
-    Gearboxes (Modelica conference 2002).
+    Source: worm and screw gears, which lock themselves below the angle of friction; the mesh efficiencies of Pelchen,
+    Schweiger, Otter, Modeling and Simulating the Efficiency of Gearboxes and of Planetary Gearboxes (Modelica
+    conference 2002).
 
     Args:
         joint: its name; it must be elastic.
-        driving: friction torque over transmission torque if the motor drives the load [1].
-        driven: the same if the load drives the motor; 1 or more means self-locking [1].
+        driving: friction torque over transmission torque where the motor drives the load [1].
+        driven: the same where the load drives the motor; 1 or more: self-locking [1].
     """
 
     sides = ("motor",)
@@ -240,22 +240,21 @@ class DirectionalGearLoss(JointEffect):
 
 
 class StribeckGearLoss(JointEffect):
-    """Loss of a gear that decreases with speed, is proportional to the load and depends on the direction of power.
+    """Loss of a gear that falls with speed, in proportion to the load and by the direction of power.
 
-    ``f = (driving if tau_s omega > 0 else driven) exp(-abs(omega)/velocity) abs(tau_s) Sgn(omega)``: the additional
-    friction of a gear at rest, compared with its `DirectionalGearLoss` in motion. It adds to that effect as
-    `StribeckFriction` adds to `CoulombFriction`, and its interval at rest has the same form. A diagnosis does not
-    propose it: in the equations of motion only samples at low speed separate it from the loss in motion. It is fitted
-    in simulations instead.
+    ``f = (driving if tau_s omega > 0 else driven) exp(-abs(omega)/velocity) abs(tau_s) Sgn(omega)``: what a gear holds
+    at rest beyond its `DirectionalGearLoss` in motion. It stands beside that as `StribeckFriction` stands beside
+    `CoulombFriction`, and its interval at rest is of the same kind. A diagnosis does not propose it: in the equations
+    of motion slow rows alone tell it from the loss in motion, so that it is fitted in simulations.
 
     Source: the Stribeck part of the load-dependent friction in models M4 to M6 of Duclusaud, Passault, Padois, Ly,
     Extended Friction Models for the Physics Simulation of Servo Actuators (IEEE ICRA 2025).
 
     Args:
         joint: its name; it must be elastic.
-        driving: friction torque over transmission torque at rest if the motor drives the load [1].
-        driven: the same if the load drives the motor [1].
-        velocity: speed at which the loss has fallen to 1/e [rad/s].
+        driving: friction torque over transmission torque at rest where the motor drives the load [1].
+        driven: the same where the load drives the motor [1].
+        velocity: at which 1/e of it is left [rad/s].
     """
 
     sides = ("motor",)
@@ -271,14 +270,14 @@ class StribeckGearLoss(JointEffect):
 
 
 class PositionDependentFriction(JointEffect):
-    """Dry friction whose level varies over a turn: an eccentric bearing, uneven teeth.
+    """Dry friction that comes and goes over a turn: an eccentric bearing, teeth of uneven fit.
 
     ``f = amplitude (1 + sin(harmonic x + phase)) Sgn(u)``, set-valued at rest; it is never negative.
 
     Args:
         joint: its name.
         side: ``link`` or ``motor``.
-        amplitude: mean level, and amplitude of its variation [N m].
+        amplitude: mean level, and how far it swings [N m].
         harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
         phase: [rad].
     """
@@ -297,7 +296,7 @@ class PositionDependentFriction(JointEffect):
 
 
 class PreslidingFriction(MemoryEffect):
-    """Friction of bristles that bend before they slip: a spring for small motions, a constant level for large ones.
+    """Friction as of bristles that bend before they slip: a spring for small motions, a level for large ones.
 
     ``f = stiffness z + damping z'``, ``z' = u - stiffness abs(u) z/level``. It is not dry: under a torque below its
     level it creeps. It stores ``1/2 stiffness z^2`` and never supplies energy beyond that. Source: the LuGre model
@@ -306,7 +305,7 @@ class PreslidingFriction(MemoryEffect):
     Args:
         joint: its name.
         side: ``link`` or ``motor``.
-        level: reached after a motion of a few ``level/stiffness`` in one direction [N m].
+        level: reached after a few ``level/stiffness`` of one direction [N m].
         stiffness: of the bristles [N m/rad].
         damping: of the bristles [N m s/rad].
     """
@@ -325,7 +324,7 @@ class PreslidingFriction(MemoryEffect):
 
     @property
     def reach(self) -> float:
-        """Largest deflection of the bristles, level/stiffness [rad or m]."""
+        """Largest bend of the bristles, level/stiffness [rad or m]."""
         return self.level / self.stiffness
 
     def _torque_of(self, z: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -333,7 +332,7 @@ class PreslidingFriction(MemoryEffect):
 
 
 class WarmUpFriction(JointEffect):
-    """Viscous friction of a cold gear that decreases during the run.
+    """Viscous friction of a cold gear that fades as the run goes on.
 
     ``f = coefficient exp(-t/time_constant) u``, t since the start of the run.
 

@@ -112,7 +112,7 @@ class EndStop(JointEffect):
 
 
 class JointCoupling(JointEffect):
-    """The rotor of one joint drags the rotor of another: differential wrists, belts over a common shaft.
+    """The rotor of one joint drags on that of another: differential wrists, belts over a common shaft.
 
     ``f_motor = coefficient omega`` of joint `other`, on the left side of the rotor's equation of `joint`. It is not
     friction: it may supply power.
@@ -149,5 +149,5 @@ class JointCoupling(JointEffect):
         return super()._example_place(joint, other) | {"other": other}
 
     def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
-        # The core's pointwise evaluation knows one joint only.
+        # Pointwise the core knows one joint alone.
         return self.coefficient * u

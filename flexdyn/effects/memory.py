@@ -61,7 +61,7 @@ class MemoryEffect(JointEffect, abstract=True):
         return self._torque_of(z, speed - pull)
 
     def example_path(self, samples: int = 1201) -> Array:
-        """A path that shows the loop: out and back twice, first far and then less far (samples,) [rad or m]."""
+        """A path that shows the loop: out and back twice, widely and then less so (samples,) [rad or m]."""
         turns = self.reach * np.array([0.0, 4.0, -4.0, 4.0, 2.0, 4.0])
         return np.interp(np.linspace(0.0, 5.0, samples), np.arange(6.0), turns)
 

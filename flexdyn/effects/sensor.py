@@ -17,7 +17,7 @@ POSITIONS = ("q", "theta")
 HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that keep their value from one sample to the next."""
 SAME_INSTANT = 1e-10
-"""Times that differ by less are taken as equal [s]."""
+"""Times closer than this are one [s]."""
 
 
 class SensorEffect(Effect, abstract=True):

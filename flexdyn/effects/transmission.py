@@ -82,7 +82,7 @@ class HardeningSpring(JointEffect):
 
 
 class DeflectionEffect(JointEffect, abstract=True):
-    """An effect that changes the deflection before the spring laws are evaluated."""
+    """An effect that changes the deflection before every spring law sees it."""
 
     sides = ("transmission",)
     stage = "deflection"

@@ -7,7 +7,7 @@ from html import escape
 from typing import Any
 
 MOST_TABLE_ROWS = 20
-"""Largest number of rows of a table; further rows are only counted."""
+"""Rows of a table; further ones are counted."""
 _CELL = 'style="text-align:left;padding:2px 12px 2px 0"'
 
 
@@ -35,7 +35,7 @@ def card(title: str, facts: Mapping[str, Any], *tables: str, notes: Iterable[str
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST_TABLE_ROWS) -> str:
-    """An HTML table with at most `most` rows."""
+    """An HTML table; of many rows the first `most`."""
     listed = [tuple(row) for row in rows]
     head = "".join(f"<th {_CELL}>{escape(text)}</th>" for text in heads)
     body = "".join(

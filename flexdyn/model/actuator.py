@@ -17,8 +17,8 @@ from flexdyn.errors import InputError, did_you_mean
 class DCMotor:
     """A DC motor with a voltage at its terminals, all numbers on the motor's side of the gear.
 
-    ``tau = kt i``, ``V = R i + kt omega``, so ``tau = kt V/R - (kt^2/R) omega``. The voltage is limited to the supply,
-    the current to its limit. The winding's inductance is left out: L/R of small motors is well below 1 ms.
+    ``tau = kt i``, ``V = R i + kt omega``: so ``tau = kt V/R - (kt^2/R) omega``, the current cut at its limit and the
+    voltage at the supply. The winding's inductance is left out: L/R of small motors is well below 1 ms.
 
     Args:
         torque_constant: kt [N m/A], which is the back-EMF constant [V s/rad] as well.

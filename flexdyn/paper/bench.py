@@ -138,7 +138,7 @@ def torque_of_fig4() -> Samples:
 def recorded(
     t: ArrayLike, q: Array, theta: Array, tau: Array, noise: np.random.Generator, name: str = "", gear: float = 100.0
 ) -> Recording:
-    """The readings of encoders and torque sensors of both joints, (samples, 2) each."""
+    """What encoders and torque sensors write down of both joints (samples, 2) each."""
     channels = {}
     for j, joint in enumerate(("shoulder", "elbow")):
         level = TORQUE_NOISE * float(np.abs(tau[:, j]).max())

@@ -141,7 +141,7 @@ class Picture(Public):
         return draw(self)
 
     def __repr__(self) -> str:
-        """Title and number of panels, in one line."""
+        """Title and panels, in a line."""
         return f"<Picture {self.title}: {len(self.panels)} panels; .show(), .save(path)>"
 
     def _repr_mimebundle_(self, *arguments: Any, **settings: Any) -> Any:

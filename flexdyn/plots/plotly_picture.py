@@ -29,7 +29,7 @@ CONFIG = {
     "showSendToCloud": False,
     "plotlyServerURL": "",
 }
-"""Configuration of every page and notebook; Plotly's default has a button that uploads the data."""
+"""Of every page and notebook; Plotly's own default has a button that uploads the data."""
 PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src 'unsafe-inline';
@@ -54,7 +54,7 @@ addEventListener("afterprint", () => { document.body.style.zoom = ""; });
 
 LEGEND = {"xanchor": "left", "yanchor": "top", "bgcolor": "rgba(0,0,0,0)", "borderwidth": 0, "tracegroupgap": 0}
 _escaped = partial(html_escape, quote=False)
-"""A text for plotly, which does not understand &quot;."""
+"""A text as plotly takes it, which knows no &quot;."""
 
 
 def write_page(picture: Picture, file: Path) -> None:

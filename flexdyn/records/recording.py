@@ -37,8 +37,8 @@ class Recording(Public):
     Args:
         t: time [s], (samples,), strictly increasing, two samples or more.
         channels: arrays (samples,) by channel name; copied. Signals have the units of `SIGNALS`.
-        meta: data for JSON, copied and made read-only; ``meta["units"]`` gives units by channel if they are not those
-            of a revolute joint, such as ``{"q.slide": "m"}``.
+        meta: anything JSON can hold, copied and locked; ``meta["units"]`` names units by channel where they are not
+            those of a revolute joint, such as ``{"q.slide": "m"}``.
         name: a label for plots and messages.
 
     Raises:

@@ -39,7 +39,7 @@ class Repair:
 
 
 def repairs_of(entries: Any, key: str = "repair") -> tuple[Repair, ...]:
-    """The repairs of a list of names; ``{fill_nan: {longest: 0.5}}`` is a name with its number.
+    """The repairs that a list of names asks for; ``{fill_nan: {longest: 0.5}}`` is a name with its number.
 
     Raises:
         InputError: no such repair, or a number that does not fit.

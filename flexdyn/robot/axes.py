@@ -58,7 +58,7 @@ def with_axes(robot: Robot, entries: Any, *, ignore_dynamics: bool = False) -> R
         joint_names=tuple(names),
         kinds=tuple(kinds),
         continuous=tuple(continuous),
-        # The limits of the joints are not limits of single axes.
+        # The joints' limits bound a region that is no box in the axes.
         lower=_filled(robot.lower, places, -np.inf),
         upper=_filled(robot.upper, places, np.inf),
         velocity_limit=_filled(robot.velocity_limit, places, np.inf),

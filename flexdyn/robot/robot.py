@@ -50,7 +50,7 @@ class Robot(Public):
         effort_limit: shape (n,) [N m or N]; inf where unlimited.
         damping: viscous coefficient of the URDF's <dynamics>, shape (n,) [N m s/rad or N s/m], followers' included.
         friction: Coulomb level of the URDF's <dynamics>, shape (n,) [N m or N], followers' included.
-        axes: of coupled drives, instead of the joints that they name: axis -> {joint: coefficient}.
+        axes: of coupled drives, in the place of the joints that they name: axis -> {joint: coefficient}.
         followers: mimic joints: (leader, multiplier, offset), q_follower = multiplier q_leader + offset.
         tree: the arrays of the kinematic tree, followers included.
 
@@ -88,7 +88,7 @@ class Robot(Public):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays and tables are read-only again."""
+        """Unpickle through the constructor, so that arrays and tables are locked again."""
         values = (getattr(self, entry.name) for entry in fields(self))
         return (type(self), tuple(_plain(value) for value in values))
 
@@ -323,5 +323,5 @@ class Robot(Public):
 
 
 def _plain(value: Any) -> Any:
-    """Plain copies of read-only mappings, which can be pickled."""
+    """Read-only mappings as plain ones, which pickle."""
     return {key: _plain(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 def locked(values: Any, dtype: Any = np.float64) -> NDArray[Any]:
-    """A read-only copy of an array."""
+    """A copy of an array that nobody can write to."""
     array = np.array(values, dtype=dtype, order="C")
     array.setflags(write=False)
     return array
@@ -48,12 +48,12 @@ class FramePlacement:
     translation: Floats
 
     def __post_init__(self) -> None:
-        """Copy the arrays and make them read-only."""
+        """Copy and lock the arrays."""
         object.__setattr__(self, "rotation", locked(self.rotation))
         object.__setattr__(self, "translation", locked(self.translation))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are read-only again."""
+        """Unpickle through the constructor, so that arrays are locked again."""
         return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
 
 
@@ -97,7 +97,7 @@ class Tree:
             object.__setattr__(self, field.name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are read-only again."""
+        """Unpickle through the constructor, so that arrays are locked again."""
         return (type(self), tuple(getattr(self, field.name) for field in fields(self)))
 
     def __repr__(self) -> str:

@@ -17,9 +17,9 @@ class Electrical:
     """Electrical quantities of every joint's motor at the samples (samples, n); NaN where a joint has no DC motor.
 
     Attributes:
-        voltage: at the motor's terminals [V]: the commanded one, limited by the supply and the current limit.
+        voltage: at the motor's terminals [V]: as asked for, but where the supply or the current's limit cuts it.
         current: [A].
-        power: voltage times current [W]: the sum of `heat` and the mechanical power.
+        power: voltage times current [W]; the rest of it beside `heat` is mechanical.
         heat: R current^2 [W].
 
     Example:
@@ -53,7 +53,7 @@ def asked_voltage(model: FlexibleJointModel, tau: Array) -> Array:
 
 
 def electrical(model: FlexibleJointModel, tau: Array, omega: Array) -> Electrical:
-    """Compute the electrical quantities from commanded torques and rotor speeds.
+    """Of motors that are asked for torques while they turn.
 
     Args:
         model: that has the actuators.

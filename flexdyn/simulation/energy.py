@@ -26,20 +26,20 @@ class EnergyWarning(UserWarning):
 
 @dataclass(frozen=True, repr=False)
 class Energy(Public):
-    """Stored, supplied and dissipated energy of a motion at each sample [J], (samples,) unless another shape is given.
+    """Where the energy of a motion is and went, sample by sample [J], each (samples,) unless said.
 
     ``mechanical - initial = supplied + external - sum of dissipated + residual``.
 
     Attributes:
         kinetic: of the links and rotors.
-        spring: stored in springs of all kinds: transmissions, bristles, hysteresis, parallel springs, counterbalances.
-        gravity: of the links; it is zero at the height of the base.
-        supplied: by each motor since the start, the integral of tau_applied omega (samples, n).
+        spring: held by springs of all kinds: transmissions, bristles, hysteresis, parallel springs, counterbalances.
+        gravity: of the links, from the height of the base.
+        supplied: by each motor since the start, tau_applied omega integrated (samples, n).
         external: by wrenches since the start.
         dissipated: since the start, by ``effect.joint.side``; ``damping.JOINT`` is the joint's own. An end stop's entry
-            includes the energy that its spring still stores.
-        initial: mechanical energy at the start of the run, which may be before the first sample [J].
-        tolerance: bound for the residual [J].
+            holds what its spring still stores.
+        initial: mechanical energy at the start of the run, which the first sample need not be [J].
+        tolerance: that the residual should stay below [J].
 
     Example:
         >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
@@ -65,13 +65,13 @@ class Energy(Public):
         return f"<Energy: supplied {given:.4g} J, dissipated {spent:.4g} J, {len(self.kinetic)} samples>"
 
     def __post_init__(self) -> None:
-        """Make every array read-only."""
+        """Lock every array."""
         for array in (self.kinetic, self.spring, self.gravity, self.supplied, self.external, *self.dissipated.values()):
             array.setflags(write=False)
         object.__setattr__(self, "dissipated", MappingProxyType(dict(self.dissipated)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle by the fields and the constructor: a read-only mapping cannot be pickled, and locks would be lost."""
+        """Pickle by its fields, through the constructor: a read-only mapping does not, and locks are lost."""
         values = [getattr(self, field.name) for field in fields(self)]
         return (type(self), tuple(dict(value) if isinstance(value, Mapping) else value for value in values))
 

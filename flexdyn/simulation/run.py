@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Run(Public):
-    """A simulated motion: read-only arrays over a grid of times, one column for each joint in the order of q.
+    """A simulated motion: locked arrays over a grid of times, one column a joint in the order of q.
 
     Attributes:
         t: times (samples,) [s].
@@ -73,13 +73,13 @@ class Run(Public):
     inputs: Inputs
 
     def __post_init__(self) -> None:
-        """Make every array read-only."""
+        """Lock every array."""
         for name in ("t", *SIGNALS, "z"):
             getattr(self, name).setflags(write=False)
         object.__setattr__(self, "stats", MappingProxyType(dict(self.stats)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle by its fields: a read-only mapping cannot be pickled."""
+        """Pickle by its fields: a read-only mapping does not."""
         names = ("t", *SIGNALS, "z", "model", "solver", "notes", "inputs")
         return (_rebuild, ({name: getattr(self, name) for name in names} | {"stats": dict(self.stats)},))
 
@@ -120,7 +120,7 @@ class Run(Public):
 
     @cached_property
     def electrical(self) -> Electrical:
-        """Voltage, current, power and heat of the motors under voltage, at the samples."""
+        """Volts, amperes, power and heat of the motors under voltage, at the samples."""
         return electrical(self.model, self.tau, self.omega)
 
     @cached_property

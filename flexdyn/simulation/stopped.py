@@ -29,7 +29,7 @@ def stopped(
         report: of the core.
         solver: of the run.
         model: that moved.
-        tau: torques at its samples (samples, n), until it stopped.
+        tau: torques at its samples (samples, n), as far as it came.
     """
     t, reason, state = float(report["t"]), str(report["reason"]), np.array(report["x"])
     asked = tau[max(0, int(report["written"]) - 1)] if report["written"] else np.zeros(model.n)

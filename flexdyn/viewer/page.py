@@ -71,7 +71,7 @@ def _own(name: str) -> str:
 
 
 def _json(about: Mapping[str, Any]) -> str:
-    """JSON without characters that an HTML parser takes as markup."""
+    """JSON that no HTML parser can take for markup."""
     text = json.dumps(about, allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 

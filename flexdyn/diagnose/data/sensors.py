@@ -14,7 +14,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 DISC_ROUNDS, DISC_ROUNDING = 20, 1e-15
-"""Largest number of iterations for the angle of an eccentric disc, and the change at which they stop [rad]."""
+"""Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
 SPARE_SAMPLES = 16
 """Number of samples beyond either end that have an influence on a spline's coefficients."""
 
@@ -35,7 +35,7 @@ def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
 
 
 def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) -> Array:
-    """The true channel from the measured one; the inverse of `flexdyn.effects.measure`.
+    """The channel that these effects make the measured one of; the inverse of `flexdyn.effects.measure`.
 
     Offset and gain first, then eccentricity by fixed-point iteration, then the lag by cubic interpolation.
     """
@@ -46,7 +46,7 @@ def true_channel(effects: Iterable[SensorEffect], measured: Array, dt: float) ->
     discs = [e for e in effects if isinstance(e, EncoderEccentricity)]
     if discs:
         seen = x
-        for _ in range(DISC_ROUNDS):  # each reduces the error by amplitude times harmonic
+        for _ in range(DISC_ROUNDS):  # amplitude times harmonic is far below 1: each round gains that factor
             before, x = x, seen - sum(e.error(x) for e in discs)
             if np.abs(x - before).max(initial=0.0) < DISC_ROUNDING:
                 break

@@ -17,9 +17,9 @@ class Name:
     """A candidate of the best set and the candidates that replace it in other sets.
 
     Attributes:
-        candidate: its index.
-        rivals: indices of the candidates that replace it in other sets, the most probable first.
-        probability: that it or one of the rivals exists [1].
+        candidate: its place.
+        rivals: places of those that other sets hold in its place, the most probable first.
+        probability: that it or one of the rivals is there [1].
     """
 
     candidate: int

@@ -52,7 +52,7 @@ def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> 
 
 
 def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array:
-    """Change of the residual (rows,) by an additional effect, divided by `scale`."""
+    """Change of the residual (rows,) where the model has an effect more, over `scale`."""
     if isinstance(effect, SensorEffect):
         return _of_sensor(equations, effect) / scale
     if isinstance(effect, Payload):
@@ -91,7 +91,7 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
     true, effect, moved = equations.true, on_joint(effect), on_joint(moved)
     j = true.index(effect.joint)
     if isinstance(effect, JointElasticity) or (isinstance(effect, NOT_PLAIN) and equations.made_up[j]):
-        # other rows and positions change with it
+        # other rows and positions move with it
         effects = [moved if e == effect else e for e in equations.model.effects]
         return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
     if stands_alone(equations, effect):

@@ -32,9 +32,9 @@ MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmissi
 class Equations:
     """The equations of a model along measured motions.
 
-    The rows are sorted by recording, then by time, then by equation in the order of `kinds`. The equations are: those
-    of motor and link for an elastic joint with both encoders, else their sum; for a joint that is rigid in the given
-    model and has both encoders also theta = q [rad or m], even if a later model makes the joint elastic.
+    Rows of all recordings follow one another, time by time, and at each time stand the equations in the order of
+    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total; on a rigid joint
+    with both encoders also theta = q, from the start on and whatever a model makes of the joint later [rad or m].
 
     Attributes:
         model: that has the equations.

@@ -14,7 +14,7 @@ from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 NOT_PLAIN = (Backlash, HardeningSpring, SpringHysteresis)
-"""Effects that make a transmission nonlinear."""
+"""What makes a transmission another thing than a linear spring."""
 STEEP_SPRING_ROUNDS, STEEP_SPRING_STEP, STEEPEST_SPRING = 8, 1e-4, 10.0
 """Newton's method: steps, relative difference for slopes, and largest ratio of slopes to the spring's stiffness."""
 

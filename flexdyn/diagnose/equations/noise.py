@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 DIFFERENCE = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
 """Coefficients of the sixth difference."""
 ENCODER_NOISE_SHARE = 0.5
-"""If encoders cause more than this share of the residual's noise, the torque's noise cannot be separated [1]."""
+"""Share of the residual's noise that encoders may make for the torque's to be told from it."""
 GAUSS = 1.4826
 """Standard deviation over median absolute deviation of a Gaussian."""
 

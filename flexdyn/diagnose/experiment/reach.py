@@ -56,7 +56,7 @@ class Reach:
 
     @classmethod
     def of(cls, equations: Equations) -> Reach:
-        """Bounds from recordings and from the limits of the robot's description."""
+        """Of recordings; limits of the robot's description narrow it."""
         motions, true, robot = equations.motions, equations.true, equations.true.robot
         q = np.concatenate([each.q for each in motions])
         low, high = np.maximum(q.min(axis=0), robot.lower), np.minimum(q.max(axis=0), robot.upper)

@@ -182,7 +182,7 @@ class RehearsalBench:
         return replace(side, by_windows=pairs)
 
     def _command(self, move: PlannedMotion) -> PD:
-        """Joint control with the torques of the rigid arm as feedforward."""
+        """Joint control with what the rigid arm needs fed forward."""
         reach, true = self.reach, self.space.equations.true
         links, dt = LinkSide(loaded(true, self.load(move))), reach.dt
         t = np.arange(len(move.path)) * dt

@@ -168,7 +168,7 @@ def _sensors(equations: Equations, j: int, extent: MotionExtent) -> Iterator[Pro
         yield linear({"effect": "channel_lag", **place}, "delay", unit=1e-4)
         turns = (1.0, 2.0) if signal == "q" else (1.0, 2.0, extent.ratio, 2.0 * extent.ratio)
         yield wave({"effect": "encoder_eccentricity", **place}, turns, 1e-6)
-        if both or any(model.gravity):  # one encoder: gravity shows an offset, but inertias would hide a gain
+        if both or any(model.gravity):  # one encoder alone: gravity's shape tells, inertias would hide a gain
             yield linear({"effect": "sensor_gain", **place}, "gain", unit=1e-4)
             yield linear({"effect": "sensor_offset", **place}, "offset", unit=1e-5)
     if data.has_tau_s[j]:

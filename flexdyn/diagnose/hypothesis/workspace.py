@@ -59,15 +59,15 @@ class Unweighted:
 def workspace(
     model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
 ) -> tuple[Workspace, Hypothesis, SampleNoise]:
-    """Equations, weights and priors of a model for data; the torque's noise comes from the residuals of a first fit.
+    """Equations, weights and priors of a model over data; the torque's noise comes from what a first fit leaves.
 
     Args:
-        model: the given model.
+        model: as it was given.
         data: to be explained.
-        start: with the effects that were found, if one of them changes the set of equations; None: the model.
+        start: with the effects that were found, where one of them changes which equations there are; None: the model.
 
     Raises:
-        InputError: all rows are masked.
+        InputError: no equation says anything at any time.
     """
     bare, noise, start = prepared(model, data, start)
     space = weighed(bare, noise)

@@ -14,7 +14,7 @@ from flexdyn.control.commands import PD
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """A motion that separates a finding from its rivals in simulation.
+    """A motion that was shown by simulation to tell a finding from its rivals.
 
     Attributes:
         motion: what to do, in words.
@@ -52,7 +52,7 @@ class Experiment:
             object.__setattr__(self, name, column)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are read-only again."""
+        """Unpickle through the constructor, so that arrays are locked again."""
         return (type(self), tuple(getattr(self, entry.name) for entry in fields(self)))
 
     @property

@@ -85,8 +85,8 @@ class JointError:
         position_unit: ``rad`` or ``m``.
         torque_calibrated: torque error of the calibrated model.
         position_calibrated: position error of the calibrated model.
-        gap: the position errors in units of noise, as in the gap: of the given, calibrated and corrected model [1];
-            empty if nothing was simulated.
+        gap: the same positions in units of what noise alone makes there, as the gap has them: of the model as given,
+            calibrated and corrected [1]; empty where nothing was simulated.
     """
 
     torque_before: float

@@ -64,7 +64,7 @@ class ResidualTrace:
             raise InputError("finite numbers are needed", key="trace.x", value=self.title)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are read-only again."""
+        """Unpickle through the constructor, so that arrays are locked again."""
         return (type(self), tuple(getattr(self, entry.name) for entry in fields(self)))
 
     @classmethod

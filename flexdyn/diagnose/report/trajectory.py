@@ -41,7 +41,7 @@ class MeasuredCurve:
             object.__setattr__(self, name, column)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are read-only again."""
+        """Unpickle through the constructor, so that arrays are locked again."""
         return (type(self), (self.label, self.t, self.measured, self.errors))
 
     def thinned(self, most: int) -> MeasuredCurve:

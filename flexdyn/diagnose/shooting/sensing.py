@@ -15,9 +15,9 @@ from flexdyn.records import Recording
 Array = NDArray[np.float64]
 Law = Callable[[Sequence[SensorEffect], Array, Array], Array]
 NEWTON_ROUNDS = 30
-"""Largest number of steps of Newton's method."""
+"""Steps of Newton's method, at most."""
 NEWTON_ROUNDING = 1e-14
-"""A step of Newton's method below this share of the largest value is rounding [1]."""
+"""Share of the largest value below which a step of Newton's method is rounding."""
 
 
 def sensors(model: FlexibleJointModel, channel: str) -> tuple[SensorEffect, ...]:
@@ -73,7 +73,7 @@ def of_windows(law: Law, effects: Sequence[SensorEffect], x: Array, t: Array) ->
 
 
 def undone(effects: Sequence[SensorEffect], reported: Array, t: Array) -> Array:
-    """The true channel except for the lag, which is a shift in time (see `lag`)."""
+    """The true channel, as far as that can be had: all but the lag, which is a shift in time (see `lag`)."""
     instant = [effect for effect in effects if not isinstance(effect, ChannelLag)]
     if not instant:
         return reported

@@ -220,7 +220,7 @@ def _simulated(jobs: Sequence[_core.Job], q: Array, *, python: bool) -> NDArray[
 
 
 def at_time(model: FlexibleJointModel, begin: float) -> FlexibleJointModel:
-    """The model from a time on, which becomes its zero of time [s]."""
+    """The model as it is from a time on, that time being its new zero [s]."""
     return model.replace(effects=[_moved(each, begin) for each in model.all_effects], urdf_dynamics="ignore")
 
 
@@ -239,7 +239,7 @@ def _moved(effect: Effect, begin: float) -> Effect:
     def torque(x: float, u: float, *, t: float, tau: float) -> Any:
         try:
             return law(x, u, t=t + begin, tau=tau)
-        except Exception:  # a user's code may raise anything far from the data: then the window has failed
+        except Exception:  # a user's code may raise anything, far from the data: the window has failed
             return math.nan
 
     object.__setattr__(moved, "torque", torque)

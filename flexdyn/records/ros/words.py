@@ -24,7 +24,7 @@ def check_word(name: str, what: str) -> None:
 
 
 def listed(names: Iterable[str], most: int = 8) -> str:
-    """The first of some names, each shortened to fit into a line."""
+    """The first of some names, each cut to a length that fits into a line."""
     every = list(names)
     return ", ".join(name[:_SHOWN] for name in every[:most]) + (", ..." if len(every) > most else "")
 

@@ -27,7 +27,7 @@ _UNEVEN = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Derivatives:
-    """One recording with one filter, which smooths every term of an equation of motion in the same way.
+    """One recording seen through one filter: every term of an equation of motion smoothed alike.
 
     Attributes:
         recording: that is filtered.
@@ -46,11 +46,11 @@ class Derivatives:
     noise: Mapping[str, Noise]
 
     def __post_init__(self) -> None:
-        """Make the mapping read-only."""
+        """Lock the mapping."""
         object.__setattr__(self, "noise", MappingProxyType(dict(self.noise)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Read-only mappings cannot be pickled: send a plain one."""
+        """Read-only mappings do not pickle: send a plain one."""
         return (type(self), (self.recording, self.smoother, dict(self.noise)))
 
     @property

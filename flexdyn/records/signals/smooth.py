@@ -178,7 +178,7 @@ class Smoother:
         return math.sqrt(max(0.0, variance)) * scale
 
     def noise_autocorrelation(self, order: str = "value") -> FloatArray:
-        """Autocorrelation of an output at lags 0, 1, ... if the input is white noise; zero at larger lags."""
+        """Autocorrelation of an output at lags 0, 1, ... where the input is white noise; zero beyond those returned."""
         kernel, _ = self._weights(order)
         both = np.correlate(kernel, kernel, "full")[len(kernel) - 1 :]
         return np.asarray(both / both[0])

@@ -33,8 +33,8 @@ def best_smoother(
     Args:
         x: uniform samples (samples,).
         rate: samples per second [Hz].
-        noise: of the channel, from `estimate_noise`.
-        order: the output whose error is minimised: ``"value"``, ``"first"`` or ``"second"``.
+        noise: of the channel, as `estimate_noise` finds it.
+        order: the output that is to be best: ``"value"``, ``"first"`` or ``"second"``.
         degree: of the polynomial.
         taper: exponent of the weights.
 
