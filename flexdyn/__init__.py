@@ -1,4 +1,4 @@
-"""flexdyn: robot arms with elastic joints, simulated fast, compared with measurements, missing effects named."""
+"""flexdyn: simulate robot arms with elastic joints, compare them with measurements, and name missing effects."""
 
 from importlib.metadata import version as _version
 
@@ -140,5 +140,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """What tab completion offers: the names that users need."""
+    """Names that tab completion offers: those that users need."""
     return [*__all__, "__version__"]

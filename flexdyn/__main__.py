@@ -1,4 +1,4 @@
-"""``python -m flexdyn``: the command line where the program ``flexdyn`` is not on the path."""
+"""``python -m flexdyn``: the command line if the program ``flexdyn`` is not on the path."""
 
 import sys
 

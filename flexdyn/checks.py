@@ -1,4 +1,4 @@
-"""What counts as a number in the user's input."""
+"""Checks of numbers in the user's input."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 
 def as_numbers(values: Any) -> NDArray[np.float64]:
-    """A fresh array of doubles; text, dates and complex numbers are none.
+    """A new array of doubles; text, dates and complex numbers are refused.
 
     Raises:
-        TypeError, ValueError, OverflowError: they are no numbers.
+        TypeError, ValueError, OverflowError: the values are no numbers.
     """
     if np.asarray(values).dtype.kind not in "fiubO":
         raise TypeError("not real numbers")
@@ -24,7 +24,7 @@ def as_numbers(values: Any) -> NDArray[np.float64]:
 
 
 def as_number(value: Any) -> float:
-    """The value as a float; NaN where it is no number (text, truth values and None are none), inf where too large."""
+    """The value as a float; NaN if it is no number (such as text, a truth value or None), inf if it is too large."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
         return math.nan
     try:

@@ -1,4 +1,4 @@
-"""The few kinds of errors flexdyn raises; each carries its data and the remedy, and reads as one line."""
+"""The errors that flexdyn raises; each has its data and the remedy, and is printed as one line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LONG_WORD = re.compile(rf"\S{{{_LONGEST_WORD + 1},}}")
 class FlexdynError(Exception):
     """Base of every error that flexdyn raises on purpose.
 
-    Subclasses take keyword data, keep it as attributes, and survive pickling (a worker can send them home).
+    Subclasses take keyword data, keep it as attributes, and can be pickled (a worker can send them back).
 
     Example:
         >>> try:
@@ -36,7 +36,7 @@ class FlexdynError(Exception):
         super().__init__(problem)
 
     def __getattr__(self, name: str) -> Any:
-        """Data given by keyword reads as an attribute: error.file, error.key, error.t."""
+        """Keyword data as attributes: error.file, error.key, error.t."""
         try:
             return self.__dict__["data"][name]
         except KeyError:
@@ -47,20 +47,20 @@ class FlexdynError(Exception):
         return (_rebuild, (type(self), self.problem, self.data))
 
     def __str__(self) -> str:
-        """One line of bounded length, whatever a name or the message of a library below brought along."""
+        """One line of bounded length, for any name or message of a library in it."""
         return one_line(self.problem)
 
 
 class InputError(FlexdynError, ValueError):
-    """What the user gave is wrong: a file, a key in it, a value, an option (exit code 2).
+    """An input is wrong: a file, a key in it, a value, an option (exit code 2).
 
     Args:
-        problem: what is wrong, in a few words.
-        file: the file it stands in, if any.
+        problem: the fault, in a few words.
+        file: the file that has it, if any.
         key: the key, option or argument, dotted: ``joints.shoulder.stiffness``.
-        value: what was given there.
-        remedy: what would be right.
-        data: anything else worth carrying (row, channel, line).
+        value: the given value.
+        remedy: what the user can do.
+        data: further data (row, channel, line).
 
     Example:
         >>> try:
@@ -91,7 +91,7 @@ class InputError(FlexdynError, ValueError):
         return line if len(line) <= _LONGEST_ERROR else f"{line[: _LONGEST_ERROR - 3]}..."
 
     def at(self, *, file: str | Path | None = None, key: str | None = None) -> InputError:
-        """The same error with the place it was found in filled in by a caller that knows it."""
+        """A copy of the error with the place of the fault, added by a caller that knows it."""
         data = dict(self.data)
         data["file"] = data["file"] or file
         data["key"] = ".".join(part for part in (key, data["key"]) if part) or None
@@ -99,7 +99,7 @@ class InputError(FlexdynError, ValueError):
 
 
 class SimulationError(FlexdynError, RuntimeError):
-    """An integration could not go on: not finite, step too small, too many steps.
+    """An integration could not continue: not finite, step too small, too many steps.
 
     Data: ``t`` [s] where it stopped, ``state`` x there, ``solver``, ``reason``.
 
@@ -110,7 +110,7 @@ class SimulationError(FlexdynError, RuntimeError):
 
 
 class MissingExtra(FlexdynError, ImportError):
-    """An optional dependency is not installed; names the extra that brings it (exit code 2).
+    """An optional dependency is not installed; the message names the extra that installs it (exit code 2).
 
     Example:
         >>> issubclass(fd.MissingExtra, fd.FlexdynError)
@@ -123,7 +123,7 @@ class MissingExtra(FlexdynError, ImportError):
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Two plain strings rebuild it."""
+        """Pickle by two plain strings."""
         return (type(self), (self.data["library"], self.data["extra"]))
 
 
@@ -145,11 +145,11 @@ def needed(library: str, extra: str) -> Iterator[None]:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """The remedy for an unknown word: the near miss if there is one, else what would be right.
+    """The remedy for an unknown word: the most similar known word if there is one, else all known words.
 
     Args:
-        word: what was given.
-        known: what would have been accepted.
+        word: the given word.
+        known: accepted words.
 
     Returns:
         ``did you mean 'stiffness'?`` or ``known: a, b, c``.
@@ -162,7 +162,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def shown(value: Any) -> str:
-    """A value as an error shows it: short whatever was given, so that no input can flood the line."""
+    """A value for an error message, shortened, so that no input makes the line too long."""
     short = reprlib.Repr()
     short.maxstring = short.maxother = short.maxlong = 120
     short.maxlevel = 3
@@ -173,12 +173,13 @@ def shown(value: Any) -> str:
 
 
 def one_line(text: str) -> str:
-    """A text as one line of up to 1000 characters that a terminal shows and does not obey.
+    """A text as one line of up to 1000 characters without control characters.
 
-    Control characters, and those that turn the direction of writing, become spaces; a word of more than 120 is cut.
+    Control characters, and those that change the direction of writing, become spaces; a word of more than 120
+    characters is shortened.
 
     Args:
-        text: which may hold names out of a file.
+        text: may contain names from a file.
     """
     plain = " ".join(_printable(text[:_LONGEST_ERROR_TEXT]).split())
     plain = _LONG_WORD.sub(lambda word: f"{word[0][:60]}...{word[0][-57:]}", plain)
@@ -186,11 +187,11 @@ def one_line(text: str) -> str:
 
 
 def visible(text: str, *, lines: bool = False) -> str:
-    """A text of any length as a terminal may show it: what it would obey is written out, as Python writes it.
+    """A text of any length for a terminal: control characters are escaped as in Python.
 
     Args:
-        text: which may hold names out of a file.
-        lines: leave line breaks as they are.
+        text: may contain names from a file.
+        lines: whether to keep line breaks.
     """
     if text.isprintable():
         return text
@@ -200,7 +201,7 @@ def visible(text: str, *, lines: bool = False) -> str:
 
 
 def _clipped(text: str) -> str:
-    """A name, a path or a value as `one_line`, of up to 240 characters; spaces in it stay as they are."""
+    """A name, a path or a value as from `one_line`, with up to 240 characters; its spaces are kept."""
     plain = _printable(text[:1000])
     return plain if len(plain) <= 240 else f"{plain[:237]}..."
 

@@ -100,6 +100,6 @@ def parameters(kind: type[fd.effects.Effect], symbols: dict[str, str]) -> str:
 
 
 def neutral(kind: type[fd.effects.Effect]) -> str:
-    """At which numbers the effect does nothing."""
+    """At which numbers the effect changes nothing."""
     values = ", ".join(f"`{key}` = {value:g}" for key, value in kind.neutral.items())
-    return f"It does nothing at {values}."
+    return f"It changes nothing at {values}."

@@ -1,4 +1,4 @@
-"""Modes, linear models, frequency responses, equilibria, torques that friction holds, numbers that a motion tells."""
+"""Modes, linear models, frequency responses, equilibria, holding torques, base parameters, steady friction."""
 
 from flexdyn.analysis.base_parameters import BaseParameters, base_parameters
 from flexdyn.analysis.eigenmodes import modes

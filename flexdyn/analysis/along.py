@@ -15,7 +15,7 @@ from flexdyn.records.given import as_recording
 
 Array = NDArray[np.float64]
 MOST_SAMPLES_ALONG = 4000
-"""Samples of a recording that are looked at; more are thinned out evenly."""
+"""Largest number of samples of a recording that are used; of more, evenly spaced ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class Along:
     Attributes:
         q, v, a: of the links (samples, n) [rad, rad/s, rad/s^2].
         omega, alpha: of the rotors (samples, n).
-        every: samples of the recording for each of these.
+        every: number of samples of the recording for each of these.
     """
 
     q: Array
@@ -37,7 +37,7 @@ class Along:
 
 
 def along_samples(model: FlexibleJointModel, q: Array, v: Array, a: Array) -> Along:
-    """Samples given as they are; rotors move with their links.
+    """Take samples as they are given; rotors move with their links.
 
     Raises:
         InputError: not all of one shape (samples, n), or numbers that are not finite.
@@ -52,7 +52,7 @@ def along_samples(model: FlexibleJointModel, q: Array, v: Array, a: Array) -> Al
 
 
 def along_recording(model: FlexibleJointModel, recording: Any) -> Along:
-    """A recording smoothed and differentiated; an encoder that is missing is taken from the joint's other one.
+    """Smooth and differentiate a recording; a missing encoder is replaced by the joint's other one.
 
     Raises:
         InputError: a joint without any position, or samples that cannot be differentiated.

@@ -1,4 +1,4 @@
-"""The model that is analysed: true numbers, and some effects left out."""
+"""The model that is analysed: corrected numbers, some effects left out."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def checked_model(model: Any) -> FlexibleJointModel:
     follow their voltage at once, without inductance, and dry friction between two motors is left out.
 
     Raises:
-        InputError: it is no model.
+        InputError: the argument is no model.
     """
     if not isinstance(model, FlexibleJointModel):
         raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
@@ -42,7 +42,7 @@ def _at_once(model: FlexibleJointModel) -> FlexibleJointModel:
 
 
 def command_delays(model: FlexibleJointModel) -> NDArray[np.float64]:
-    """Dead time between the torque asked for and the motor's (n,) [s]."""
+    """Dead time between the commanded torque and the motor's (n,) [s]."""
     delays = np.zeros(model.n)
     for effect in model.resolved().effects:
         if isinstance(effect, CommandDelay):
@@ -51,7 +51,7 @@ def command_delays(model: FlexibleJointModel) -> NDArray[np.float64]:
 
 
 def without(model: FlexibleJointModel, leave_out: Callable[[Effect], bool]) -> FlexibleJointModel:
-    """The model without some of its effects; the same if it has none of them."""
+    """The model without some of its effects; the model itself if it has none of them."""
     kept = [effect for effect in model.all_effects if not leave_out(effect)]
     if len(kept) == len(model.all_effects):
         return model

@@ -1,4 +1,4 @@
-"""Roots of many functions at once: every component depends on its own unknown alone and does not decrease with it."""
+"""Roots of many functions at once: every component depends only on its own unknown and does not decrease with it."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Balance = Callable[[Array], Array]
 MOST_DOUBLINGS = 100
-"""Doublings of the first step before a component is said to have no root."""
+"""Doublings of the first step after which a component counts as having no root."""
 
 
 def roots(f: Balance, start: Array, step: Array, tolerance: Array | float) -> tuple[Array, NDArray[np.bool_]]:
     """Solve f_j(x_j) = 0 for every j together.
 
     Args:
-        f: (n,) -> (n,), component by component and nowhere decreasing.
-        start: first guess (n,); kept where f is within the tolerance there.
-        step: how far away the root may be looked for first (n,), above 0.
-        tolerance: of abs(f); where rounding of x allows less, the best x is taken.
+        f: (n,) -> (n,), component by component, nowhere decreasing.
+        start: first guess (n,); kept where abs(f) is within the tolerance.
+        step: first step of the search (n,), above 0.
+        tolerance: of abs(f); if rounding of x does not allow it, the best x is used.
 
     Returns:
-        the roots (n,), and whether there is one (n,); where there is none, x is as far as was looked.
+        The roots (n,), and whether there is one (n,); where there is none, x is the end of the search.
     """
     low, high, f_low, f_high = _brackets(f, start, step, tolerance)
     found = (f_low <= tolerance) & (f_high >= -tolerance)
@@ -32,7 +32,7 @@ def roots(f: Balance, start: Array, step: Array, tolerance: Array | float) -> tu
         open_ = found & (np.abs(f_low) > tolerance) & (np.abs(f_high) > tolerance) & (high - low > inside)
         if not open_.any():
             break
-        # False position, and every third time the middle: kinks and flat pieces cannot hold it up.
+        # False position, and every third time bisection: kinks and flat pieces cannot stop the progress.
         width = np.where(open_, f_high - f_low, 1.0)
         share = np.full_like(low, 0.5) if turn % 3 == 2 else np.clip(-f_low / width, 1e-3, 1.0 - 1e-3)
         middle = np.where(open_, low + share * (high - low), low)
@@ -47,7 +47,7 @@ def roots(f: Balance, start: Array, step: Array, tolerance: Array | float) -> tu
 
 
 def _brackets(f: Balance, start: Array, step: Array, tolerance: Array | float) -> tuple[Array, Array, Array, Array]:
-    """Ends between which every component changes its sign, by doubling steps from the start."""
+    """Intervals in which every component changes its sign, found by doubling steps from the start."""
     value = f(start)
     low, high, f_low, f_high = start.copy(), start.copy(), value.copy(), value.copy()
     reach = step.copy()
@@ -55,7 +55,7 @@ def _brackets(f: Balance, start: Array, step: Array, tolerance: Array | float) -
         down, up = f_low > tolerance, f_high < -tolerance
         if not (down.any() or up.any()):
             break
-        # What was one end is the other now: the root lies in the last step.
+        # One end becomes the other: the root is within the last step.
         high, f_high = np.where(down, low, high), np.where(down, f_low, f_high)
         low, f_low = np.where(up, high, low), np.where(up, f_high, f_low)
         low, high = np.where(down, low - reach, low), np.where(up, high + reach, high)

@@ -1,4 +1,4 @@
-"""base_parameters: which combinations of a model's numbers a motion can tell, how well, and which it cannot."""
+"""base_parameters: the combinations of a model's numbers that a motion determines, and how well."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from flexdyn.model.uncertain_parameters import OF_LINK, file_numbers
 
 Array = NDArray[np.float64]
 OWN = 1e-7
-"""Share of a column's length that must be outside the span of those before it for a number of its own."""
+"""A column is independent if this share of its length is outside the span of the columns before it [1]."""
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,9 @@ class Combination(Locked):
     """One number that the motion tells: a sum of numbers of the model.
 
     Attributes:
-        terms: coefficient by number; the first has 1.
-        value: of the model, in the unit of the first.
-        std: standard deviation of its least-squares estimate, all combinations being free, in the same unit.
+        terms: coefficient by number; the first one is 1.
+        value: of the model, in the unit of the first number.
+        std: standard deviation of its least-squares estimate with all combinations free, in the same unit.
     """
 
     terms: Mapping[str, float]
@@ -44,14 +44,14 @@ class Combination(Locked):
 
 @dataclass(frozen=True)
 class Told:
-    """A number of the model file or URDF, and whether the motion tells it.
+    """A number of the model file or URDF, and whether the motion determines it.
 
     Attributes:
         of: joint or link that it belongs to.
         parameter: ``link_mass``, ``link_com``, ``link_inertia`` or ``rotor_inertia``.
-        verdict: ``told``: better than its tolerance, all others being unknown. ``weak``: worse than that.
-            ``combined``: only together with others, however little noise there is. ``silent``: it does nothing here.
-        std: of its factor, all other numbers being unknown [1]; inf where it is combined or silent.
+        verdict: ``told``: determined better than its tolerance, with all others unknown. ``weak``: worse than that.
+            ``combined``: only together with others, even without noise. ``silent``: it has no influence.
+        std: of its factor, with all other numbers unknown [1]; inf where it is combined or silent.
         tolerance: of the file, relative [1].
     """
 
@@ -64,14 +64,14 @@ class Told:
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """What a motion tells of a model's numbers.
+    """The numbers of a model that a motion determines.
 
     Attributes:
-        combinations: the base parameters: the most independent sums, the first number of each in the order of the arm.
-        silent: numbers that do nothing in this motion.
-        condition: of the columns of the combinations, each scaled to unit length [1]: some tens are a good motion,
-            beyond a thousand one combination imitates others.
-        samples: of the motion that were used.
+        combinations: the base parameters: independent sums, with their first numbers in the order of the arm.
+        silent: numbers that have no influence in this motion.
+        condition: condition number of the columns of the combinations, each scaled to unit length [1]. Below 100 the
+            motion is good; above 1000 some combination can hardly be separated from others.
+        samples: number of samples of the motion that were used.
         numbers: of the model file and URDF.
 
     Example:
@@ -94,17 +94,17 @@ class BaseParameters:
 
     @property
     def alone(self) -> tuple[str, ...]:
-        """Numbers that the motion tells by themselves."""
+        """Numbers that the motion determines individually."""
         return tuple(next(iter(each.terms)) for each in self.combinations if len(each.terms) == 1)
 
     @property
     def combined(self) -> tuple[str, ...]:
-        """Numbers that it tells in sums only."""
+        """Numbers that it determines only in sums."""
         sums = (each.terms for each in self.combinations if len(each.terms) > 1)
         return tuple(dict.fromkeys(name for terms in sums for name in terms))
 
     def __str__(self) -> str:
-        """A line a combination: value, standard deviation, sum."""
+        """One line for each combination: value, standard deviation, sum."""
         head = f"{self.rank} combinations from {self.samples} samples, condition {self.condition:.3g}"
         lines = [f"{each.value:>12.4g} +- {each.std:<10.2g} {each}" for each in self.combinations]
         return "\n".join([head, *lines, f"silent: {', '.join(self.silent) or 'none'}"])
@@ -124,21 +124,22 @@ def base_parameters(
     noise: ArrayLike = 1.0,
     friction: bool = False,
 ) -> BaseParameters:
-    """The independent combinations of an arm's numbers that the torques of a motion tell, and how well.
+    """The independent combinations of an arm's numbers that the torques of a motion determine, and how well.
 
-    Torques are linear in masses, first moments, inertias, rotor inertias and friction, ``tau = W p``; columns of W that
-    depend on those before them are taken into those (Gautier and Khalil, IEEE Trans. Robotics and Automation 6, 1990;
-    Gautier, J. Robotic Systems 8, 1991). Springs do not enter: the sum of link's and motor's equation is looked at.
+    Torques are linear in masses, first moments, inertias, rotor inertias and friction, ``tau = W p``. A column of W
+    that depends linearly on columns before it is added to these (Gautier and Khalil, IEEE Trans. Robotics and
+    Automation 6, 1990; Gautier, J. Robotic Systems 8, 1991). Springs do not enter, because the sum of the equations of
+    link and motor is used.
 
     Args:
-        model: the arm; its numbers count for `value` and tolerances alone.
+        model: the arm; its numbers are used only for `value` and tolerances.
         motion: a recording (or a run, a path, a pandas.DataFrame) with q or theta of every joint, smoothed and
             differentiated here; its torque is not read.
-        q: or samples of a motion: positions (samples, n) [rad]; random samples give what any motion can tell.
+        q: or samples of a motion: positions (samples, n) [rad]; random samples show what the best motion can determine.
         v: velocities, likewise [rad/s].
         a: accelerations, likewise [rad/s^2].
         noise: standard deviation of the torques, white from sample to sample, one number or n of them [N m or N].
-        friction: viscous and Coulomb friction and a constant torque of every joint are unknown too.
+        friction: whether viscous friction, Coulomb friction and a constant torque of every joint are unknown too.
 
     Returns:
         Combinations with standard deviations, conditioning, and a verdict on every number of file and URDF.
@@ -178,7 +179,7 @@ def _motion(model: FlexibleJointModel, motion: Any, *samples: ArrayLike | None) 
 
 
 def _combinations(names: tuple[str, ...], W: Array, p: Array) -> tuple[tuple[Combination, ...], tuple[str, ...], float]:
-    """Columns that are their own with those that they take in, names without a column, and the conditioning."""
+    """Independent columns with the columns that they absorb, names without a column, and the conditioning."""
     length = np.linalg.norm(W, axis=0)
     seen = length > OWN * length.max()
     scaled = W[:, seen] / length[seen]
@@ -201,7 +202,7 @@ def _combinations(names: tuple[str, ...], W: Array, p: Array) -> tuple[tuple[Com
 
 
 def _numbers(model: FlexibleJointModel, names: tuple[str, ...], W: Array, friction: bool) -> tuple[Told, ...]:
-    """A verdict on every number of links and rotors; friction, where it is unknown, is so besides them."""
+    """A verdict on every number of links and rotors; friction may be unknown in addition."""
     wanted = [each for each in file_numbers(model) if each.parameter in ("rotor_inertia", *OF_LINK)]
     place = {name: k for k, name in enumerate(names)}
     columns = []
@@ -231,7 +232,7 @@ def _numbers(model: FlexibleJointModel, names: tuple[str, ...], W: Array, fricti
 
 
 def _of_link(model: FlexibleJointModel, link: str, word: str) -> Array:
-    """Derivative of the bodies' numbers by the factor of one of a link's (10 m,): they are quadratic in it at most."""
+    """Derivative of the bodies' numbers by the factor of a link's number (10 m,): they are at most quadratic in it."""
     step = 0.125
     low, high = (body_numbers(model.robot.with_link_scaled(link, **{word: f}).tree) for f in (1 - step, 1 + step))
     return (high - low) / (2.0 * step)

@@ -18,17 +18,17 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 Array = NDArray[np.float64]
 Rotors = Literal["free", "held"]
 ZERO_FREQUENCY_SHARE = 1e-10
-"""Of the largest squared frequency: what counts as zero."""
+"""Squared frequencies below this share of the largest one are zero [1]."""
 
 
 class Tangent:
     """Small motions about a pose at rest: inertia s'' + damping s' + stiffness s = 0, s = [q (n), theta (e)].
 
     Args:
-        statics: of the model; a motor's torque stays what it is, so that a free rotor is held by its spring alone.
+        statics: of the model; a motor's torque is constant, so that only the spring holds a free rotor.
         q: pose (n,).
         theta: rotor positions (n,).
-        tau: torques asked for (n,).
+        tau: commanded torques (n,).
 
     Attributes:
         inertia: M(q) with J of rigid joints, and J of rotors (n + e, n + e); S(q) with full rotor coupling.
@@ -46,19 +46,20 @@ class Tangent:
         reduced[range(n, half), range(n, half)] = model.rotor_inertia[model.elastic]
         self.inertia = statics.inertia(q)
         velocity, z = slice(half, 2 * half), slice(2 * half, None)
-        # From rest a bristle or hysteresis follows its coordinate, z' = s', and so acts as one more spring.
+        # From rest the state of a bristle or hysteresis follows its coordinate, z' = s': it acts as an additional
+        # spring.
         stiffness = -reduced @ (A[velocity, :half] + A[velocity, z] @ A[z, velocity])
         self.stiffness = 0.5 * (stiffness + stiffness.T)
         self.damping = -reduced @ A[velocity, velocity]
         if not all(np.isfinite(matrix).all() for matrix in (A, self.inertia, self.stiffness, self.damping)):
-            problem = "small motions about the pose are beyond what a float can hold"
+            problem = "numbers of the linear model about the pose are too large for a double"
             raise InputError(problem, key="model", remedy="check stiffness, damping, rotor_inertia and the pose")
 
     def squared_frequencies(self, kept: Any = slice(None)) -> tuple[Array, Array]:
-        """Squared frequencies (m,) [rad^2/s^2], rising, 0 where rounding is all there is; shapes (m, m) in columns.
+        """Squared frequencies (m,) [rad^2/s^2], rising, 0 for rounding errors; shapes (m, m) in columns.
 
         Args:
-            kept: which coordinates move; the others are held.
+            kept: coordinates that move; the others are held.
         """
         from scipy.linalg import eigh
 
@@ -70,7 +71,7 @@ class Tangent:
         return squared, shapes
 
     def poles(self, kept: Any) -> NDArray[np.complex128]:
-        """Eigenvalues (2 m,) [rad/s] of the damped motion of some coordinates, by size."""
+        """Eigenvalues (2 m,) [rad/s] of the damped motion of some coordinates, by absolute value."""
         everything = np.arange(len(self.inertia))[kept]
         place, m = np.ix_(everything, everything), len(everything)
         inverse = np.linalg.inv(self.inertia[place])
@@ -83,25 +84,25 @@ class Tangent:
 def modes(model: FlexibleJointModel, q: Pose = None, *, rotors: Rotors = "free") -> Modes:
     """Free small vibrations of an arm about a pose at rest: K s = w^2 M s with s = [q, theta].
 
-    M: M(q) with payloads, J of rotors; a rigid joint's J is part of M(q); full rotor coupling adds S(q). K: the whole
-    tangent stiffness at the pose with springs loaded: stiffness of the transmissions (hardened or slack as they are
-    loaded there), dh/dq of gravity, parallel springs, position torques, end stops that press, torque ripple, bristles
-    of presliding friction and hysteresis. Motors give the constant torque that holds the pose. So an arm standing
-    upright on free rotors has modes that fall, and one without gravity has rigid-body modes. Damping: everything
+    M is M(q) with payloads, and J of the rotors; a rigid joint's J is part of M(q); full rotor coupling adds S(q). K is
+    the whole tangent stiffness at the pose with loaded springs: stiffness of the transmissions (at their deflection
+    there), dh/dq of gravity, parallel springs, position torques, end stops in contact, torque ripple, bristles of
+    presliding friction and hysteresis. Motors give the constant torque that holds the pose. So an upright arm on free
+    rotors has unstable modes, and an arm without gravity has rigid-body modes. The damping has all terms that are
     linear in velocity at rest. Dry friction and torque limits are left out.
 
     Args:
         model: the arm.
         q: pose (n,) or by joint [rad or m]; None: the model's `initial`.
-        rotors: ``free``: motors give constant torques; ``held``: stiff control or brakes hold every rotor, and rigid
-            joints with it.
+        rotors: ``free``: motors give constant torques; ``held``: stiff control or brakes hold every rotor, and so the
+            rigid joints.
 
     Returns:
-        the modes by frequency.
+        The modes, by frequency.
 
     Raises:
-        InputError: arguments that do not fit the model, a pose whose springs cannot carry it, rotors held and every
-            joint rigid.
+        InputError: arguments that do not fit the model, springs that cannot carry the pose, or held rotors although
+            every joint is rigid.
 
     Example:
         >>> model = fd.load_model("ur5")
@@ -115,7 +116,7 @@ def modes(model: FlexibleJointModel, q: Pose = None, *, rotors: Rotors = "free")
 
 
 def check_rotors(model: FlexibleJointModel, rotors: str) -> None:
-    """Refuse an unknown choice, and rotors held where nothing would be left to move.
+    """Refuse an unknown choice, and held rotors if every joint is rigid.
 
     Raises:
         InputError: either.
@@ -139,7 +140,7 @@ def tangent_at(statics: Statics, q: Array) -> Tangent:
 
 
 def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:
-    """`modes` of a model made ready, arguments checked."""
+    """`modes` for a prepared model and checked arguments."""
     model, n = statics.model, statics.model.n
     tangent = tangent_at(statics, q)
     kept = np.flatnonzero(model.elastic) if rotors == "held" else np.arange(len(tangent.inertia))
@@ -184,5 +185,5 @@ def _hertz(squared: Array) -> Array:
 
 
 def _largest(vectors: Array) -> Array:
-    """The entry of largest size of every column."""
+    """The entry with the largest absolute value in every column."""
     return np.asarray(vectors[np.argmax(np.abs(vectors), axis=0), np.arange(vectors.shape[1])])

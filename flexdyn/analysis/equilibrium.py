@@ -31,12 +31,12 @@ class Equilibrium(Locked):
         q: link positions (n,) [rad or m].
         theta: rotor positions, reflected (n,); q where the joint is rigid.
         x: the state (nx,): q, theta of elastic joints, zero velocities and internal states.
-        tau: torques asked of the motors (n,) [N m or N].
-        residual: largest net torque that nothing balances [N m or N]: rounding.
-        stability: ``stable``; ``neutral``: it can move without any restoring torque; ``unstable``: it falls at the
-            least touch; ``held``: without dry friction there is no equilibrium, with it there is.
-        friction_link: net torque that dry friction balances on every link (n,); 0 but where ``held``.
-        friction_motor: the same on every rotor (n,), on rigid joints all of it.
+        tau: commanded torques of the motors (n,) [N m or N].
+        residual: largest unbalanced net torque [N m or N], a rounding error.
+        stability: ``stable``; ``neutral``: it can move without a restoring torque; ``unstable``: any disturbance makes
+            it fall; ``held``: there is an equilibrium only with dry friction.
+        friction_link: net torque that dry friction balances on every link (n,); 0 unless ``held``.
+        friction_motor: the same on every rotor (n,); for rigid joints the whole friction torque.
         holding: interval of motor torques under which dry friction lets the arm rest at this q.
 
     Example:
@@ -59,36 +59,36 @@ class Equilibrium(Locked):
     holding: HoldingTorques
 
     def __repr__(self) -> str:
-        """Where it is, in a line."""
+        """The position, in one line."""
         at = ", ".join(f"{joint} {value:.6g}" for joint, value in zip(self.joint_names, self.q, strict=True))
         return f"<Equilibrium {at}; {self.stability}>"
 
     @property
     def stable(self) -> bool:
-        """Whether the arm comes back, or stays, after a small disturbance."""
+        """Whether the arm returns, or stays, after a small disturbance."""
         return self.stability in ("stable", "held")
 
 
 def equilibrium(
     model: FlexibleJointModel, tau: ArrayLike | Mapping[str, float] | None = None, *, q_guess: Pose = None
 ) -> Equilibrium:
-    """Positions at which an arm rests under gravity and constant motor torques, every spring and stop included.
+    """Find the positions at which an arm rests under gravity and constant motor torques, with every spring and stop.
 
-    Dry friction is left out first: the answer is where the arm would come to rest without it. Where no such position
-    is found, friction is asked to hold the arm at the nearest pose to the guess (``stability`` is ``held``). Of several
-    equilibria, the one that Newton's method reaches from the guess; if it reaches none, one that lies downhill.
+    First, dry friction is left out: the result is an equilibrium without it. If there is none, the result is the pose
+    nearest to the guess at which friction holds the arm (``stability`` is ``held``). Of several equilibria it is the
+    one that Newton's method reaches from the guess; if Newton's method reaches none, one with a lower potential energy.
     Internal states (presliding, hysteresis) are 0.
 
     Args:
         model: the arm.
-        tau: torques asked of the motors (n,) or by joint [N m or N]; None: none.
-        q_guess: where to look first (n,) or by joint; None: the model's `initial`.
+        tau: commanded torques of the motors (n,) or by joint [N m or N]; None: none.
+        q_guess: start of the search (n,) or by joint; None: the model's `initial`.
 
     Returns:
-        the equilibrium.
+        The equilibrium.
 
     Raises:
-        InputError: ``no equilibrium: ...``: torques that nothing balances, as far as the search went.
+        InputError: ``no equilibrium: ...``: the search found no pose that balances the torques.
 
     Example:
         >>> model = fd.load_model("ur5")
@@ -107,9 +107,9 @@ def equilibrium(
 
     size = np.abs(statics.links.bias(guess, np.zeros(model.n))) + np.abs(asked) + np.abs(net(guess))
     mass = statics.links.mass_matrix(guess)
-    if not np.abs(size).max() < 1e150:  # its square is a number too
+    if not np.abs(size).max() < 1e150:  # its square must not overflow
         remedy = "give torques in N m (prismatic: N)"
-        raise InputError("torques beyond what a float can hold", key="tau", value=asked, remedy=remedy)
+        raise InputError("torques too large for a double", key="tau", value=asked, remedy=remedy)
     q, found = Search(net, mass, size).find(guess)
     if found:
         return _frictionless(statics, q, asked)
@@ -143,7 +143,7 @@ def _frictionless(statics: Statics, q: Array, tau: Array) -> Equilibrium:
 
 
 def _smooth(statics: Statics) -> Statics:
-    """The same without dry friction, whose contacts would have no acceleration at rest."""
+    """The model without dry friction, whose contacts would have no acceleration at rest."""
     model = statics.model
     return Statics(without_resting_friction(model, np.zeros(statics.plant.state_size)), statics.t)
 
@@ -156,7 +156,7 @@ def _held(statics: Statics, guess: Array, tau: Array, mass: Array, size: Array) 
     try:
         q, found = Search(lambda q: _beyond(holding_at(statics, q), tau), mass, size).newton(guess)
         holding = holding_at(statics, q)
-    except InputError:  # a motor too weak to hold a pose on the way
+    except InputError:  # a motor is too weak to hold an intermediate pose
         return None
     if not found:
         return None
@@ -178,5 +178,5 @@ def _held(statics: Statics, guess: Array, tau: Array, mass: Array, size: Array) 
 
 
 def _beyond(holding: HoldingTorques, tau: Array) -> Array:
-    """How far the torques are outside what friction holds (n,) [N m or N]."""
+    """The part of the torques that exceeds what friction holds (n,) [N m or N]."""
     return tau - np.clip(tau, holding.lower, holding.upper)

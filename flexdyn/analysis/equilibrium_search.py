@@ -1,4 +1,4 @@
-"""Finding positions at which given motor torques balance an arm: Newton with line search, then downhill."""
+"""Find positions at which motor torques balance an arm: Newton with line search, then descent of the potential."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Net = Callable[[Array], Array]
 LONGEST_STEP = 0.5
-"""The farthest that a joint moves in one step [rad or m]."""
+"""Largest step of a joint [rad or m]."""
 EQUILIBRIUM_TORQUE_SHARE = 1e-9
-"""Of the torques on the arm: a net torque so small is an equilibrium."""
+"""A net torque below this share of the torques on the arm is an equilibrium [1]."""
 
 
 class Search:
@@ -20,18 +20,18 @@ class Search:
 
     Args:
         net: net torque on every joint (n,) at positions (n,) [N m or N].
-        mass: M at the first guess (n, n): it weighs torques of unlike joints against each other.
+        mass: M at the first guess (n, n); it makes torques of different joints comparable.
         size: of the torques on the arm (n,), gravity and motors [N m or N].
     """
 
     def __init__(self, net: Net, mass: Array, size: Array) -> None:
         self._net = net
         self._weight = 1.0 / np.sqrt(np.diag(mass))
-        # Where nothing loads the arm, accelerations of 1e-11 m/s^2 are rounding.
+        # If nothing loads the arm, accelerations of 1e-11 m/s^2 are rounding errors.
         self._size = max(float(np.linalg.norm(size * self._weight)), 1e-2 * float(np.sqrt(np.trace(mass))))
 
     def find(self, guess: Array) -> tuple[Array, bool]:
-        """The equilibrium that Newton reaches from the guess, else the one that lies downhill; whether there is one."""
+        """The equilibrium that Newton reaches from the guess, else one of lower potential; and whether there is one."""
         q, found = self.newton(guess)
         if found:
             return q, True
@@ -41,7 +41,7 @@ class Search:
         return q, False
 
     def newton(self, q: Array) -> tuple[Array, bool]:
-        """Newton's method, least steps where the arm is free to move, every step shortened until the torques fall."""
+        """Newton's method with minimum-norm steps, each of which is shortened until the torques decrease."""
         y = self._torques(q)
         for _ in range(100):
             size = float(np.linalg.norm(y))
@@ -60,7 +60,7 @@ class Search:
         return q, self._balanced(y)
 
     def _downhill(self, q: Array) -> tuple[Array, bool]:
-        """Follow the torques to where the potential is least, by Newton steps along directions that curve up."""
+        """Minimise the potential, by Newton steps in directions of positive curvature."""
         y = self._torques(q)
         for _ in range(150):
             if np.linalg.norm(y) <= 1e-4 * self._size:
@@ -74,14 +74,14 @@ class Search:
             while share > 1e-6:
                 trial = q + share * step
                 value = self._torques(trial)
-                if value @ (step / self._weight) > -0.5 * gain:  # not far past the lowest point of this line
+                if value @ (step / self._weight) > -0.5 * gain:  # not far beyond the minimum along this line
                     break
                 share *= 0.5
             q, y = trial, value
         return q, False
 
     def _torques(self, q: Array) -> Array:
-        """Net torques in units of sqrt(kg) m/s^2, alike for joints that turn and joints that slide."""
+        """Net torques in units of sqrt(kg) m/s^2, the same for revolute and prismatic joints."""
         return self._net(q) * self._weight
 
     def _slope(self, q: Array) -> Array:

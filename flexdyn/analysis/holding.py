@@ -17,14 +17,14 @@ from flexdyn.robot.axes import joint_row
 
 Array = NDArray[np.float64]
 CREEP = float(np.finfo(float).tiny)
-"""A velocity so small that every law has its level at rest [rad/s]."""
+"""At this velocity every law has its level at rest [rad/s]."""
 
 
 class HoldingTorques(NamedTuple):
-    """Torques asked of the motors, reflected, between which the arm can rest [N m or N].
+    """The interval of commanded motor torques, reflected, at which the arm can rest [N m or N].
 
     Attributes:
-        lower: (n,); -inf where the motor saturates before it could break the joint away.
+        lower: (n,); -inf where the motor saturates before the joint breaks away.
         upper: (n,); inf likewise.
 
     Example:
@@ -41,27 +41,27 @@ class HoldingTorques(NamedTuple):
 def holding_torques(model: FlexibleJointModel, q: Pose = None, theta: ArrayLike | None = None) -> HoldingTorques:
     """The interval of motor torques, joint by joint, under which the arm can rest at a pose.
 
-    With W the torque that carries the link (gravity, parallel springs, stops), L the dry levels and positive moving
-    forward, link friction lets the spring's torque be anything in [W - L_link_negative, W + L_link_positive], and so::
+    Let W be the torque that carries the link (gravity, parallel springs, stops) and L the levels of dry friction. Then
+    the spring's torque can have any value in [W - L_link_negative, W + L_link_positive], and so::
 
         lower = W - L_link_negative - L_motor_negative,    upper = W + L_link_positive + L_motor_positive
 
-    tau before the actuator effects, which are inverted. Load-dependent levels take the spring's torque at that end.
-    An arm at rest stays so under any tau of the box, if its rotors stand where the springs balance it; a torque put on
-    suddenly swings rotors that have no friction of their own, and may break links away earlier. Presliding friction is
-    not dry and holds nothing.
+    The result is the torque before the actuator effects, which are inverted. Load-dependent levels use the spring's
+    torque at that end. An arm at rest stays at rest under any tau of these intervals, if its rotors are where the
+    springs balance it. A sudden change of torque makes rotors without friction vibrate and may break links away
+    earlier. Presliding friction is not dry and holds nothing.
 
     Args:
         model: the arm.
         q: pose (n,) or by joint [rad or m]; None: the model's `initial`.
-        theta: rotor positions (n,); then the interval is that of the motors with springs as they are. None: any rotor
-            positions at which link friction holds the links.
+        theta: rotor positions (n,), which fix the torques of the springs. None: any rotor positions at which link
+            friction holds the links.
 
     Returns:
         lower and upper (n,).
 
     Raises:
-        InputError: a motor too weak to hold the pose, or springs at theta loaded beyond what link friction holds.
+        InputError: a motor too weak to hold the pose, or springs at theta whose torques link friction cannot hold.
 
     Example:
         >>> model = fd.load_model("ur5")
@@ -74,7 +74,7 @@ def holding_torques(model: FlexibleJointModel, q: Pose = None, theta: ArrayLike 
 
 
 def holding_at(statics: Statics, q: Array, theta: ArrayLike | None = None) -> HoldingTorques:
-    """`holding_torques` of a model made ready, q checked."""
+    """`holding_torques` for a prepared model and a checked pose."""
     model = statics.model
     if theta is None:
         ends = link_range(statics, q)
@@ -83,9 +83,9 @@ def holding_at(statics: Statics, q: Array, theta: ArrayLike | None = None) -> Ho
         _check_links(statics, q, given)
         ends = (given, given)
     lower, upper = np.full(model.n, np.inf), np.full(model.n, -np.inf)
-    for rotors in ends:  # load and position may make either end of the spring's range the extreme one
+    for rotors in ends:  # with load and position, either end of the spring's range may give the extreme torque
         negative, positive = levels(statics, q, rotors, "motor")
-        slack = 10.0 * statics.tolerance(q, negative, positive)  # a saturated motor may give the bound and no more
+        slack = 10.0 * statics.tolerance(q, negative, positive)  # a saturated motor gives at most its bound
         lower = np.minimum(lower, statics.motor_torques(q, rotors, -negative - slack))
         upper = np.maximum(upper, statics.motor_torques(q, rotors, positive + slack))
     if np.isposinf(lower).any() or np.isneginf(upper).any():

@@ -1,4 +1,4 @@
-"""Slopes of x' = f(t, x, tau) at a point, from the compiled plant."""
+"""Derivatives of x' = f(t, x, tau) at a state, from the compiled plant."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 def dry_velocities(model: FlexibleJointModel) -> dict[int, list[Effect]]:
-    """Dry effects that act, by the place of their contact's velocity among [v (n), omega (e)].
+    """Dry effects, by the index of their velocity in [v (n), omega (e)].
 
     On a rigid joint the motor's dry friction acts on v.
     """
@@ -33,22 +33,22 @@ def dry_velocities(model: FlexibleJointModel) -> dict[int, list[Effect]]:
 
 
 def resting(model: FlexibleJointModel, x: Array) -> dict[int, list[Effect]]:
-    """Those of `dry_velocities` whose velocity is 0 at x."""
+    """The effects of `dry_velocities` whose velocity is 0 at x."""
     half = model.n + int(model.elastic.sum())
     return {place: effects for place, effects in dry_velocities(model).items() if x[half + place] == 0.0}
 
 
 def without_resting_friction(model: FlexibleJointModel, x: Array) -> FlexibleJointModel:
-    """The model with the dry friction of contacts that rest at x left out; what slides keeps its own."""
+    """The model without the dry friction of contacts that rest at x; sliding contacts keep theirs."""
     still = [id(effect) for effects in resting(model, x).values() for effect in effects]
     return without(model, lambda effect: id(effect) in still)
 
 
 def state_matrix(plant: _core.Plant, t: float, x: Array, tau: Array) -> Array:
-    """A = d(x')/dx (nx, nx): the links' part analytic, from Pinocchio; with full rotor coupling all by differences.
+    """A = d(x')/dx (nx, nx): the links' part is analytic, from Pinocchio; with full rotor coupling by differences.
 
-    Every law is on the branch of this point: a sliding contact slides on, a gap stays open or closed, an end stop or
-    a torque limit acts or does not. A contact at rest that its dry friction holds has no acceleration.
+    Every law stays on its branch at this state: a sliding contact keeps sliding, a gap stays open or closed, an end
+    stop or a torque limit acts or does not. A contact that dry friction holds has no acceleration.
     """
     A = np.empty((len(x), len(x)))
     plant.jacobian(t, x, tau, 0.0, A)
@@ -65,14 +65,14 @@ def actuator_gains(statics: Statics, x: Array, tau: Array) -> Array:
     statics.reduced_plant.derivative(statics.t, x, tau + h, np.inf, up)
     statics.reduced_plant.derivative(statics.t, x, tau - h, np.inf, down)
     slope = (up - down) / (2.0 * h)
-    # Acceleration times inertia is torque; without coupling an elastic joint's motor reaches its rotor alone.
+    # Acceleration times inertia is torque; without coupling the motor of an elastic joint acts only on its rotor.
     gains = statics.links.mass_matrix(x[:n]) @ slope[half : half + n]
     gains[model.elastic] = model.rotor_inertia[model.elastic] * slope[half + n : half + n + e]
     return gains
 
 
 def sliding_rate(statics: Statics, x: Array, tau: Array) -> Array:
-    """X' (nx,) at x with sliding contacts on their branch; the model of `statics` has no resting ones."""
+    """The derivative x' (nx,) at x, sliding contacts on their branch; the model of `statics` has none at rest."""
     model = statics.model
     half = model.n + int(model.elastic.sum())
     speeds = [abs(x[half + place]) for place in dry_velocities(model)]

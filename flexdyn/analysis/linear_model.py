@@ -1,4 +1,4 @@
-"""LinearModel: what `linearize` gives back, ready for scipy.signal and python-control."""
+"""LinearModel: the result of `linearize`, for use with scipy.signal and python-control."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ Array = NDArray[np.float64]
 class LinearModel(Locked):
     """An arm near x0, tau0: (x - x0)' = rate0 + A (x - x0) + B (tau - tau0), y - y0 = C (x - x0) + D (tau - tau0).
 
-    ``control.ss(lin.A, lin.B, lin.C, lin.D)`` takes it as it is, and so does scipy.signal by `to_scipy`.
+    Use it as ``control.ss(lin.A, lin.B, lin.C, lin.D)`` in python-control, or by `to_scipy` in scipy.signal.
 
     Attributes:
         A: (nx, nx), order of x: q, theta of elastic joints, v, omega of elastic joints, internal states of effects.
-        B: (nx, inputs), of the torques asked for, reflected [N m or N].
+        B: (nx, inputs), of the commanded torques, reflected [N m or N].
         C: (outputs, nx).
         D: (outputs, inputs): zero.
         x0: state (nx,).
-        tau0: torques asked for (n,), of every joint whether it is an input or not.
+        tau0: commanded torques (n,) of all joints, inputs or not.
         rate0: x' at x0 under tau0 (nx,): zero at an equilibrium.
         state_names: ``q.JOINT`` and so on.
         input_names: ``tau.JOINT``.
         output_names: ``q.JOINT`` and so on.
-        delays: dead time of every input (inputs,) [s], from command_delay: no part of A and B.
-        held: channels left out of x because dry friction holds them.
+        delays: dead time of every input (inputs,) [s], from command_delay; it is not part of A and B.
+        held: channels that are left out of x because dry friction holds them.
 
     Example:
         >>> model = fd.load_model("ur5")
@@ -56,14 +56,14 @@ class LinearModel(Locked):
     held: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        """Sizes, and what is held, in a line."""
+        """Sizes and held channels, in one line."""
         held = f", held: {', '.join(self.held)}" if self.held else ""
         sizes = f"{len(self.A)} states, {len(self.input_names)} inputs, {len(self.output_names)} outputs"
         return f"<LinearModel {sizes}{held}>"
 
     @property
     def poles(self) -> NDArray[np.complex128]:
-        """Eigenvalues of A (nx,) [rad/s], by size."""
+        """Eigenvalues of A (nx,) [rad/s], by absolute value."""
         values = np.linalg.eigvals(self.A).astype(complex)
         return values[np.lexsort((values.imag, np.abs(values)))]
 
@@ -83,7 +83,7 @@ class LinearModel(Locked):
             (f, outputs, inputs) [rad/(N m)] and the like.
 
         Raises:
-            InputError: a frequency at which an undamped arm's response is without bound (0 Hz, if nothing holds it).
+            InputError: a frequency at which the response of an undamped arm is infinite (0 Hz, if nothing holds it).
         """
         hertz = checked_frequencies(frequencies)
         response = np.empty((len(hertz), len(self.C), self.B.shape[1]), dtype=complex)
@@ -91,7 +91,7 @@ class LinearModel(Locked):
             try:
                 states = np.linalg.solve(2j * np.pi * f * np.eye(len(self.A)) - self.A, self.B)
             except np.linalg.LinAlgError:
-                problem, remedy = "the response is without bound", "take a frequency beside it"
+                problem, remedy = "the response is infinite", "take a slightly different frequency"
                 raise InputError(problem, key="frequencies", value=float(f), remedy=remedy) from None
             response[k] = (self.C @ states + self.D) * np.exp(-2j * np.pi * f * self.delays)
         return response

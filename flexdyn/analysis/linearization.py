@@ -1,4 +1,4 @@
-"""linearize: the equations of motion near a point as x' = A x + B u, y = C x + D u; the frequency response of it."""
+"""linearize: the equations of motion near a state as x' = A x + B u, y = C x + D u; their frequency response."""
 
 from __future__ import annotations
 
@@ -31,28 +31,28 @@ def linearize(
     stuck: Literal["free", "held"] = "free",
     t: float = 0.0,
 ) -> LinearModel:
-    """The equations of motion near a point as a linear state-space model.
+    """Linearise the equations of motion near a state: a linear state-space model.
 
-    A is exact: Pinocchio's derivatives of the links, gravity included, and the slopes of every effect; with
+    A is exact: Pinocchio's derivatives of the links, gravity included, and the slopes of every effect. With
     `rotor_coupling` full it is a difference quotient of the whole motion instead. Laws with a
-    corner (backlash, end stop, torque limit) are on the branch of the point. A command delay is no part of A and B; it
-    stands beside them and enters `frequency_response`.
+    corner (backlash, end stop, torque limit) use the branch at the state. A command delay is not part of A and B; it
+    is given separately and enters `frequency_response`.
 
     Args:
         model: the arm.
         x: a state (nx,); or a pose (n,) or by joint, at rest with its springs loaded; None: the model's `initial` pose.
-        tau: torques asked for (n,) or by joint; None: what holds the arm at rest at the positions of x.
+        tau: commanded torques (n,) or by joint; None: the torques that hold the arm at rest at the positions of x.
         outputs: signals (q, theta, v, omega, deflection) of every joint, or channels like ``q.elbow``.
         inputs: joints whose motor torques are inputs; None: every joint.
-        stuck: dry friction of contacts that rest at x: ``free`` leaves it out, ``held`` takes their coordinates out of
-            the state. What slides at x has the slope of its branch either way.
+        stuck: dry friction of contacts that rest at x: ``free`` leaves it out, ``held`` removes their coordinates from
+            the state. A contact that slides at x has the slope of its branch in both cases.
         t: time since the start of the run [s], for effects that depend on it.
 
     Returns:
-        the linear model.
+        The linear model.
 
     Raises:
-        InputError: arguments that do not fit the model, motors too weak for the pose, or with ``held`` a contact that
+        InputError: arguments that do not fit the model, motors too weak for the pose, or, with ``held``, a contact that
             its dry friction does not hold.
 
     Example:
@@ -104,14 +104,14 @@ def frequency_response(
     outputs: Sequence[str] = ("q", "theta"),
     stuck: Literal["free", "held"] = "free",
 ) -> NDArray[np.complex128]:
-    """Small sinusoidal motion per sinusoidal motor torque, amplitude and phase: `linearize` at each frequency.
+    """The complex ratio of small sinusoidal motions to sinusoidal motor torques, from `linearize`.
 
     Args:
         model: the arm.
         frequencies: (f,) [Hz].
-        x: where, as in `linearize`.
-        tau: under which constant torque, as in `linearize`.
-        inputs: joints whose motors move; None: every joint.
+        x: state or pose, as in `linearize`.
+        tau: constant torque, as in `linearize`.
+        inputs: joints whose motors are inputs; None: every joint.
         outputs: signals or channels, as in `linearize`.
         stuck: ``free`` or ``held``, as in `linearize`.
 
@@ -134,7 +134,7 @@ def frequency_response(
 def _point(
     model: FlexibleJointModel, x: Pose, tau: ArrayLike | Mapping[str, float] | None, t: float
 ) -> tuple[Array, Array]:
-    """State (nx,) and torques asked for (n,) to linearise at."""
+    """State (nx,) and commanded torques (n,) to linearise at."""
     statics, n = Statics(model, t), model.n
     if x is None or isinstance(x, Mapping) or np.shape(x) == (n,):
         q = pose(model, x, "x")
@@ -150,7 +150,7 @@ def _point(
 
 
 def _constrained(statics: Statics, x: Array, rows: Array, held: list[int]) -> Array:
-    """Velocity rows (n + e, ...) of some rate when some velocities stay 0: what is free feels the held ones no more."""
+    """Velocity rows (n + e, ...) of some rate when some velocities stay 0: the others are not coupled to these."""
     if held:
         free = [i for i in range(len(rows)) if i not in held]
         H = statics.inertia(x[: statics.model.n])
@@ -160,7 +160,7 @@ def _constrained(statics: Statics, x: Array, rows: Array, held: list[int]) -> Ar
 
 
 def _input_matrix(statics: Statics, x: Array, gains: Array, held: list[int]) -> Array:
-    """B (nx, n): a motor turns its rotor; through a rigid joint, or with full rotor coupling, everything."""
+    """B (nx, n): a motor acts on its rotor; in a rigid joint, or with full rotor coupling, on all coordinates."""
     model, n = statics.model, statics.model.n
     half = n + int(model.elastic.sum())
     B = np.zeros((len(x), n))
@@ -172,7 +172,7 @@ def _input_matrix(statics: Statics, x: Array, gains: Array, held: list[int]) -> 
 
 
 def _check_held(model: FlexibleJointModel, A: Array, held: list[int]) -> None:
-    """Dry friction does hold these contacts: the plant gives them no acceleration, whatever the state does."""
+    """Check that dry friction holds these contacts: the plant gives them no acceleration."""
     half = model.n + int(model.elastic.sum())
     for place in held:
         if A[half + place].any():

@@ -25,7 +25,7 @@ class Modes(Locked):
         joint_names: in the order of q.
         q: the pose (n,) [rad or m].
         rotors: ``free`` or ``held``.
-        frequencies: undamped, w/(2 pi) (m,) [Hz]; 0 where nothing draws the arm back.
+        frequencies: undamped, w/(2 pi) (m,) [Hz]; 0 where there is no restoring torque.
         damping_ratios: s^T D s/(2 w) of mass-normalised shapes (m,) [1]: exact where damping does not couple the modes
             (damping across transmissions in proportion to stiffness, say), first order in damping elsewhere, where
             `poles` is exact. NaN where the frequency is 0.
@@ -61,11 +61,11 @@ class Modes(Locked):
 
     @property
     def rigid_body(self) -> NDArray[np.bool_]:
-        """Which modes move without any restoring torque (m,)."""
+        """Whether each mode moves without a restoring torque (m,)."""
         return np.array([kind == "rigid-body" for kind in self.kinds])
 
     def rows(self) -> list[dict[str, Any]]:
-        """One plain mapping a mode: mode, frequency, damping_ratio (None: it has none), kind, shapes by joint."""
+        """One plain mapping for each mode: mode, frequency, damping_ratio or None, kind, shapes by joint."""
         return [
             {
                 "mode": k + 1,
@@ -79,7 +79,7 @@ class Modes(Locked):
         ]
 
     def __repr__(self) -> str:
-        """How many there are of each kind, and their frequencies; `print` gives the whole table."""
+        """The number of modes of each kind, and their frequencies; `print` gives the whole table."""
         told = []
         for kind in dict.fromkeys(self.kinds):
             rows = [k for k, each in enumerate(self.kinds) if each == kind]
@@ -93,7 +93,7 @@ class Modes(Locked):
         return f"<Modes of {self.name}, rotors {self.rotors}: {'; '.join(told)}>"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: a row for each mode, its shape in the columns of the joints."""
+        """HTML for notebooks: a row for each mode, its shape in the columns of the joints."""
         at = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.q, strict=True))
         rows = []
         for row in self.rows():
@@ -109,7 +109,7 @@ class Modes(Locked):
         )
 
     def __str__(self) -> str:
-        """A table: a line a mode, then a line of anti-resonances for each motor."""
+        """A table: a line for each mode, then a line of anti-resonances for each motor."""
         width = max(10, *(len(name) + 2 for name in self.joint_names))
         at = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.q, strict=True))
         head = f"{'mode':>4}  {'Hz':>9}  {'damping':>8}  {'kind':<10}  part"

@@ -33,7 +33,7 @@ def output_matrix(model: FlexibleJointModel, size: int, outputs: Sequence[str]) 
         outputs: signals of every joint, or single channels ``signal.joint``. A rigid joint reads theta as q.
 
     Raises:
-        InputError: a signal or joint that is not there.
+        InputError: an unknown signal or joint.
     """
     if isinstance(outputs, str):
         outputs = (outputs,)

@@ -27,7 +27,7 @@ class PathFrequencies(Locked):
         rotors: ``free`` or ``held``.
         q: poses (samples, n) [rad or m].
         distance: length of the path in joint space up to each pose (samples,) [rad, m mixed in where joints slide].
-        frequencies: (samples, m) [Hz], rising at every pose: lines that meet part again and do not cross.
+        frequencies: (samples, m) [Hz], sorted at every pose: lines do not cross.
         damping_ratios: (samples, m) [1]; NaN where the frequency is 0.
         anti_resonances: (samples, n, others) [Hz], by motor.
 
@@ -47,7 +47,7 @@ class PathFrequencies(Locked):
     anti_resonances: Array
 
     def __repr__(self) -> str:
-        """What it holds, in a line."""
+        """A summary in one line."""
         low, high = self.frequencies.min(axis=0), self.frequencies.max(axis=0)
         spans = ", ".join(f"{a:.4g}-{b:.4g}" for a, b in zip(low, high, strict=True))
         return f"<PathFrequencies {len(self.q)} poses, rotors {self.rotors}: {spans} Hz>"
@@ -60,14 +60,14 @@ def frequencies_over_path(
 
     Args:
         model: the arm.
-        path: poses (samples, n) [rad or m], or a `Run`, whose q is taken.
+        path: poses (samples, n) [rad or m], or a `Run`, whose q is used.
         rotors: ``free`` or ``held``, as in `modes`.
 
     Returns:
         frequencies, damping ratios and anti-resonances by pose.
 
     Raises:
-        InputError: a path that does not fit the model, and what `modes` refuses.
+        InputError: a path that does not fit the model, or an error of `modes`.
 
     Example:
         >>> model = fd.load_model("ur5")

@@ -1,4 +1,4 @@
-"""What a user may give as a pose or a state, as checked arrays."""
+"""Poses and states from users, as checked arrays."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ def pose(model: FlexibleJointModel, q: Pose, key: str = "q") -> Array:
 
     Args:
         model: whose joints they are.
-        q: (n,), or by joint over the model's `initial`, or None: the model's `initial`, 0 where it says nothing.
+        q: (n,), or by joint, with the model's `initial` for the others; None: the model's `initial`, else 0.
         key: name of the argument in errors.
 
     Raises:
-        InputError: another number of joints, an unknown joint, something not finite.
+        InputError: another number of joints, an unknown joint, a number that is not finite.
     """
     names, known = model.joint_names, model.initial.get("q", {})
     if q is None or isinstance(q, Mapping):
@@ -53,10 +53,10 @@ def vector(value: ArrayLike, size: int, key: str, remedy: str) -> Array:
 
 
 def torques(model: FlexibleJointModel, tau: ArrayLike | Mapping[str, float]) -> Array:
-    """Motor torques asked for (n,) [N m or N]; a mapping names some joints, the others get 0.
+    """Commanded motor torques (n,) [N m or N]; a mapping names some joints, the others get 0.
 
     Raises:
-        InputError: another number of joints, an unknown joint, something not finite.
+        InputError: another number of joints, an unknown joint, a number that is not finite.
     """
     names = model.joint_names
     if isinstance(tau, Mapping):

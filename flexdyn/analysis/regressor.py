@@ -37,8 +37,8 @@ class Regressor:
 def regressor(model: FlexibleJointModel, q: Array, v: Array, a: Array, omega: Array, alpha: Array) -> Regressor:
     """Columns of every number along a motion.
 
-    Bodies are those of the tree: what is fixed to a joint is one body, in the frame of that joint. A joint that follows
-    another one acts on its leader: ``tau = G^T Y(G q + g0, G v, G a) phi``.
+    The bodies are those of the tree: all links that are fixed to a joint are one body, in the frame of that joint. A
+    joint that mimics another one acts on its leader: ``tau = G^T Y(G q + g0, G v, G a) phi``.
 
     Args:
         model: resolved.
@@ -56,7 +56,7 @@ def regressor(model: FlexibleJointModel, q: Array, v: Array, a: Array, omega: Ar
     data = arm.createData()
     gain = tree.gain
     bodies = [
-        gain.T @ np.atleast_2d(pin.computeJointTorqueRegressor(arm, data, *each))  # of one joint it is a vector
+        gain.T @ np.atleast_2d(pin.computeJointTorqueRegressor(arm, data, *each))  # for one joint it is a vector
         for each in zip(q @ gain.T + tree.offset, v @ gain.T, a @ gain.T, strict=True)
     ]
     per_joint = np.stack([alpha, omega, np.sign(omega), np.ones_like(omega)], axis=2)
@@ -86,7 +86,7 @@ def _bodies(model: FlexibleJointModel) -> Array:
 
 
 def _joints(model: FlexibleJointModel) -> list[Array]:
-    """J, viscous coefficient, Coulomb level and offset of every joint; friction of both sides adds up."""
+    """J, viscous coefficient, Coulomb level and offset of every joint, with the friction of both sides added."""
     numbers = np.zeros((model.n, 4))
     numbers[:, 0] = model.rotor_inertia
     for effect in model.all_effects:

@@ -14,15 +14,15 @@ from flexdyn.simulation.plant import LinkSide, build_plant
 
 Array = NDArray[np.float64]
 TORQUE_ROUNDING = 1e-13
-"""Of the largest torque on the arm: what counts as none."""
+"""A torque below this share of the largest torque on the arm counts as zero [1]."""
 
 
 class Statics:
-    """One model at rest, its dry friction left out: at rest that holds what it is asked to, which is another question.
+    """One model at rest, without dry friction, which has no unique torque at rest.
 
-    At rest every net torque depends on its own joint's rotor position and motor torque alone: the link side of joint
-    j on q and theta_j, its rotor side on q_j, theta_j and tau_j. That is why joints are solved all at once. Full rotor
-    coupling changes what turns under these torques, `inertia`, and none of them: `reduced_plant` is without it.
+    At rest every net torque depends only on its own joint's rotor position and motor torque: the link side of joint j
+    on q and theta_j, its rotor side on q_j, theta_j and tau_j. Therefore all joints are solved at once. Full rotor
+    coupling changes only `inertia` and no torque; `reduced_plant` is without it.
 
     Args:
         model: the arm; internal states of its effects are 0.
@@ -52,13 +52,14 @@ class Statics:
         Full rotor coupling adds S(q) between links and rotors, and within the links for rotors of rigid joints.
 
         Raises:
-            InputError: links so light that with their rotors' spin some motion at this pose has no kinetic energy.
+            InputError: the links have less inertia than the rotors that they carry, so that H(q) is not positive
+                definite.
         """
         size = self.model.n + int(self.elastic.sum())
         H = np.empty((size, size))
         self.plant.inertia(self.state(q, q), H)
         if self.plant.coupled and np.linalg.eigvalsh(H)[0] <= 0.0:
-            problem = "the links weigh less than their rotors' spin at this pose"
+            problem = "the inertia of the links is smaller than that of the rotors they carry, at this pose"
             remedy = "the URDF's links must include the rotors they carry; or take reduced"
             raise InputError(problem, key="robot.rotor_coupling", remedy=remedy)
         return H
@@ -66,7 +67,7 @@ class Statics:
     def net(self, q: Array, theta: Array, tau: Array) -> tuple[Array, Array]:
         """Net torques [N m or N] on links (n,) and rotors (n,): 0 where the arm can rest without friction.
 
-        A rigid joint's rotor is part of its link; its rotor entry repeats the link's.
+        A rigid joint's rotor is part of its link: its entry is that of the link.
         """
         n, e = self.model.n, int(self.elastic.sum())
         rate = np.empty(self.plant.state_size)
@@ -77,42 +78,42 @@ class Statics:
         return link, rotor
 
     def tolerance(self, q: Array, *torques: Array) -> float:
-        """What rounding may leave of a net torque at this pose [N m or N]."""
+        """The rounding error of a net torque at this pose [N m or N]."""
         weight = self.links.bias(q, np.zeros(self.model.n))
-        least = 1e-2 * self.links.mass_matrix(q)  # where nothing loads the arm: torques for 1e-15 m/s^2
+        least = 1e-2 * self.links.mass_matrix(q)  # if nothing loads the arm: torques for 1e-15 m/s^2
         return TORQUE_ROUNDING * max(float(np.abs(each).max()) for each in (least, weight, *torques))
 
     def loaded_springs(self, q: Array, net: Array | float = 0.0) -> Array:
-        """Rotor positions (n,) at which the springs carry the links at rest, but for a net torque on each.
+        """Rotor positions (n,) at which the springs balance the links at rest, up to a given net torque on each.
 
-        A transmission with backlash that carries nothing has its rotor in the middle of the gap, theta = q.
+        If a transmission with backlash carries no torque, its rotor is in the middle of the gap, theta = q.
 
         Raises:
-            InputError: a spring that cannot carry its link whatever its deflection.
+            InputError: no deflection of a spring balances its link.
         """
         still = np.zeros(self.model.n)
 
         def lacking(theta: Array) -> Array:
             return np.where(self.elastic, self.net(q, theta, still)[0] - net, 0.0)
 
-        return self._rotors(lacking, q, self.tolerance(q, lacking(q)), "no deflection of the spring carries")
+        return self._rotors(lacking, q, self.tolerance(q, lacking(q)), "no deflection of the spring balances")
 
     def driven_springs(self, q: Array, tau: Array) -> Array:
-        """Rotor positions (n,) at which the springs take up the motors' torques tau at rest.
+        """Rotor positions (n,) at which the springs balance the motors' torques tau at rest.
 
         Raises:
-            InputError: a spring that cannot take up its motor's torque whatever its deflection.
+            InputError: no deflection of a spring balances its motor.
         """
 
         def excess(theta: Array) -> Array:
             return np.where(self.elastic, -self.net(q, theta, tau)[1], 0.0)
 
-        return self._rotors(excess, q, self.tolerance(q, excess(q), tau), "no deflection of the spring takes up")
+        return self._rotors(excess, q, self.tolerance(q, excess(q), tau), "no deflection of the spring balances")
 
     def motor_torques(self, q: Array, theta: Array, net: Array | float = 0.0) -> Array:
-        """Torques asked of the motors (n,) that leave `net` on the rotors; infinite where no torque reaches that far.
+        """Commanded torques (n,) that give the net torques `net` on the rotors; for rigid joints on the links.
 
-        Rigid joints: on the links. At +inf or -inf the motor saturates before the net torque is reached.
+        They are +inf or -inf where the motor saturates before it reaches the net torque.
         """
 
         def lacking(tau: Array) -> Array:
@@ -125,7 +126,7 @@ class Statics:
         return np.where(found, tau, np.copysign(np.inf, -first))
 
     def holding(self, q: Array, theta: Array) -> Array:
-        """Torques asked of the motors (n,) that keep the rotors at theta at rest.
+        """Commanded torques of the motors (n,) that keep the rotors at theta at rest.
 
         Raises:
             InputError: a motor too weak for it.
@@ -139,7 +140,7 @@ class Statics:
 
     def _rotors(self, f: Callable[[Array], Array], q: Array, tolerance: float, what: str) -> Array:
         first = np.maximum(np.abs(f(q)) / self._stiffness, 1e-9)
-        finest = 4.0 * np.spacing(np.abs(q) + first) * self._stiffness  # what one bit of theta is worth
+        finest = 4.0 * np.spacing(np.abs(q) + first) * self._stiffness  # the torque of one bit of theta
         theta, found = roots(f, q, first, np.maximum(tolerance, finest))
         if not found.all():
             joint = self.model.joint_names[int(np.argmin(found))]

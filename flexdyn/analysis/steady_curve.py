@@ -16,9 +16,9 @@ Array = NDArray[np.float64]
 LAWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"stribeck_friction": ("excess", "velocity"), "quadratic_drag": ("coefficient",)}
 )
-"""Laws that are tried beside Coulomb and viscous friction, and their numbers."""
+"""Laws that are tried in addition to Coulomb and viscous friction, and their parameters."""
 SLOWEST_STRIBECK_SHARE = 0.5
-"""Share of the slowest speed below which no Stribeck velocity is looked for: little of its rise would be seen."""
+"""No Stribeck velocity below this share of the slowest speed is tried: the data would hardly show it [1]."""
 VELOCITY = "stribeck_friction.velocity"
 LIKELY = 3.84
 """Rise of the sum of squared normalised residuals at the ends of an interval of 95 % [1]: a likelihood ratio, the
@@ -35,21 +35,21 @@ class DirectionPoints:
 
     @classmethod
     def of(cls, points: Sequence[SteadyPoint], direction: int) -> DirectionPoints:
-        """Those of a direction, by speed."""
+        """The points of a direction, by speed."""
         own = sorted((p for p in points if p.speed * direction > 0.0), key=lambda p: abs(p.speed))
         u, tau, std = (np.array([getattr(p, key) for p in own]) for key in ("speed", "torque", "std"))
         return cls(np.abs(u), direction * tau, std)
 
     def scaled(self, factor: float) -> DirectionPoints:
-        """With standard deviations enlarged."""
+        """The points with larger standard deviations."""
         return DirectionPoints(self.u, self.tau, factor * self.std)
 
     def part(self, rows: NDArray[np.bool_]) -> DirectionPoints:
-        """Some of them."""
+        """A selection of the points."""
         return DirectionPoints(self.u[rows], self.tau[rows], self.std[rows])
 
     def off(self, curve: FrictionCurve) -> float:
-        """Squared errors of a curve in units of noise."""
+        """Sum of squared normalised residuals of a curve."""
         return float((((curve.at(self.u) - self.tau) / self.std) ** 2).sum()) if len(self.u) else 0.0
 
 
@@ -58,11 +58,11 @@ class FrictionCurve:
     """A fitted curve.
 
     Attributes:
-        names: of its numbers.
-        values: of them.
-        covariance: of them, for small errors.
-        chi2: squared white residuals.
-        near: curves of other Stribeck velocities that do nearly as well.
+        names: names of its parameters.
+        values: their values.
+        covariance: their covariance, for small errors.
+        chi2: sum of squared normalised residuals.
+        near: curves with other Stribeck velocities that fit nearly as well.
     """
 
     names: tuple[str, ...]
@@ -101,7 +101,7 @@ class FrictionCurve:
 
     @property
     def size(self) -> int:
-        """Number of numbers."""
+        """Number of parameters."""
         return len(self.names)
 
     def number(self, name: str) -> tuple[float, float]:
@@ -110,7 +110,7 @@ class FrictionCurve:
         return float(self.values[k]), float(np.sqrt(self.covariance[k, k]))
 
     def interval(self, name: str) -> tuple[float, float]:
-        """Of 95 %, by the likelihood's profile: numbers of a broad rise are anything but Gaussian."""
+        """Interval of 95 % by the profile likelihood: the parameters of a broad rise are far from Gaussian."""
         ends = []
         for curve in self.near or (self,):
             k, C = self.names.index(name), curve.covariance
@@ -130,7 +130,7 @@ class FrictionCurve:
 
 
 def _column(name: str, u: Array, velocity: float | None) -> Array:
-    """Derivative of the curve by a number; that by the velocity for an excess of 1."""
+    """Derivative of the curve by a parameter; the one by the velocity is for an excess of 1."""
     if velocity is not None and name == VELOCITY:
         return np.asarray(u / velocity**2 * np.exp(-u / velocity))
     if velocity is not None and name == "stribeck_friction.excess":
@@ -139,7 +139,7 @@ def _column(name: str, u: Array, velocity: float | None) -> Array:
 
 
 def _physical(X: Array, y: Array) -> Array:
-    """Least squares in which no number but the first, the level, may be negative: friction never drives."""
+    """Least squares in which only the first parameter, the level, may be negative: friction never supplies power."""
     values, free = np.zeros(X.shape[1]), list(range(X.shape[1]))
     while True:
         solved = np.linalg.lstsq(X[:, free], y, rcond=None)[0]

@@ -1,4 +1,4 @@
-"""steady_friction: which laws runs at constant speed show, direction by direction, confirmed at other speeds."""
+"""steady_friction: friction laws from runs at constant speed, for each direction, checked at other speeds."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ Array = NDArray[np.float64]
 LEAST_SPEEDS = 8
 """Speeds of one direction that are needed: four to fit and four to check."""
 DECISIVE_DROP = 10.0
-"""Drop of BIC, and of the squared errors of prediction at other speeds, for which a law is named."""
+"""A law is named if BIC, and the squared prediction errors at other speeds, decrease by at least this."""
 SURE = 3.0
-"""Standard deviations by which its number must be above zero: root of the drop of the squared white residuals."""
+"""Standard deviations by which its coefficient must be above zero: root of the decrease of chi^2."""
 PREDICTION_RISE = 4.0
-"""Rise of the squared errors at points that took no part by which they speak against a law."""
+"""If the squared errors at points that were not fitted increase by more than this, they contradict a law."""
 
 
 @dataclass(frozen=True)
@@ -31,14 +31,14 @@ class LawTrial(Locked):
 
     Attributes:
         effect: its name.
-        named: whether all of what follows holds.
+        named: whether it passed all tests.
         numbers: value and standard deviation by name, for small errors.
-        intervals: of 95 % by the likelihood's profile, which holds for large ones too.
-        delta_bic: drop by the law.
-        prediction: drop of the squared errors, in units of noise, at speeds that took no part: half of the speeds is
-            fitted, the other half predicted, and the other way round.
-        check: the same at points that took no part at all; 0 where there are none.
-        why: a law is not named; empty where it is.
+        intervals: of 95 % by the profile likelihood, which is valid for large errors too.
+        delta_bic: decrease of BIC by the law.
+        prediction: decrease of the squared normalised errors at speeds that were not fitted: half of the speeds is
+            fitted and the other half predicted, and the other way round.
+        check: the same at points that are only used for checking; 0 if there are none.
+        why: why the law is not named; empty if it is.
 
     Example:
         >>> points = [fd.SteadyPoint(u, 1.0 + 0.5 * u, 0.01) for u in np.linspace(0.2, 2.0, 10)]
@@ -62,12 +62,12 @@ class SteadyFriction:
 
     Attributes:
         direction: +1 or -1.
-        level: torque that motion takes at any speed, and its standard deviation: Coulomb friction, and what load or
-            gravity add to it, which one direction alone does not tell apart [N m or N].
+        level: the part of the torque that does not depend on the speed, and its standard deviation: Coulomb friction
+            plus load or gravity, which one direction alone cannot separate [N m or N].
         viscous: coefficient and standard deviation [N m s/rad or N s/m].
         trials: of every law of `LAWS`.
         scatter: of the points about the curve, in units of their own standard deviations [1].
-        speeds: how many.
+        speeds: number of speeds.
 
     Example:
         >>> points = [fd.SteadyPoint(u, 1.0 + 0.5 * u, 0.01) for u in np.linspace(0.2, 2.0, 10)]
@@ -85,11 +85,11 @@ class SteadyFriction:
 
     @property
     def named(self) -> tuple[str, ...]:
-        """Laws that the runs show beside Coulomb and viscous friction."""
+        """Laws that the runs show in addition to Coulomb and viscous friction."""
         return tuple(each.effect for each in self.trials if each.named)
 
     def torque(self, speed: float) -> float:
-        """Of the curve at a speed of this direction [N m or N]: it has the speed's sign."""
+        """Torque of the curve at a speed of this direction [N m or N]; it has the sign of the speed."""
         u = abs(speed)
         total = self.level[0] + self.viscous[0] * u
         for each in self.trials:
@@ -101,19 +101,20 @@ class SteadyFriction:
 
 
 def steady_friction(points: Sequence[SteadyPoint], check: Sequence[SteadyPoint] = ()) -> dict[int, SteadyFriction]:
-    """The friction that runs at constant speed show, direction by direction.
+    """Identify friction from runs at constant speed, for each direction.
 
-    ``abs(tau) = level + viscous u + excess exp(-u/velocity) + coefficient u^2`` over u = abs(speed). Points weigh by
-    their standard deviations, enlarged by what the fullest curve leaves. A law beyond level and viscous friction is
-    named where BIC wants it, its number is surely above zero, both halves of the speeds predict the other better with
-    it, and runs that took no part do not surely speak against it.
+    ``abs(tau) = level + viscous u + excess exp(-u/velocity) + coefficient u^2`` over u = abs(speed). Points are
+    weighted by their standard deviations, which are enlarged by the scatter about the curve with all laws. A law in
+    addition to level and viscous friction is named if BIC decreases enough, if its coefficient is significantly above
+    zero, if each half of the speeds predicts the other half better with it, and if runs that were not fitted do not
+    contradict it.
 
     Args:
         points: of runs at constant speed; see `steady_points`.
-        check: others, of another day or another motion, at any speeds.
+        check: other points, from another day or another motion, at any speeds.
 
     Returns:
-        By direction, +1 and -1; those with 8 speeds or more.
+        The friction by direction, +1 and -1, for directions with 8 speeds or more.
 
     Raises:
         InputError: no direction has enough speeds.
@@ -162,21 +163,21 @@ def _trial(law: str, points: DirectionPoints, check: DirectionPoints, others: tu
     numbers = {name: curve.number(f"{law}.{name}") for name in LAWS[law]}
     why = ""
     if gained < SURE**2:
-        why = "its number is not surely above zero"
+        why = "its coefficient is not significantly above zero"
     elif drop < DECISIVE_DROP:
-        why = "the fit does not want it"
+        why = "it improves the fit too little"
     elif min(one, two) < 0.0 or one + two < DECISIVE_DROP:
         why = "other speeds do not confirm it"
     elif law == "stribeck_friction" and not _within(numbers["velocity"][0], points.u):
-        why = "its velocity lies outside the speeds that were run"
+        why = "its velocity is outside the recorded speeds"
     elif checked < -PREDICTION_RISE:
-        why = "runs that took no part speak against it"
+        why = "runs that were not used in the fit contradict it"
     intervals = {name: curve.interval(f"{law}.{name}") for name in LAWS[law]}
     return LawTrial(law, not why, numbers, intervals, drop, (one, two), checked, why)
 
 
 def _predicted(fit: DirectionPoints, rest: DirectionPoints, *laws: tuple[str, ...]) -> float:
-    """Drop of the squared errors at the rest from the first laws to the second."""
+    """Decrease of the squared errors at the other points from the first laws to the second."""
     before, after = (rest.off(FrictionCurve.fitted(fit, each)) for each in laws)
     return before - after
 

@@ -1,4 +1,4 @@
-"""Runs at constant speed as points of a friction curve, with what their means are worth."""
+"""Runs at constant speed as points of a friction curve, with the accuracy of their means."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexdyn.records.given import as_recordings
 
 Array = NDArray[np.float64]
 INDEPENDENT_AUTOCORRELATION = 0.05
-"""Autocorrelation from which samples are taken to be independent."""
+"""Below this autocorrelation samples count as independent [1]."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class SteadyPoint:
     Attributes:
         speed: mean [rad/s or m/s].
         torque: mean of the motor, reflected [N m or N].
-        std: standard deviation of that mean, the colour of the samples counted in.
+        std: standard deviation of that mean, correlations of the samples included.
         name: of the run.
 
     Example:
@@ -37,7 +37,7 @@ class SteadyPoint:
     name: str = ""
 
     def __post_init__(self) -> None:
-        """Check.
+        """Check the numbers.
 
         Raises:
             InputError: numbers that are not finite, or a standard deviation that is not above 0.
@@ -54,10 +54,10 @@ def steady_points(recordings: Any, joint: str) -> tuple[SteadyPoint, ...]:
     Args:
         recordings: one or several (or runs, paths, data frames), each at one constant speed, with ``tau.JOINT`` and
             ``omega.JOINT`` or ``v.JOINT``.
-        joint: whose friction it is.
+        joint: name of the joint.
 
     Returns:
-        A point a run, in order of speed.
+        One point for each run, in order of speed.
 
     Raises:
         InputError: a run without torque or velocity, or one whose torque never changes.
@@ -81,7 +81,7 @@ def steady_points(recordings: Any, joint: str) -> tuple[SteadyPoint, ...]:
 
 
 def std_of_mean(x: Array) -> float:
-    """Standard deviation of the mean of coloured samples: ``s sqrt((1 + 2 sum rho)/n)``."""
+    """Standard deviation of the mean of correlated samples: ``s sqrt((1 + 2 sum rho)/n)``."""
     off = x - x.mean()
     power = float(off @ off)
     if power == 0.0:

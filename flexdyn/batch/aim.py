@@ -1,4 +1,4 @@
-"""What a command wants of the arm: a path to track, and when the command comes to rest."""
+"""The goal of a command: the path to be tracked, and the time at which the command comes to rest."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 AIM_END = 1e-9
-"""A change of the command this share of the run before its end has no time to act."""
+"""A change of the command later than this share of the run before its end is ignored: it has no time to act [1]."""
 LATEST = 0.95
-"""A command that still changes after this share of the run does not come to rest within it."""
+"""A command that still changes after this share of the run does not come to rest within the run [1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Aim:
-    """What metrics must know of a command; the same for all runs of a study.
+    """Properties of a command that metrics need; the same for all runs of a study.
 
     Attributes:
-        rest: from when on the command no longer changes [s from the start of the run]: a torque that is played no
-            longer changes, a reference stands still; None: it never comes to rest within the run.
-        reference: positions to be tracked, one column a joint; None: torques are played.
+        rest: time from which on the torque or the reference of the command no longer changes [s from the start of the
+            run]; None: it does not come to rest within the run.
+        reference: positions to be tracked, one column for each joint; None if the command is torques over time.
     """
 
     rest: float | None
     reference: Samples | None = None
 
     def wanted(self, t: Array) -> Array:
-        """The reference at times of a run (samples, n) [rad or m]; after its end it stays where it ended.
+        """The reference at times of a run (samples, n) [rad or m]; after its end it keeps its last value.
 
         Raises:
             ValueError: there is no reference.
@@ -55,10 +55,10 @@ class Aim:
 
 
 def aim_of(command: Any, model: FlexibleJointModel, duration: float) -> Aim:
-    """What a command wants of an arm.
+    """Determine the properties of a command.
 
     Args:
-        command: as `flexdyn.simulate` takes it.
+        command: as for `flexdyn.simulate`.
         model: the arm.
         duration: of the run [s].
 
@@ -81,12 +81,12 @@ def aim_of(command: Any, model: FlexibleJointModel, duration: float) -> Aim:
 
 
 def aim_of_run(run: Run) -> Aim:
-    """What is known of a run alone: the torques that were played; of a controller its ticks, and no reference."""
+    """The properties that a run alone determines: from its torques, or a controller's ticks; there is no reference."""
     return Aim(_played_out(run.inputs.samples, run.inputs.duration))
 
 
 def _reference(given: Any, interpolation: Interpolation | None, names: Sequence[str]) -> Samples:
-    """A reference as it is tracked."""
+    """A reference with the interpolation that is tracked."""
     reference = resolve_command(given)
     if isinstance(reference, Recording):
         return followed(reference, interpolation, names)
@@ -94,7 +94,7 @@ def _reference(given: Any, interpolation: Interpolation | None, names: Sequence[
 
 
 def _played_out(torques: Any, duration: float) -> float | None:
-    """When torques change for the last time; at their end they fall to zero."""
+    """Time of the last change of the torques; at their end they fall to zero."""
     if not isinstance(torques, Samples):
         return 0.0
     held = torques.interpolation == "hold"
@@ -107,7 +107,7 @@ def _played_out(torques: Any, duration: float) -> float | None:
 
 
 def _still(t: Array, rows: Array, duration: float, held: bool) -> float | None:
-    """From when on rows no longer change; held ones change at a sample, others all the way to it."""
+    """Time from which on rows no longer change; held rows change at a sample, interpolated ones until the sample."""
     changed = np.append(False, (rows[1:] != rows[:-1]).any(axis=1))
     end = duration * (1.0 - AIM_END)
     t = t - t[0]

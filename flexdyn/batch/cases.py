@@ -1,4 +1,4 @@
-"""A study's runs as `simulate` takes them; robot and command are loaded once in a process."""
+"""A study's runs in the form for `simulate`; robot and command are loaded once in a process."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from flexdyn.simulation.solvers import Solver, make_solver
 
 Array = NDArray[np.float64]
 MOST_KEPT = 4
-"""Studies whose cases are kept."""
+"""Number of studies whose cases are kept in memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Case:
     Attributes:
         model: with the numbers of this run.
         command: likewise.
-        starts: first states that the command's own would hide: ``q0`` and the like -> joint -> value.
+        starts: first states that override those of the command: ``q0``, ``v0``, ... -> joint -> value.
     """
 
     model: FlexibleJointModel
@@ -49,13 +49,13 @@ class Case:
 
 
 class Cases:
-    """What all runs of a study share, and each run made of it.
+    """The common parts of all runs of a study, from which each run is made.
 
     Args:
-        study: whose files are there.
+        study: whose files exist.
 
     Raises:
-        InputError: a file that is not there any more, or does not fit.
+        InputError: a file that does not exist any more, or does not fit.
     """
 
     def __init__(self, study: Study) -> None:
@@ -78,17 +78,17 @@ class Cases:
 
     @cached_property
     def aim(self) -> Aim:
-        """What the command wants of the arm."""
+        """Properties of the command that metrics need."""
         return aim_of(self.command, self.model, self.study.duration)
 
     @cached_property
     def metrics(self) -> tuple[Metric, ...]:
-        """What is measured of every run."""
+        """The metrics of every run."""
         return metrics_of(self.study.metrics, self.model, self.aim, folder=Path(self.study.folder))
 
     @cached_property
     def times(self) -> NDArray[np.float64]:
-        """Of the samples that are stored (samples,) [s]."""
+        """Times of the stored samples (samples,) [s]."""
         return self._job(self.model).out["t"]
 
     def values(self, k: int) -> dict[str, float]:
@@ -120,15 +120,15 @@ class Cases:
     def together(
         self, table: Mapping[str, Array], out: Mapping[str, Array], progress: Callable[[int], None] | None
     ) -> NDArray[np.bool_]:
-        """Integrate runs at once, as far as they differ in no more than numbers of one plant.
+        """Integrate runs together if they differ only in numbers of one plant.
 
         Args:
             table: their numbers (runs,) by path.
-            out: filled: signal -> (runs, samples, n).
-            progress: called with the number of runs done some ten times a second.
+            out: filled by this function: signal -> (runs, samples, n).
+            progress: called with the number of finished runs about ten times a second.
 
         Returns:
-            (runs,) which of them are done; the others are to be done one by one, by `case_of`.
+            (runs,) whether each run is finished; the others must be made one by one with `case_of`.
         """
         changes = self._changes(table)
         initial = changes.initial_of(self.model)
@@ -141,19 +141,19 @@ class Cases:
         try:
             if same_links and same_command and plain and self._variants.covers(columns):
                 return self._variants.simulate(columns, out, progress)
-        except InputError:  # each of the runs says it of itself
+        except InputError:  # each run reports it itself
             pass
         return np.zeros(len(out["q"]), dtype=bool)
 
     def _changes(self, values: Mapping[str, Any]) -> Changes:
-        """What is different where these numbers, or columns of them, stand at their paths."""
+        """The changes of a run with these numbers, or columns of numbers, by path."""
         changes = Changes()
         for path in sorted(values, key=self._order.__getitem__):
             self.places[path].put(changes, values[path])
         return changes
 
     def _starts(self, changes: Changes) -> dict[str, dict[str, Any]]:
-        """First states that the command's own would hide, by signal and joint."""
+        """First states that override those of the command, by signal and joint."""
         found = {
             signal: {joint: value for joint, value in entries.items() if joint in self._first.get(signal, {})}
             for signal, entries in changes.initial.items()
@@ -162,25 +162,25 @@ class Cases:
 
     @cached_property
     def _variants(self) -> Variants:
-        """Of a run in which no law is switched off by a number that is zero, as it may be at a median."""
+        """A run in which no law is neutral because of a number that is zero, as it may be at a median."""
         case = self.case_of({path: kind.usual for path, kind in self.study.kinds.items()})
         job = self._job(case.model)
         return Variants(case.model, job.drive, job.duration, job.solver, job.out["t"])
 
     def _job(self, model: FlexibleJointModel) -> Job:
-        """A run of a model under the command, made ready."""
+        """A run of a model under the command, prepared."""
         starts = dict.fromkeys(("q", "v", "theta", "omega"))
         study = self.study
         return prepare(model, self.command, study.duration, self.solver, starts, study.rate, None, None)
 
     @cached_property
     def _order(self) -> dict[str, int]:
-        """Numbers of all joints before those of one, which stand over them."""
+        """Sort numbers of all joints before those of one joint, which override them."""
         return {path: i for i, path in enumerate(self.places)}
 
 
 _KEPT: dict[str, Cases] = {}
-"""By the study's text."""
+"""Cases by the study's text."""
 _KEEPING = Lock()
 
 
@@ -191,7 +191,7 @@ def load_command(command: Any) -> Recording | PD | None:
         command: as `Study` holds it.
 
     Raises:
-        InputError: a recording that cannot be read, or a controller whose numbers make no sense.
+        InputError: a recording that cannot be read, or a controller with numbers that are not allowed.
     """
     if command is None:
         return None
@@ -215,7 +215,7 @@ def cases_of_text(text: str) -> Cases:
 
 
 def cases_of(study: Study) -> Cases:
-    """The cases of a study; kept, so that asking again costs nothing.
+    """The cases of a study; they are kept, so that a second call is fast.
 
     Args:
         study: the study.
@@ -225,13 +225,13 @@ def cases_of(study: Study) -> Cases:
 
 
 def keep(cases: Cases) -> Cases:
-    """Keep cases for whoever asks for those of the same study, in the place of the oldest that are kept.
+    """Keep cases for later calls with the same study; they replace the oldest kept cases.
 
     Args:
-        cases: of a study that is whole.
+        cases: of a complete study.
 
     Returns:
-        The cases that all use, which may be others that were kept meanwhile.
+        The cases to use, which another thread may have stored meanwhile.
     """
     text = cases.study.to_text()
     with _KEEPING:

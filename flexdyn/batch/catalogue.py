@@ -1,4 +1,4 @@
-"""The catalogue of metrics: numbers that a study keeps of every run."""
+"""The catalogue of metrics: numbers that a study stores for every run."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 BAND = 0.02
-"""Of settling_time: share of the greatest distance that still counts as settled [1]."""
+"""For settling_time: distances below this share of the largest one count as settled [1]."""
 NO_MOTION = 1e-9
-"""Less than this is no motion [m, rad]."""
+"""A smaller displacement is no motion [m, rad]."""
 LONGEST_REASON = 300
-"""Letters of a reason that are kept."""
-# What a ledger leaves unexplained is a solver's matter, and would be said once for each of thousands of runs.
+"""Largest number of letters of a reason."""
+# A ledger that does not close is a matter of the solver; the warning would appear for each of thousands of runs.
 warnings.filterwarnings("ignore", category=EnergyWarning, module=r"flexdyn\.batch\.catalogue")
 
 
@@ -34,14 +34,14 @@ class Metric:
 
     Attributes:
         name: as a study file writes it.
-        unit: of the number; N m reads N, and rad m, for arms whose joints all slide.
+        unit: of the number; if all joints are prismatic, N m becomes N, and rad becomes m.
         description: one sentence.
         equation: of the number.
-        law: from a motion and its joints' columns to the number of each of its runs, NaN where one has none.
-        needs: what not every study has: ``reference`` (a controller with a path to track), ``rest`` (a command that
-            comes to rest before the run ends), ``tip`` (a chain with one end), ``alike`` (joints of one kind, or one
-            joint that is named: ``motor_torque_max.elbow``), ``runs`` (more of a run than its samples).
-        joint: the only one that counts; empty: all.
+        law: function of a motion and its joints' columns that gives the number of each run, NaN if a run has none.
+        needs: requirements that not every study meets: ``reference`` (a controller with a path to track), ``rest`` (a
+            command that comes to rest before the run ends), ``tip`` (a chain with one end), ``alike`` (joints of one
+            kind, or one named joint: ``motor_torque_max.elbow``), ``runs`` (more of a run than its samples).
+        joint: the joint that is used; empty: all joints.
         missing: why a run may have no such number.
     """
 
@@ -59,10 +59,10 @@ class Metric:
 
         Args:
             run: the motion.
-            aim: of its command, by `aim_of`; default: what the run itself tells, which is no reference.
+            aim: of its command, by `aim_of`; default: what the run itself determines, without a reference.
 
         Raises:
-            InputError: it has none, and why.
+            InputError: the run has no such number; the message says why.
         """
         values, reasons = self.measured(RunsMotion.of(run, aim_of_run(run) if aim is None else aim))
         if reasons[0]:
@@ -70,7 +70,7 @@ class Metric:
         return float(values[0])
 
     def measured(self, motion: RunsMotion) -> tuple[Array, list[str]]:
-        """The numbers of some runs, NaN where one has none, and a line for each that says why; empty: it has one."""
+        """The numbers of some runs, NaN if a run has none, and for each run the reason, or an empty text."""
         values, reasons = self._numbers(motion)
         for i in np.flatnonzero(~np.isfinite(values)):
             reasons[i] = reasons[i] or (self.missing if np.isnan(values[i]) else "") or f"it gives {values[i]}"
@@ -88,7 +88,7 @@ class Metric:
 
 @dataclass(frozen=True)
 class RunMetric(Metric):
-    """A number whose law is one of a `Run`; a run that it fails for leaves the others as they are."""
+    """A metric whose law takes a `Run`; an error for one run does not affect the others."""
 
     needs: tuple[str, ...] = ("runs",)
 
@@ -241,7 +241,7 @@ METRICS: dict[str, Metric] = {
 }
 """The catalogue, by name.
 
-Every metric is taken over the samples that a run has, at the study's ``rate``. t_rest is when the command comes to
-rest: a torque that is played no longer changes, a reference stands still. tip_end and q_end are means over the last
-tenth of the time after it. Energies are as exact as the solver.
+Every metric uses the samples of a run at the study's ``rate``. t_rest is the time at which the command comes to rest:
+its torque or reference no longer changes. tip_end and q_end are means over the last tenth of the time after t_rest.
+Energies have the accuracy of the solver.
 """

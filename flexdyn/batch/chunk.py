@@ -1,4 +1,4 @@
-"""One chunk of a study's runs: made ready, integrated, measured and written, on one thread of any machine."""
+"""One chunk of a study's runs: prepared, integrated, measured and written, on one thread of any machine."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ STARTS = ("q0", "v0", "theta0", "omega0")
 
 @dataclass(frozen=True)
 class Done:
-    """A chunk that is written.
+    """A chunk that was written.
 
     Attributes:
         chunk: its number.
-        runs: how many there are in it.
-        failed: how many of them failed.
+        runs: number of its runs.
+        failed: number of failed runs.
     """
 
     chunk: int
@@ -43,7 +43,7 @@ class Done:
 
 
 class Stopped(Exception):
-    """The chunk was given up half way; nothing of it is written."""
+    """The chunk was stopped before its end; nothing of it is written."""
 
 
 @dataclass(frozen=True)
@@ -52,22 +52,22 @@ class Task:
 
     Attributes:
         text: of the study.
-        store: path of its store, the same wherever the task is done.
+        store: path of its store, the same on all machines.
     """
 
     text: str
     store: str
 
     def __call__(self, chunk: int, stopped: Callable[[], bool] | None = None) -> Done:
-        """Do a chunk.
+        """Simulate and store a chunk.
 
         Args:
             chunk: its number.
-            stopped: asked some ten times a second whether to give up.
+            stopped: called about ten times a second; True stops the work.
 
         Raises:
             InputError: the store cannot be written to.
-            Stopped: as asked for.
+            Stopped: `stopped` returned True.
         """
         cases = cases_of_text(self.text)
         runs = cases.study.bounds(chunk)
@@ -82,9 +82,9 @@ class Made:
     """The runs of a chunk.
 
     Attributes:
-        signals: (runs, samples, n) each by name, NaN where a run failed.
-        reasons: why each run failed; empty: it did not.
-        runs: those that were done one by one, by their place in the chunk.
+        signals: (runs, samples, n) by name, NaN for a failed run.
+        reasons: why each run failed; empty if it did not.
+        runs: those that were made one by one, by their index in the chunk.
     """
 
     signals: dict[str, NDArray[np.float64]]
@@ -94,12 +94,12 @@ class Made:
 
 @lru_cache(maxsize=4)
 def _opened(task: Task) -> Store:
-    """The store of a task; kept for its next chunk."""
+    """The store of a task; it is kept for the next chunk."""
     return Store(Path(task.store), cases_of_text(task.text).study)
 
 
 def _simulated(cases: Cases, numbers: Numbers, count: int, stopped: Callable[[], bool] | None) -> Made:
-    """All runs with these numbers: at once, and one by one those that cannot be done so."""
+    """All runs with these numbers: together where possible, the others one by one."""
 
     def poll(_: int) -> None:
         if stopped is not None and stopped():
@@ -122,7 +122,7 @@ def _simulated(cases: Cases, numbers: Numbers, count: int, stopped: Callable[[],
 def _one_by_one(
     cases: Cases, numbers: Numbers, which: NDArray[np.intp], poll: Callable[[int], None]
 ) -> list[Run | FlexdynError]:
-    """Some of the runs, or why there is none."""
+    """Single runs, or the reasons why they failed."""
     made = [_case(cases, {path: float(column[i]) for path, column in numbers.items()}) for i in which]
     ready = [case for case in made if isinstance(case, Case)]
     if not ready:
@@ -143,7 +143,7 @@ def _case(cases: Cases, values: Mapping[str, float]) -> Case | FlexdynError:
 
 
 def _columns(cases: Cases, numbers: Numbers, made: Made) -> dict[str, Any]:
-    """What the store takes of a chunk, by the name of its array."""
+    """The data of a chunk for the store, by the name of the array."""
     metrics, count = cases.metrics, len(made.reasons)
     measured = np.full((len(metrics), count), np.nan)
     status = np.array([reason or DONE for reason in made.reasons], dtype=object)
@@ -159,7 +159,7 @@ def _columns(cases: Cases, numbers: Numbers, made: Made) -> dict[str, Any]:
 
 
 def _motions(cases: Cases, made: Made) -> Iterator[tuple[RunsMotion, list[int]]]:
-    """The runs that went well with their places in the chunk: those of one robot together."""
+    """The successful runs with their indices in the chunk, grouped by robot."""
     groups: dict[int, tuple[Robot, list[int]]] = {}
     for i in (i for i, reason in enumerate(made.reasons) if not reason):
         robot = made.runs[i].model.robot if i in made.runs else cases.model.robot

@@ -1,4 +1,4 @@
-"""Chunks of a study over Dask distributed: the scheduler sees nothing but small tasks and small answers."""
+"""Chunks of a study on Dask distributed: the scheduler gets only small tasks and small answers."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from flexdyn.batch.chunk import Done, Task
 from flexdyn.errors import FlexdynError, InputError, needed
 
 _LOGS = tuple(logging.getLogger(f"distributed.{name}") for name in ("client", "batched"))
-"""They print tracebacks when the scheduler goes."""
+"""Loggers that print tracebacks when the scheduler stops."""
 TASKS_AHEAD = 512
-"""Tasks that the scheduler knows of at a time: enough for as many threads, and a few MB at most."""
+"""Tasks that the scheduler has at a time: enough for as many threads, and a few MB at most."""
 SCHEDULER_PATIENCE = 10.0
-"""How long to wait for a scheduler to answer [s]."""
+"""Time to wait for an answer of the scheduler [s]."""
 LOOK = 2.0
-"""How often to look whether the scheduler is still there while nothing comes back [s]."""
+"""Interval at which to check that the scheduler still answers while no result arrives [s]."""
 
 
 class Dask:
     """Workers of a Dask cluster; a context manager.
 
-    A task is pickled here and opened on a worker, so that the scheduler needs no flexdyn. A worker that dies has its
-    chunks done by another; a chunk is reported once. The workers must see the store's folder under the same path.
+    A task is pickled here and unpickled on a worker, so that the scheduler needs no flexdyn. If a worker stops, another
+    one does its chunks; a chunk is reported once. The workers must see the store's folder under the same path.
 
     Args:
         where: of the scheduler: an address such as ``tcp://10.0.0.1:8786``, a ``distributed.Client``, or a cluster
             object, such as those of dask-jobqueue and dask-kubernetes.
-        ahead: tasks that the scheduler knows of at a time.
+        ahead: number of tasks that the scheduler has at a time.
 
     Raises:
         InputError: it is none of these.
@@ -56,7 +56,7 @@ class Dask:
         """Connect.
 
         Raises:
-            InputError: nobody answers there.
+            InputError: no scheduler answers there.
             MissingExtra: distributed is not installed.
         """
         self._client = self._where if _is_client(self._where) else _connect(self._where)
@@ -72,26 +72,26 @@ class Dask:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Disconnect; a client that was handed over stays open."""
+        """Disconnect; a client that the user gave stays open."""
         if self._client is not self._where:
-            with suppress(Exception):  # a scheduler that is gone cannot be told
+            with suppress(Exception):  # a scheduler that has stopped cannot be informed
                 self._client.close(timeout=1.0)
         self._client = None
         for log, level in zip(_LOGS, self._levels, strict=True):
             log.setLevel(level)
 
     def run(self, task: Task, chunks: Iterable[int]) -> Iterator[Done]:
-        """Do a task for every chunk; answers come in the order in which they are done.
+        """Do a task for every chunk; answers come in the order in which the chunks are finished.
 
         Args:
             task: called with the number of a chunk on a worker.
             chunks: their numbers.
 
         Yields:
-            What the task says of each.
+            The result of the task for each chunk.
 
         Raises:
-            FlexdynError: the scheduler is gone, or a chunk cannot be done.
+            FlexdynError: the scheduler has stopped, or a chunk cannot be done.
         """
         packed, name = pickle.dumps(task), f"flexdyn-{secrets.token_hex(8)}"
         waiting, done = iter(chunks), SimpleQueue[Any]()
@@ -115,7 +115,7 @@ class Dask:
         return f"the scheduler at {address or self._where}"
 
     def _submitted(self, name: str, packed: bytes, chunk: int, done: SimpleQueue[Any]) -> dict[str, tuple[Any, int]]:
-        """The future of a chunk, by its key; it puts itself into `done` when it is."""
+        """The future of a chunk, by its key; it is put into `done` when it is finished."""
         call = pickle.dumps(_Call(packed, chunk))
         try:
             future = self._client.submit(pickle.loads, call, key=f"{name}-{chunk}", pure=False)
@@ -133,10 +133,10 @@ class Dask:
                     raise self._gone() from None
 
     def _answer(self, future: Any, chunk: int) -> Any:
-        """What a task gave.
+        """The result of a task.
 
         Raises:
-            FlexdynError: it gave nothing, and why.
+            FlexdynError: there is no result; the message says why.
         """
         import distributed
         from distributed.comm import CommClosedError
@@ -158,12 +158,12 @@ class Dask:
 
     def _gone(self) -> FlexdynError:
         return FlexdynError(
-            f"{self._name} is gone; what was done is stored, and --resume (resume=True) goes on from it"
+            f"{self._name} cannot be reached any more; finished chunks are stored: continue with --resume (resume=True)"
         )
 
 
 class _Call:
-    """A chunk to be done: pickled, it is a call that happens where it is opened."""
+    """A chunk to be done; it is pickled, and unpickled on the worker that does it."""
 
     def __init__(self, packed: bytes, chunk: int) -> None:
         self._packed, self._chunk = packed, chunk
@@ -201,7 +201,7 @@ def _version() -> str:
 
 
 def _is_client(where: Any) -> bool:
-    """Whether it is a distributed.Client; without distributed nothing is."""
+    """Whether it is a distributed.Client; False if distributed is not installed."""
     try:
         import distributed
     except ImportError:
@@ -215,7 +215,7 @@ def _connect(where: Any) -> Any:
         from distributed.comm.addressing import resolve_address
     try:
         if isinstance(where, str):
-            resolve_address(where)  # a client that finds it wrong leaves threads behind
+            resolve_address(where)  # a client with a wrong address would leave threads behind
         client: Any = distributed.Client
         return client(where, timeout=SCHEDULER_PATIENCE, set_as_default=False)
     except (OSError, TimeoutError, ValueError, ImportError) as error:

@@ -1,4 +1,4 @@
-"""What the files hold that a study reads, so that a store is never gone on with after one of them changed."""
+"""Checksums of the files that a study reads, so that a store is not continued after one of them changed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flexdyn.robot.names import find_robot
 
 
 def digests(cases: Cases) -> dict[str, str]:
-    """SHA-256 of every file that a study's runs depend on, by its place in the study.
+    """SHA-256 of every file on which a study's runs depend, by its path in the study.
 
     Args:
         cases: of the study.

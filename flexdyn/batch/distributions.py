@@ -1,4 +1,4 @@
-"""How a number varies from run to run: drawn at random, or put through every value of a grid."""
+"""Distributions: how a number varies from run to run, by random draws or over a grid."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ MAX_GRID = 1_000_000
 
 @dataclass(frozen=True)
 class Distribution:
-    """Base: two numbers, drawn from by the inverse of its cumulative distribution.
+    """Base: a distribution with two parameters, drawn by the inverse of its cumulative distribution.
 
     Class attributes:
         name: in a study file.
-        numbers: what its two numbers are.
+        numbers: names of its two parameters.
     """
 
     name: ClassVar[str] = ""
@@ -34,10 +34,10 @@ class Distribution:
     second: float
 
     def __post_init__(self) -> None:
-        """Check that the numbers make sense.
+        """Check the parameters.
 
         Raises:
-            InputError: they do not.
+            InputError: they are not allowed.
         """
         remedy = f"write {{{self.name}: [{', '.join(self.numbers)}]}}"
         for number in (self.first, self.second):
@@ -49,10 +49,10 @@ class Distribution:
 
     @classmethod
     def of(cls, entry: Any) -> Self:
-        """Of a study file's two numbers.
+        """Make it from a study file's two numbers.
 
         Raises:
-            InputError: they are not two, or make no sense.
+            InputError: they are not two, or are not allowed.
         """
         if not isinstance(entry, list | tuple) or len(entry) != 2:
             remedy = f"write {{{cls.name}: [{', '.join(cls.numbers)}]}}"
@@ -60,11 +60,11 @@ class Distribution:
         return cls(*entry)
 
     def value(self, share: float) -> float:
-        """The number below which this share (0 < share < 1) of the draws lies."""
+        """The quantile for a share (0 < share < 1)."""
         raise NotImplementedError
 
     def values(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The number for each share."""
+        """The quantiles for several shares."""
         return np.array([self.value(share) for share in shares.tolist()])
 
     @property
@@ -74,12 +74,12 @@ class Distribution:
 
     @property
     def usual(self) -> float:
-        """A number in the midst of the draws, but not the very middle, which is often zero."""
+        """A typical number, but not the median, which is often zero."""
         return self.value(0.6)
 
     @property
     def extremes(self) -> tuple[float, ...]:
-        """Numbers that no draw lies beyond, where there are such."""
+        """Bounds of the draws, if there are any."""
         return ()
 
     def _problem(self) -> str:
@@ -87,22 +87,22 @@ class Distribution:
 
 
 class Uniform(Distribution):
-    """Every number between two alike."""
+    """All numbers between two bounds with the same density."""
 
     name = "uniform"
     numbers = ("lowest", "highest")
 
     def value(self, share: float) -> float:
-        """Between the two, by share."""
+        """The bound at 0, the other at 1, linear between them."""
         return self.first + share * (self.second - self.first)
 
     def values(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Likewise, all at once."""
+        """The same for many shares."""
         return self.first + shares * (self.second - self.first)
 
     @property
     def extremes(self) -> tuple[float, ...]:
-        """Both ends."""
+        """The two bounds."""
         return (float(self.first), float(self.second))
 
     def _problem(self) -> str:
@@ -110,13 +110,13 @@ class Uniform(Distribution):
 
 
 class Normal(Distribution):
-    """The bell curve."""
+    """The normal distribution."""
 
     name = "normal"
     numbers = ("mean", "standard deviation")
 
     def value(self, share: float) -> float:
-        """Mean plus so many standard deviations."""
+        """Mean plus a multiple of the standard deviation."""
         return self.first + self.second * _STANDARD_NORMAL.inv_cdf(share)
 
     def _problem(self) -> str:
@@ -124,13 +124,13 @@ class Normal(Distribution):
 
 
 class LogNormal(Distribution):
-    """The bell curve of the logarithm: always of the median's sign."""
+    """The normal distribution of the logarithm: all draws have the sign of the median."""
 
     name = "lognormal"
     numbers = ("median", "standard deviation of the logarithm")
 
     def value(self, share: float) -> float:
-        """Median times e to so many standard deviations."""
+        """Median times the exponential of a multiple of the standard deviation."""
         return self.first * math.exp(self.second * _STANDARD_NORMAL.inv_cdf(share))
 
     def _problem(self) -> str:
@@ -141,7 +141,7 @@ class LogNormal(Distribution):
 
 @dataclass(frozen=True)
 class Grid:
-    """Every value of a list, with every value of every other grid.
+    """Every value of a list, combined with every value of every other grid.
 
     Args:
         values: in their order.
@@ -156,7 +156,7 @@ class Grid:
 
     @classmethod
     def of(cls, entry: Any) -> Self:
-        """Of a study file's list.
+        """Make it from a study file's list.
 
         Raises:
             InputError: it is no list of different finite numbers.
@@ -197,10 +197,10 @@ DISTRIBUTIONS: dict[str, type[Distribution] | type[Grid]] = {
 
 
 def distribution(entry: Any) -> Distribution | Grid:
-    """Of a study file's ``{uniform: [2000, 6000]}``.
+    """Make a distribution from a study file's ``{uniform: [2000, 6000]}``.
 
     Raises:
-        InputError: no such distribution, or numbers that it cannot have.
+        InputError: no such distribution, or numbers that are not allowed.
     """
     known = ", ".join(f"{{{name}: [...]}}" for name in DISTRIBUTIONS)
     if not isinstance(entry, Mapping) or len(entry) != 1:

@@ -1,4 +1,4 @@
-"""What run k of a study is: every number that varies, from (seed, k) alone."""
+"""The numbers of run k of a study, from (seed, k) alone."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def table(study: Study, runs: range) -> dict[str, NDArray[np.float64]]:
 def shares(seed: int, path: str, runs: Iterable[int]) -> NDArray[np.float64]:
     """A random number for each run, uniform over 0 < share < 1, the same on every machine.
 
-    It is a counter-based generator whose block function is BLAKE2b, keyed by seed and path and counting in k; the upper
-    52 bits of a block are taken.
+    The generator is counter-based: BLAKE2b with seed and path as key and k as counter; the upper 52 bits of a block are
+    used.
     """
     start = blake2b(digest_size=8, key=blake2b(f"{seed}/{path}".encode(), digest_size=32).digest())
     blocks = []

@@ -1,4 +1,4 @@
-"""Who does the chunks of a study: native threads of this process, or whatever else keeps the same promise."""
+"""Executors do the chunks of a study: native threads of this process, or another class with the same interface."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ from flexdyn.errors import InputError
 
 
 class Executor(Protocol):
-    """A context manager that does chunks; each is done once, in any order."""
+    """A context manager that does chunks, each once, in any order."""
 
     def __enter__(self) -> Self:
-        """Make ready."""
+        """Start."""
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Give up what is still in work, and wait until nothing is."""
+        """Stop the chunks in progress, and wait until they have stopped."""
 
     def run(self, task: Task, chunks: Iterable[int]) -> Iterator[Done]:
-        """Do chunks, and tell of each when it is written.
+        """Do chunks, and yield each when it is written.
 
         Args:
             task: called with the number of a chunk.
-            chunks: their numbers; taken one after the other, as workers become free.
+            chunks: their numbers; the next one is started when a worker is free.
         """
         ...
 
 
 class Threads:
-    """Threads of this process: each does whole chunks, and the core works without the interpreter's lock.
+    """Threads of this process: each does whole chunks, and the core runs without the interpreter's lock.
 
-    One chunk is made ready and measured while others are integrated.
+    One chunk is prepared and measured while others are integrated.
 
     Args:
         workers: default: the processors this process may use.
@@ -57,7 +57,7 @@ class Threads:
         self._pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Self:
-        """Start with no chunk in work."""
+        """Start without a chunk in progress."""
         self._stop.clear()
         self._pool = ThreadPoolExecutor(self._count, thread_name_prefix="flexdyn")
         return self
@@ -65,18 +65,18 @@ class Threads:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Give up what is in work: what is not written yet is left for the next time."""
+        """Stop the chunks in progress: chunks that are not written are left for the next time."""
         self._stop.set()
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
             self._pool = None
 
     def run(self, task: Task, chunks: Iterable[int]) -> Iterator[Done]:
-        """Do chunks, and tell of each when it is written.
+        """Do chunks, and yield each when it is written.
 
         Args:
             task: called with the number of a chunk.
-            chunks: their numbers; taken one after the other, as threads become free.
+            chunks: their numbers; the next one is started when a thread is free.
 
         Raises:
             InputError: the store cannot be written to, or this is outside of the context.
@@ -89,7 +89,7 @@ class Threads:
             yield future.result()
 
     def _submit(self, task: Task, chunks: Iterable[int], finished: SimpleQueue[Future[Done]]) -> int:
-        """Have chunks done, each of which goes to the queue when it is; how many there were.
+        """Submit chunks, each of which goes to the queue when it is finished; return their number.
 
         Raises:
             InputError: the threads are not started.

@@ -1,4 +1,4 @@
-"""One run of a study taken out again: its model file, its command, and the command line that makes that very run."""
+"""Extract one run of a study: its model file, its command, and the command line that repeats this run."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ OPTIONS = ("step", "rtol", "atol", "smoothing")
 
 @dataclass(frozen=True)
 class Extracted:
-    """A run taken out of a study.
+    """A run that was extracted from a study.
 
     Attributes:
         run: its number.
         model: path of its model file.
         command: path of its command file; None: no torque.
         values: the numbers that were drawn for it, by their path.
-        line: of ``flexdyn simulate`` that makes it.
+        line: command line of ``flexdyn simulate`` that makes it.
     """
 
     run: int
@@ -44,12 +44,12 @@ def extract(study: Study, k: int, folder: Path) -> Extracted:
     """Write the files of one run.
 
     Args:
-        study: whose run it is.
+        study: that has the run.
         k: its number, from 0.
-        folder: to write them to; it is made if it is not there.
+        folder: to write them to; it is created if it does not exist.
 
     Raises:
-        InputError: there is no such run, its numbers fit no model, or the folder cannot be written.
+        InputError: there is no such run, a model cannot have its numbers, or the folder cannot be written.
     """
     if isinstance(k, bool) or not isinstance(k, int) or not 0 <= k < study.count:
         raise InputError("there is no such run", key="extract", value=k, remedy=f"runs are 0 to {study.count - 1}")
@@ -83,7 +83,7 @@ def _settings(solver: Mapping[str, Any]) -> list[str]:
 
 
 def _write_command(command: Any, folder: Path) -> Path | None:
-    """The command as a file that ``flexdyn simulate`` takes; what it is made of lies beside it."""
+    """The command as a file for ``flexdyn simulate``; the files that it reads are in the same folder."""
     if command is None:
         return None
     if isinstance(command, Recording):
@@ -105,7 +105,7 @@ def _write_command(command: Any, folder: Path) -> Path | None:
 
 
 def _plain(gains: Any) -> Any:
-    """Gains as YAML holds them."""
+    """Gains in a form for YAML."""
     if isinstance(gains, Mapping):
         return {str(joint): float(value) for joint, value in gains.items()}
     listed = gains.tolist() if hasattr(gains, "tolist") else gains

@@ -1,4 +1,4 @@
-"""The arrays of a study's store: names, shapes, units; all of it follows from the study."""
+"""The arrays of a study's store: names, shapes, units, which follow from the study."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class StoreArray:
 
     @property
     def fill(self) -> Any:
-        """What stands where nothing is written yet."""
+        """The value where nothing is written yet."""
         return _FILL[self.dtype]
 
 

@@ -1,7 +1,7 @@
 """The metadata of a store, byte for byte as zarr writes them in version 3 of its format.
 
-zarr itself would make the arrays one by one, over an event loop and a file system's round trip each: longer than a
-hundred short runs take.
+zarr itself makes the arrays one by one, each with an event loop and several accesses to the file system. This takes
+longer than a hundred short runs.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ _SERIALIZERS: dict[str, dict[str, Any]] = {
 
 
 def array_metadata(each: StoreArray) -> dict[str, Any]:
-    """Of one array.
+    """The metadata of one array.
 
     Args:
-        each: what it is.
+        each: the array.
     """
     return {
         "shape": list(each.shape),
@@ -48,7 +48,7 @@ def array_metadata(each: StoreArray) -> dict[str, Any]:
 
 
 def group_metadata(attrs: Mapping[str, Any], arrays: Sequence[StoreArray]) -> dict[str, Any]:
-    """Of the whole store, with those of all its arrays, so that one file tells a reader everything.
+    """The metadata of the whole store, with those of all its arrays, so that a reader needs one file.
 
     Args:
         attrs: of the store.
@@ -64,7 +64,7 @@ def group_metadata(attrs: Mapping[str, Any], arrays: Sequence[StoreArray]) -> di
 
 
 def encoded(content: Mapping[str, Any]) -> bytes:
-    """As the file holds it.
+    """The bytes of the file.
 
     Args:
         content: metadata.

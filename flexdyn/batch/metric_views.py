@@ -1,4 +1,4 @@
-"""Panels of metrics: over each parameter, and what each parameter does to each metric."""
+"""Panels of metrics: each metric over each parameter, and the influence of each parameter."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from flexdyn.plots.panel import Curve, Panel, limits, short
 
 Array = NDArray[np.float64]
 DOTS = 3000
-"""Runs that are drawn."""
+"""Largest number of runs that are drawn."""
 UPRIGHT, BESIDE = 24, 24
-"""Letters of a name that there is room for along an axis up, and beside a panel."""
+"""Largest number of letters of a name along a vertical axis, and beside a panel."""
 MOST_LINES = 20
-"""Parameters in a tornado."""
+"""Largest number of parameters in a tornado diagram."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class MetricColumns:
 
     @cached_property
     def sensitivities(self) -> Mapping[tuple[str, str], Sensitivity]:
-        """By parameter and metric, where that can be said."""
+        """Sensitivities by parameter and metric, if they can be computed."""
         found = {
             (path, name): sensitivity(values, metric)
             for path, values in self.parameters.items()
@@ -51,16 +51,16 @@ class MetricColumns:
 
     @property
     def runs(self) -> int:
-        """How many there are."""
+        """Number of runs."""
         return len(next(iter(self.metrics.values())))
 
     @property
     def chance(self) -> float:
-        """The greatest rank correlation that chance alone would make in 95 of 100 studies."""
+        """The rank correlation that chance alone does not exceed in 95 of 100 studies."""
         return max((each.chance for each in self.sensitivities.values()), default=1.0)
 
     def strongest(self, most: int) -> list[str]:
-        """The parameters that do the most to any metric, in the study's order."""
+        """The parameters with the largest influence on any metric, in the study's order."""
         effect = dict.fromkeys(self.parameters, 0.0)
         for (path, _), each in self.sensitivities.items():
             effect[path] = max(effect[path], abs(each.rank_correlation))
@@ -68,17 +68,17 @@ class MetricColumns:
         return [path for path in self.parameters if path in kept]
 
     def only(self, paths: Sequence[str]) -> MetricColumns:
-        """With these parameters alone."""
+        """The same with only these parameters."""
         return replace(self, parameters={path: self.parameters[path] for path in paths})
 
     def label(self, name: str, letters: int = 48) -> str:
-        """Name, of so many letters at most, and unit."""
+        """Name, shortened to a number of letters, and unit."""
         unit = self.units.get(name, "")
         return f"{clipped(name, letters)} [{unit}]" if unit not in ("", "1") else clipped(name, letters)
 
 
 def clipped(name: str, letters: int) -> str:
-    """A name of bounded length, which keeps its end, where parameters differ."""
+    """A name of bounded length; its end is kept, because parameters differ there."""
     return name if len(name) <= letters else f"…{name[1 - letters :]}"
 
 

@@ -17,17 +17,17 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 _SLIDING = {"N m": "N", "rad": "m"}
-"""Units at joints that slide."""
+"""Units for prismatic joints."""
 
 
 def metric(name: str, folder: Path | None = None) -> Metric:
     """A metric by name.
 
     Args:
-        name: of the catalogue, of those of joints also for one joint alone (``overshoot.elbow``), or
-            ``package.module:function``: a function of a `Run` that gives a number. Its attribute ``unit``, if it has
-            one, is the number's unit, the first line of its docstring the description.
-        folder: where the function is looked for first, beside what Python can import anyway.
+        name: of the catalogue; metrics of joints also for one joint (``overshoot.elbow``); or
+            ``package.module:function``: a function of a `Run` that returns a number. Its attribute ``unit``, if it has
+            one, is the unit of the number; the first line of its docstring is the description.
+        folder: where the function is searched first, before Python's own paths.
 
     Raises:
         InputError: there is no such metric or function.
@@ -60,7 +60,7 @@ def metrics_of(
         folder: of the study file.
 
     Raises:
-        InputError: one that is not there or cannot be measured on this arm under this command; key ``metrics[i]``.
+        InputError: an unknown metric, or one that this arm or command does not have; key ``metrics[i]``.
     """
     found = []
     for i, name in enumerate(names):
@@ -74,14 +74,14 @@ def metrics_of(
 
 
 def measure(metrics: Sequence[Metric], motion: RunsMotion) -> tuple[NDArray[np.float64], list[list[str]]]:
-    """All metrics of some runs; one that a run has not is NaN, and why is said.
+    """All metrics of some runs; a missing one is NaN, with a reason.
 
     Args:
         metrics: of the study.
-        motion: of runs that went well.
+        motion: of successful runs.
 
     Returns:
-        The numbers (metrics, runs), and for each run a line ``metric NAME: reason`` for each that it has not.
+        The numbers (metrics, runs), and for each run a line ``metric NAME: reason`` for each missing metric.
     """
     values = np.empty((len(metrics), motion.count))
     reasons: list[list[str]] = [[] for _ in range(motion.count)]
@@ -114,6 +114,6 @@ def _check_needs(each: Metric, model: FlexibleJointModel, aim: Aim) -> None:
 
 
 def _slides(model: FlexibleJointModel, each: Metric) -> bool:
-    """Whether the joints that a metric is about slide."""
+    """Whether the joints of a metric are prismatic."""
     kinds = model.robot.kinds
     return "alike" in each.needs and (kinds[model.index(each.joint)] if each.joint else kinds[0]) == "prismatic"

@@ -1,4 +1,4 @@
-"""Runs as metrics look at them, all at once: what several of them need is computed once."""
+"""Many runs in the form for metrics: quantities that several metrics need are computed once."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 TAIL = 0.1
-"""Share of the time after the command's rest that counts as the end: positions are averaged there."""
+"""Share of the time after the command's rest that counts as the end, where positions are averaged [1]."""
 LEAST_SAMPLES_AFTER_REST = 10
-"""Samples that are needed after the command's rest."""
+"""Smallest number of samples after the command's rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class RunsMotion:
-    """Runs of one arm over the same samples, their command's aim, and the tip's paths.
+    """Runs of one arm at the same times, the properties of their command, and the paths of the tip.
 
-    Whatever is computed of a run is the same to the last bit, whichever others it is looked at with.
+    The results for a run do not depend on the other runs, to the last bit.
 
     Attributes:
         robot: the arm.
         t: of the samples (samples,) [s].
         signals: (runs, samples, n) each, by name.
         aim: of their command.
-        runs: themselves, or none where nobody asks for them.
+        runs: the runs themselves, or none if no metric needs them.
     """
 
     robot: Robot
@@ -50,7 +50,7 @@ class RunsMotion:
 
     @property
     def count(self) -> int:
-        """How many runs there are."""
+        """Number of runs."""
         return len(self.signals["q"])
 
     @cached_property
@@ -60,12 +60,12 @@ class RunsMotion:
 
     @cached_property
     def deflection(self) -> Array:
-        """From the tip's place if the links stood at the rotors' angles to where it is (runs, samples, 3) [m]."""
+        """The position of the tip minus its position with the links at the rotors' angles (runs, samples, 3) [m]."""
         return self.tip - frame_positions(self.robot, self.signals["theta"])
 
     @cached_property
     def tracking_error(self) -> Array:
-        """Distance of the tip from where the reference would have it (runs, samples) [m]."""
+        """Distance of the tip from its position at the reference (runs, samples) [m]."""
         return lengths(self.tip - frame_positions(self.robot, self.aim.wanted(self.t)))
 
     @cached_property
@@ -89,21 +89,21 @@ class RunsMotion:
 
     @cached_property
     def distance(self) -> Array:
-        """Distance of the tip from where it ends (runs, samples) [m]."""
+        """Distance of the tip from its final position (runs, samples) [m]."""
         return lengths(self.tip - self.tip[:, self.tail].mean(axis=1, keepdims=True))
 
     def greatest(self, values: Array, joints: slice) -> Array:
-        """The greatest size over time and some of the joints of values (runs, samples, n)."""
+        """The largest absolute value over time and some of the joints, of values (runs, samples, n)."""
         return np.asarray(np.abs(values[..., joints]).max(axis=(1, 2)))
 
     def root_mean_square(self, values: Array) -> Array:
-        """Over time, by the trapezoidal rule, of values (runs, samples)."""
+        """Integral over time of values (runs, samples), by the trapezoidal rule."""
         squares = values**2
         areas = np.diff(self.t) * (0.5 * (squares[:, 1:] + squares[:, :-1]))
         return np.asarray(np.sqrt(areas.sum(axis=1) / (self.t[-1] - self.t[0])))
 
 
 def lengths(vectors: Array) -> Array:
-    """Of vectors (..., 3)."""
+    """Lengths of vectors (..., 3)."""
     x, y, z = np.moveaxis(vectors**2, -1, 0)
     return np.asarray(np.sqrt(x + y + z))

@@ -1,4 +1,4 @@
-"""A user's own metric: found by its import path, called, and held to one number."""
+"""A user's own metric: found by its import path, called, and checked to be one number."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def own_function(name: str, folder: Path | None = None) -> Callable[[Any], Any]:
 
     Args:
         name: ``package.module:function``.
-        folder: where it is looked for first; None: only where Python looks.
+        folder: where it is searched first; None: only in Python's own paths.
 
     Raises:
-        InputError: it is not importable or not callable, and why.
+        InputError: it cannot be imported or is not callable; the message says why.
     """
     module, _, attribute = name.partition(":")
     if not attribute.isidentifier() or not all(part.isidentifier() for part in module.split(".")):
@@ -61,10 +61,10 @@ def single_number(value: Any) -> float:
 
 @contextmanager
 def _first_in_path(module: str, folder: Path | None) -> Iterator[None]:
-    """Let Python look in a folder first; a module of the same name from elsewhere is not taken for it.
+    """Let Python search a folder first; a module of the same name from another place is refused.
 
     Raises:
-        InputError: such a module is loaded.
+        InputError: such a module is loaded already.
     """
     if folder is None:
         yield

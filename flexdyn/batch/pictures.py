@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 VIEWS = ("metrics", "sensitivities", "trajectories")
 MOST_METRICS, MOST_PARAMETERS = 6, 4
-"""That are drawn where none are chosen."""
+"""Default views."""
 
 
 def draw_results(
@@ -31,7 +31,7 @@ def draw_results(
     parameters: Sequence[str] | None = None,
     channels: Sequence[str] | None = None,
 ) -> Picture:
-    """A page of what a study has found; arguments as `Results.plot` takes them.
+    """A page with the results of a study; the arguments are those of `Results.plot`.
 
     Raises:
         InputError: there is nothing to draw, or no such view, metric, parameter or channel.
@@ -77,7 +77,7 @@ def _columns(
     *,
     chosen: bool,
 ) -> MetricColumns | None:
-    """The metrics and parameters to be drawn; None where there are none."""
+    """The metrics and parameters to be drawn; None if there are none."""
     measured, varied = results.metrics, results.parameters
     _known("metrics", metrics or (), measured)
     _known("parameters", parameters or (), varied)
@@ -96,10 +96,12 @@ def _columns(
 
 
 def _strongest(columns: MetricColumns, chosen: Sequence[str] | None, notes: list[str]) -> MetricColumns:
-    """Those parameters that there is room for, side by side, unless they were chosen."""
+    """The parameters that fit side by side, unless the user chose them."""
     if chosen is not None or len(columns.parameters) <= MOST_PARAMETERS:
         return columns
-    notes.append(f"Metrics over the {MOST_PARAMETERS} of {len(columns.parameters)} parameters that do the most to any.")
+    notes.append(
+        f"Metrics over the {MOST_PARAMETERS} of {len(columns.parameters)} parameters with the largest influence."
+    )
     return columns.only(columns.strongest(MOST_PARAMETERS))
 
 

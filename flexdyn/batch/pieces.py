@@ -1,6 +1,6 @@
-"""The pieces of a store's arrays, written by the thread that has them, as the Zarr format has it.
+"""The Zarr chunks of a store's arrays ("pieces"), written by the thread that has the data.
 
-zarr would hand each to an event loop that all threads share, which takes longer than the piece itself.
+zarr would pass each to an event loop that all threads share, which takes longer than writing the piece.
 """
 
 from __future__ import annotations
@@ -14,23 +14,23 @@ from typing import Any
 import numpy as np
 
 LEVEL = 1
-"""Of the compression."""
+"""Level of the compression."""
 CHECKSUM = 4
-"""Bytes of it."""
+"""Bytes of the checksum."""
 
 
 def write_piece(folder: Path, chunk: int, shape: tuple[int, ...], values: Any, fill: Any) -> None:
-    """Write one piece of an array, whole or not at all.
+    """Write one piece of an array, completely or not at all.
 
     Args:
         folder: of the array.
-        chunk: number of the piece along the first axis; it is all of the others.
+        chunk: number of the piece along the first axis; it covers the other axes completely.
         shape: of every piece.
-        values: of this one: numbers or text; where it is the last it may be shorter.
-        fill: what the rest of it holds.
+        values: of this piece: numbers or text; the last piece may be shorter.
+        fill: value of the rest of a shorter piece.
 
     Raises:
-        OSError: the disk refuses it.
+        OSError: it cannot be written.
     """
     whole = values
     if len(values) < shape[0]:
@@ -48,7 +48,7 @@ def write_piece(folder: Path, chunk: int, shape: tuple[int, ...], values: Any, f
 
 
 def is_whole(folder: Path, chunk: int, axes: int) -> bool:
-    """Whether a piece is there and its checksum fits.
+    """Whether a piece exists and its checksum is correct.
 
     Args:
         folder: of the array.
@@ -67,7 +67,7 @@ def _place(folder: Path, chunk: int, axes: int) -> str:
 
 
 def _write(path: str, content: bytes) -> None:
-    """A new file, in as few calls as it takes: other threads wait for the interpreter's lock at each of them."""
+    """Write a new file with as few calls as possible: at each call other threads wait for the interpreter's lock."""
     handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
         left = memoryview(content)

@@ -1,4 +1,4 @@
-"""The numbers of a study that can vary: what their paths are, and how each finds its way into a run."""
+"""The numbers of a study that can vary: their paths, and how each is set in a run."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GAIN_UNITS = {"kp": "N m/rad", "kd": "N m s/rad"}
 
 @dataclass
 class Changes:
-    """What is different in one run; filled by the places of its numbers. Of many runs it holds columns of numbers."""
+    """The changes of one run, set by the places of its numbers; for many runs it holds columns of numbers."""
 
     joints: dict[str, dict[str, Any]] = field(default_factory=dict)
     effects: dict[int, dict[str, Any]] = field(default_factory=dict)
@@ -32,7 +32,7 @@ class Changes:
     scale: Any = None
 
     def model(self, base: FlexibleJointModel) -> FlexibleJointModel:
-        """The model with the changes; the very same one where there are none.
+        """The model with the changes; the same object if there are none.
 
         Raises:
             InputError: a number that it cannot have.
@@ -63,7 +63,7 @@ class Changes:
         return {each: {**base.initial.get(each, {}), **self.initial.get(each, {})} for each in signals}
 
     def command(self, base: Any, joint_names: tuple[str, ...]) -> Any:
-        """The command with the changes; the very same one where there are none."""
+        """The command with the changes; the same object if there are none."""
         if isinstance(base, Recording) and self.scale is not None:
             scale = self.scale
             channels = {
@@ -82,11 +82,11 @@ class Changes:
 
 @dataclass(frozen=True)
 class NumberPlace:
-    """Where one number goes.
+    """The place of one number.
 
     Attributes:
         unit: of the number.
-        put: writes it into the changes of a run.
+        put: function that writes it into the changes of a run.
     """
 
     unit: str
@@ -141,7 +141,7 @@ def _command_places(
 
 
 def _nested(group: str, outer: tuple[Any, ...], inner: tuple[str, ...]) -> Callable[[Changes, Any], None]:
-    """Put a number under every outer and inner name: joints -> joint -> number, initial -> signal -> joint."""
+    """Set a number under every outer and inner name: joints -> joint -> number, initial -> signal -> joint."""
 
     def put(changes: Changes, value: Any) -> None:
         for name in outer:
@@ -171,6 +171,6 @@ def _joint_unit(unit: str, slides: bool) -> str:
 
 
 def _slides(effect: Effect, kinds: Mapping[str, str]) -> bool:
-    """Whether an effect's numbers are those of a joint that slides."""
+    """Whether an effect acts on a prismatic joint."""
     joint = effect.joint if isinstance(effect, JointEffect) else ""
     return kinds.get(joint) == "prismatic"

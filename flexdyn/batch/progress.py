@@ -1,4 +1,4 @@
-"""How far a study is, how fast it goes and how long it will still take."""
+"""The progress of a study: finished runs, rate, and time left."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from time import monotonic
 
 RATE_WINDOW = 30.0
-"""Over which the rate is taken [s]: long against a chunk, short against a machine that others come to use."""
+"""Time over which the rate is averaged [s]: long against a chunk, short against changes of the machine's load."""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """A study under way.
+    """A study in progress.
 
     Attributes:
-        done: runs that are stored, those of before included.
-        count: runs in all.
-        failed: of those done now.
-        rate: runs a second; 0 while it is not known.
+        done: number of stored runs, earlier ones included.
+        count: number of all runs.
+        failed: number of failed runs since the start of this process.
+        rate: runs per second; 0 while it is not known.
     """
 
     done: int
@@ -28,7 +28,7 @@ class Progress:
 
     @property
     def remaining(self) -> float | None:
-        """Time to go [s]; None while it is not known."""
+        """Time left [s]; None while it is not known."""
         return (self.count - self.done) / self.rate if self.rate > 0 else None
 
     def __str__(self) -> str:
@@ -40,11 +40,11 @@ class Progress:
 
 
 class Meter:
-    """Counts runs as they are done.
+    """Counts finished runs.
 
     Args:
-        count: runs in all.
-        done: runs that were stored before.
+        count: number of all runs.
+        done: number of runs that were stored before.
     """
 
     def __init__(self, count: int, done: int = 0) -> None:
@@ -52,11 +52,11 @@ class Meter:
         self._seen = deque([(monotonic(), done)])
 
     def add(self, runs: int, failed: int) -> Progress:
-        """Some more are done.
+        """Count more finished runs.
 
         Args:
-            runs: how many.
-            failed: how many of them failed.
+            runs: their number.
+            failed: number of failed ones.
         """
         now = monotonic()
         self._done += runs
@@ -67,14 +67,14 @@ class Meter:
         return self.now()
 
     def now(self) -> Progress:
-        """How far it is."""
+        """The present progress."""
         (start, before), (end, after) = self._seen[0], self._seen[-1]
         rate = (after - before) / (end - start) if end > start else 0.0
         return Progress(self._done, self._count, self._failed, rate)
 
 
 def duration(seconds: float) -> str:
-    """A time for people: its two largest units.
+    """A time as text, in its two largest units.
 
     Args:
         seconds: [s].

@@ -1,4 +1,4 @@
-"""Quantiles of trajectories over runs in bounded memory, however many runs there are."""
+"""Quantiles of trajectories over any number of runs, in bounded memory."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 EXACT = 4_000_000
-"""Numbers up to which all are held at once (32 MB), and quantiles are exact."""
+"""Up to so many numbers are kept in memory (32 MB), and quantiles are exact."""
 HISTOGRAM_BINS = 512
-"""Beyond that quantiles are those of a histogram: off by less than this part of the range at their instant."""
+"""Number of bins for more numbers: the error of a quantile is below the range at its instant over this number."""
 
 
 def quantiles(blocks: Callable[[], Iterator[Array]], runs: int, shares: Sequence[float]) -> Array:
     """Quantiles over runs of arrays of one shape.
 
     Args:
-        blocks: gives the runs from the first, some at a time (some, ...), no entry NaN; it is asked twice.
-        runs: how many there are.
+        blocks: yields the runs in blocks (some, ...), without NaN; it is called twice.
+        runs: number of runs.
         shares: of runs below each quantile, 0 to 1.
 
     Returns:
-        (shares, ...); NaN where there are no runs.
+        The quantiles (shares, ...); NaN if there are no runs.
     """
     first = next(blocks(), None)
     if first is None:
@@ -38,7 +38,7 @@ def quantiles(blocks: Callable[[], Iterator[Array]], runs: int, shares: Sequence
 
 
 def _histogram(blocks: Iterator[Array], low: Array, high: Array) -> NDArray[np.int64]:
-    """How many runs lie in each of the bins between least and greatest (..., bins)."""
+    """The number of runs in each of the bins between smallest and largest value (..., bins)."""
     counts = np.zeros(low.size * HISTOGRAM_BINS, dtype=np.int64)
     start = np.arange(low.size) * HISTOGRAM_BINS
     width = np.where(high > low, high - low, 1.0)
@@ -51,7 +51,7 @@ def _histogram(blocks: Iterator[Array], low: Array, high: Array) -> NDArray[np.i
 
 
 def _of_histogram(counts: NDArray[np.int64], low: Array, high: Array, shares: Sequence[float]) -> Array:
-    """Where the cumulative histogram reaches each share, on a straight line within a bin."""
+    """The values at which the cumulative histogram reaches each share, interpolated linearly within a bin."""
     below = np.cumsum(counts, axis=-1)
     found = np.empty((len(shares), *low.shape))
     for i, share in enumerate(shares):

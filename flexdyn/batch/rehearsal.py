@@ -1,4 +1,4 @@
-"""A study tried out before it runs: what would stop every run is said once, at the start, with its key."""
+"""A trial of a study before it runs: an error that would stop every run is reported once, with its key."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from flexdyn.simulation.job import prepare
 
 
 def rehearse(cases: Cases) -> None:
-    """Make ready the run with every number at its median, then with each at the ends of what it can be.
+    """Prepare the run with every number at its median, then runs with each number at its bounds.
 
     Args:
         cases: of the study.
 
     Raises:
-        InputError: a path that leads nowhere, a metric that is not there, or a run that cannot be made.
+        InputError: an unknown path or metric, or a run that cannot be made.
     """
     kinds = cases.study.kinds
     for path in kinds:
@@ -29,7 +29,7 @@ def rehearse(cases: Cases) -> None:
     try:
         _prepare(cases, middle)
     except FlexdynError as error:
-        _prepare(cases, {})  # says so itself where what varies has no part in it
+        _prepare(cases, {})  # it is reported directly if the varying numbers have no part in it
         key = f"vary.{next(iter(kinds))}" if len(kinds) == 1 else "vary"
         raise InputError(f"a run with every number at its median cannot be made ({error})", key=key) from None
     for path, kind in kinds.items():
@@ -41,7 +41,7 @@ def rehearse(cases: Cases) -> None:
 
 
 def _prepare(cases: Cases, values: Mapping[str, float]) -> None:
-    """Do all of a run but its integration."""
+    """Do everything for a run except its integration."""
     study, case = cases.study, cases.case_of(values)
     starts = {signal: case.starts.get(f"{signal}0") for signal in ("q", "v", "theta", "omega")}
     prepare(case.model, case.command, study.duration, cases.solver, starts, study.rate, None, None)

@@ -1,4 +1,4 @@
-"""Results: what a study has stored, in numbers and pictures, and any of its runs taken out again."""
+"""Results: the stored results of a study, in numbers and pictures, and the extraction of its runs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 METRIC = "metric "
-"""How the status of a run begins whose channels are there but not all of its metrics."""
+"""Beginning of the status of a run that has its channels but lacks a metric."""
 
 
 def open_results(path: str | Path) -> Results:
@@ -44,7 +44,7 @@ def open_results(path: str | Path) -> Results:
 
 @dataclass(frozen=True, eq=False)
 class Results(Public):
-    """What a study has stored.
+    """The stored results of a study.
 
     Attributes:
         path: of the store.
@@ -55,13 +55,13 @@ class Results(Public):
     study: Study
 
     def __repr__(self) -> str:
-        """Where, how many runs, how many of them failed or wait, in a line."""
+        """The path, the number of runs, and how many failed or are not done, in one line."""
         waiting = f", {self.pending} not done" if self.pending else ""
         runs = f"{len(self.status)} runs, {len(self.failed)} failed{waiting}"
         return visible(f"<Results of {self.study.name} in {self.path}: {runs}>")
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: how many runs, what varies, every metric."""
+        """HTML for notebooks: how many runs, what varies, every metric."""
         done = self.status != NOT_DONE
         rows = []
         for kind, columns in (("varies", self.parameters), ("metric", self.metrics)):
@@ -78,23 +78,23 @@ class Results(Public):
         return card(f"Study of {self.study.name}", facts, table(heads, rows))
 
     def dataset(self) -> Any:
-        """Everything, read when it is needed: an xarray.Dataset over dask arrays.
+        """All results as an xarray.Dataset over dask arrays, which are read when needed.
 
-        Channels are over ``(run, time, joint)``, parameters (named by their path), metrics and ``status`` over ``run``;
-        the attribute ``kind`` of each says what it is.
+        Channels are over ``(run, time, joint)``; parameters (named by their path), metrics and ``status`` over ``run``.
+        The attribute ``kind`` of each says what it is.
         """
         return self._opened({})
 
     @cached_property
     def failed(self) -> Mapping[int, str]:
-        """Runs without channels, and why; a run that only lacks a metric is not among them."""
+        """Runs without channels, and the reasons; a run that only lacks a metric is not included."""
         status = self.status
         bad = [k for k in np.flatnonzero((status != DONE) & (status != NOT_DONE)) if not status[k].startswith(METRIC)]
         return {int(k): str(status[k]) for k in bad}
 
     @cached_property
     def status(self) -> NDArray[Any]:
-        """Of every run: ``ok``, ``not done``, ``metric NAME: reason`` or why it failed (runs,)."""
+        """Status of every run: ``ok``, ``not done``, ``metric NAME: reason`` or why it failed (runs,)."""
         return np.asarray(self._read(self._arrays["status"]), dtype=object)
 
     @property
@@ -111,17 +111,17 @@ class Results(Public):
 
     @property
     def metrics(self) -> Mapping[str, Array]:
-        """Every metric by run (runs,); NaN where a run has none."""
+        """Every metric by run (runs,); NaN if a run has none."""
         return self._columns(self.study.metrics)
 
     @property
     def parameters(self) -> Mapping[str, Array]:
-        """Every number that varies by its path, by run (runs,); NaN where a run is not done."""
+        """Every varying number by path and run (runs,); NaN if a run is not done."""
         return self._columns(self.study.vary)
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of those that were kept."""
+        """Names of the stored channels."""
         return self.study.keep
 
     def unit(self, name: str) -> str:
@@ -129,7 +129,7 @@ class Results(Public):
         return str(self._arrays[name].attrs.get("units", ""))
 
     def summary(self) -> Summary:
-        """What failed and why, every metric, and what each parameter does to it."""
+        """A summary: failures with reasons, every metric, and the influence of each parameter on it."""
         status, metrics = self.status, self.metrics
         done = status != NOT_DONE
         said = ((int(k), str(status[k])) for k in np.flatnonzero(done & (status != DONE)))
@@ -155,15 +155,15 @@ class Results(Public):
         parameters: Sequence[str] | None = None,
         channels: Sequence[str] | None = None,
     ) -> Picture:
-        """Draw it: metrics over parameters, what each parameter does to each metric, and trajectories of all runs.
+        """Draw it: metrics over parameters, influences of parameters on metrics, and trajectories of all runs.
 
         Args:
             path: of a file to write, if given: .png, .pdf, .svg, or .html, which is interactive.
             views: of ``metrics`` (each over each parameter), ``sensitivities`` (tornado), ``trajectories`` (quantiles
-                over runs); default: all that there is something for.
+                over runs); default: all for which there are data.
             metrics: to be drawn; default: the first 6.
-            parameters: to be drawn; default: the 6 that matter most.
-            channels: to be drawn as trajectories; default: all that were kept.
+            parameters: to be drawn; default: the 6 with the largest influence.
+            channels: to be drawn as trajectories; default: all that were stored.
 
         Returns:
             The picture: ``show()`` opens it in the browser, ``save(path)`` writes it.
@@ -180,11 +180,11 @@ class Results(Public):
         return picture
 
     def extract(self, k: int, folder: str | Path) -> Extracted:
-        """One run as model file, command file and the line of ``flexdyn simulate`` that makes that very run.
+        """Extract one run as model file, command file and the line of ``flexdyn simulate`` that repeats this run.
 
         Args:
             k: its number, from 0.
-            folder: to write them to; it is made if it is not there.
+            folder: to write them to; it is created if it does not exist.
 
         Raises:
             InputError: there is no such run, or the folder cannot be written.
@@ -192,14 +192,14 @@ class Results(Public):
         return extract(self.study, k, Path(folder))
 
     def blocks(self, channel: str, instants: NDArray[np.intp]) -> Iterator[Array]:
-        """A channel of all runs that have it, some runs at a time.
+        """A channel of all runs that have it, in blocks of runs.
 
         Args:
             channel: its name.
-            instants: samples that are wanted.
+            instants: indices of the samples.
 
         Yields:
-            (some runs, instants, joints), in the order of runs.
+            Blocks (some runs, instants, joints), in the order of runs.
         """
         array, size = self._arrays[channel], self.study.chunk
         for first in range(0, array.sizes["run"], size):
@@ -208,12 +208,12 @@ class Results(Public):
 
     @property
     def times(self) -> Array:
-        """Of the samples [s]."""
+        """Times of the samples [s]."""
         return np.asarray(self._arrays["time"].values, dtype=float)
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """In the order of the channels' columns."""
+        """Names of the joints in the order of the channels' columns."""
         return tuple(str(name) for name in self._arrays["joint"].values)
 
     def _columns(self, names: Iterable[str]) -> dict[str, Array]:
@@ -237,7 +237,7 @@ class Results(Public):
         """Numbers of an array.
 
         Raises:
-            InputError: what is stored there is damaged.
+            InputError: the stored data are damaged.
         """
         try:
             return np.asarray(array.values)

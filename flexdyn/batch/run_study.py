@@ -1,4 +1,4 @@
-"""run_study: the driver that brings study, store and executor together."""
+"""run_study: combines study, store and executor."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ def run_study(
     resume: bool = False,
     progress: Callable[[Progress], None] | None = None,
 ) -> Results:
-    """Do all runs of a study and store them chunk by chunk.
+    """Make all runs of a study and store them chunk by chunk.
 
-    Run k depends on the study's seed and on k alone. A kill at any moment loses at most the chunks in work; `resume`
-    does what is missing, and the store is then bit for bit that of one uninterrupted run.
+    Run k depends only on the study's seed and on k. If the process is killed, at most the chunks in progress are lost;
+    `resume` makes the missing ones, and the store is then bit for bit that of one uninterrupted run.
 
     Args:
         study: path of a study file, its mapping (paths relative to the working folder), or a `Study`.
@@ -39,14 +39,14 @@ def run_study(
         workers: threads of this process; default: the processors it may use.
         scheduler: of Dask, instead: an address, a ``distributed.Client``, or a cluster object such as those of
             dask-jobqueue and dask-kubernetes.
-        resume: go on with the store if it is there.
+        resume: continue the store if it exists.
         progress: called with a `Progress` at the start and after every chunk.
 
     Returns:
-        The results, as they are in the store.
+        The results in the store.
 
     Raises:
-        InputError: a study that does not fit, a store that is there already or is of another study, a full disk.
+        InputError: a study that does not fit, a store that exists already or belongs to another study, a full disk.
         MissingExtra: zarr, dask or xarray is not installed.
 
     Example:
@@ -79,11 +79,11 @@ def _work(
     tell(meter.now())
     for done in executor.run(Task(study.to_text(), os.path.abspath(store.path)), chunks):
         tell(meter.add(done.runs, done.failed))
-    store.sweep()  # after a worker that was killed while another did its chunk
+    store.sweep()  # left by a worker that was killed while another one did its chunk
 
 
 def _nothing(_: Progress) -> None:
-    """Nobody wants to know."""
+    """Ignore the progress."""
 
 
 def _study(study: Any) -> Study:
@@ -100,7 +100,7 @@ def _executor(workers: int | None, scheduler: Any) -> Executor:
     if scheduler is None:
         return Threads(workers)
     if workers is not None:
-        remedy = "the cluster knows its own: leave one of the two out"
+        remedy = "a cluster has its own workers: leave one of the two out"
         raise InputError("workers and a scheduler", key="workers", value=workers, remedy=remedy)
     from flexdyn.batch.dask_executor import Dask
 
@@ -109,18 +109,18 @@ def _executor(workers: int | None, scheduler: Any) -> Executor:
 
 def _new(study: Study, path: Path) -> Store:
     if path.exists():
-        remedy = "go on with it by --resume (in Python resume=True), or remove it"
-        raise InputError("it is there already", file=path, remedy=remedy)
+        remedy = "continue it with --resume (in Python resume=True), or remove it"
+        raise InputError("it exists already", file=path, remedy=remedy)
     if not path.parent.is_dir():
         raise InputError("no such folder", file=path, value=str(path.parent), remedy="make it first")
     return create(study, path)
 
 
 def _same(study: Study, path: Path) -> Store:
-    """The store, if it is that of this study.
+    """The store, if it belongs to this study.
 
     Raises:
-        InputError: it is not, and what is different.
+        InputError: it does not; the message says what differs.
     """
     from flexdyn import __version__
 
@@ -131,15 +131,15 @@ def _same(study: Study, path: Path) -> Store:
     if difference is not None:
         remedy = "write to another place, or remove this one"
         raise InputError(f"the store is of another study: {difference}", file=path, remedy=remedy)
-    return Store(path, study, store.version)  # its files may lie elsewhere now
+    return Store(path, study, store.version)  # its files may be at another place now
 
 
 @contextmanager
 def _alone(store: Store) -> Iterator[None]:
-    """Keep a second process of this machine from working on the same store; a lock that dies with this one.
+    """Lock the store against other processes of this machine; the lock ends with this process.
 
     Raises:
-        InputError: another one is at work.
+        InputError: another process uses the store.
     """
     handle = os.open(store.path, os.O_RDONLY)
     try:
@@ -147,7 +147,7 @@ def _alone(store: Store) -> Iterator[None]:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise InputError("another process is at work on this store", file=store.path) from None
-        except OSError:  # a network file system without locks: nobody can be kept out
+        except OSError:  # a network file system without locks: other processes cannot be excluded
             pass
         yield
     finally:

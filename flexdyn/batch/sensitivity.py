@@ -1,4 +1,4 @@
-"""How a number that was drawn and a metric go together."""
+"""The dependence of a metric on a drawn number."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ FIFTH = 0.2
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """What a parameter does to a metric, over all runs that have the metric.
+    """The influence of a parameter on a metric, over all runs that have the metric.
 
     Attributes:
-        rank_correlation: Spearman's: 1 where the metric always rises with the parameter, -1 where it always falls;
-            by chance alone it stays below `chance` in 95 of 100 studies.
+        rank_correlation: Spearman's: 1 if the metric always rises with the parameter, -1 if it always falls; by chance
+            alone it is below `chance` in 95 of 100 studies.
         chance: 1.96 / sqrt(runs - 1).
-        low: mean of the metric over the fifth of runs with the lowest parameter, less the mean over all.
-        high: the same of the fifth with the highest.
+        low: mean of the metric over the fifth of runs with the lowest parameter, minus the mean over all.
+        high: the same for the fifth with the highest.
     """
 
     rank_correlation: float
@@ -30,14 +30,14 @@ class Sensitivity:
 
 
 def sensitivity(parameter: Array, metric: Array) -> Sensitivity | None:
-    """How a parameter and a metric go together.
+    """Compute the influence of a parameter on a metric.
 
     Args:
         parameter: by run (runs,).
-        metric: by run (runs,); NaN where a run has none.
+        metric: by run (runs,); NaN if a run has none.
 
     Returns:
-        None where that cannot be said: fewer than three runs, or one of the two never varies.
+        The influence; None if there are fewer than three runs, or if one of the two never varies.
     """
     there = np.isfinite(parameter) & np.isfinite(metric)
     x, y = parameter[there], metric[there]
@@ -51,7 +51,7 @@ def sensitivity(parameter: Array, metric: Array) -> Sensitivity | None:
 
 
 def ranks(values: Array) -> Array:
-    """Places of values in their order, from 0; those that are equal share the mean of theirs."""
+    """Ranks of values, from 0; equal values have the mean of their ranks."""
     _, group, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
     return np.asarray((last - 0.5 * (counts + 1))[group])

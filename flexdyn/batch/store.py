@@ -1,7 +1,7 @@
-"""The Zarr store of a study: one piece of every array a chunk of runs, each written beside and renamed.
+"""The Zarr store of a study: every array has one piece for each chunk of runs, written to a temporary file and renamed.
 
-Nothing in it depends on when, where or by how many workers it was made. A chunk of runs is there when all its pieces
-are there and their checksums fit.
+Its content does not depend on time, machine or number of workers. A chunk of runs is complete if all its pieces exist
+with correct checksums.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ STORE_FORMAT = 1
 
 
 def create(study: Study, path: Path) -> Store:
-    """Make the store of a study, without any run; whole or not at all.
+    """Make the store of a study without runs, completely or not at all.
 
     Args:
         study: the study.
-        path: of a folder that is not there yet.
+        path: of a folder that does not exist yet.
 
     Raises:
         InputError: it cannot be made there.
@@ -57,7 +57,7 @@ def open_store(path: str | Path) -> Store:
         path: of its folder.
 
     Raises:
-        InputError: there is none, or it is not one that this version reads.
+        InputError: there is none, or this version cannot read it.
         MissingExtra: zarr is not installed.
     """
     _check_zarr()
@@ -82,7 +82,7 @@ class Store:
 
     Args:
         path: of its folder.
-        study: that it holds.
+        study: whose runs it has.
         version: of the flexdyn that made it; default: this one.
     """
 
@@ -92,7 +92,7 @@ class Store:
         self.path, self.study, self.version = path, study, version or __version__
 
     def write(self, chunk: int, columns: Mapping[str, Any]) -> None:
-        """Write a chunk of runs; each piece is whole or not there.
+        """Write a chunk of runs; each piece is written completely or not at all.
 
         Args:
             chunk: its number.
@@ -101,12 +101,12 @@ class Store:
         Raises:
             InputError: the disk is full, or may not be written to.
         """
-        with writing(self.path, "what is done stays; make room and go on with --resume"):
+        with writing(self.path, "finished chunks are stored; make room and continue with --resume"):
             for each in self._chunked:
                 write_piece(self.path / each.name, chunk, each.piece, columns[each.name], each.fill)
 
     def has(self, chunk: int) -> bool:
-        """Whether every piece of a chunk is there and whole.
+        """Whether every piece of a chunk exists and is complete.
 
         Args:
             chunk: its number.
@@ -114,28 +114,28 @@ class Store:
         return all(is_whole(self.path / each.name, chunk, len(each.piece)) for each in self._chunked)
 
     def missing(self) -> Iterator[int]:
-        """The chunks that are not there or not whole, one after the other."""
+        """Yield the chunks that are missing or incomplete."""
         return (chunk for chunk in range(self.study.chunks) if not self.has(chunk))
 
     def sweep(self) -> None:
-        """Remove pieces that a killed process left half written beside their places.
+        """Remove incomplete temporary files of a killed process.
 
         Raises:
             InputError: the folder may not be written to.
         """
-        with writing(self.path, "it must be writable to go on"):
+        with writing(self.path, "it must be writable to continue"):
             for left in self.path.rglob("*.partial"):
                 left.unlink()
 
     def mend(self) -> None:
-        """Sweep, and make good what is damaged of all that follows from the study alone: metadata and coordinates.
+        """Remove temporary files, and repair damaged metadata and coordinates, which follow from the study alone.
 
         Raises:
             InputError: the folder may not be written to.
         """
         fresh = self.path.with_name(f".{self.path.name}.part")
         self.sweep()
-        with writing(self.path, "it must be writable to go on"):
+        with writing(self.path, "it must be writable to continue"):
             shutil.rmtree(fresh, ignore_errors=True)
             try:
                 _skeleton(self.study, fresh)
@@ -155,14 +155,14 @@ class Store:
 
 @contextmanager
 def writing(path: Path, remedy: str) -> Iterator[None]:
-    """What the disk refuses, as one line.
+    """Convert an error of the disk to one line.
 
     Args:
         path: that is written to.
-        remedy: what to do about it.
+        remedy: what the user can do.
 
     Raises:
-        InputError: it is refused.
+        InputError: the disk cannot be written to.
     """
     try:
         yield
@@ -171,7 +171,7 @@ def writing(path: Path, remedy: str) -> Iterator[None]:
 
 
 def _skeleton(study: Study, folder: Path) -> None:
-    """Everything of a store that follows from the study alone: metadata and coordinates."""
+    """The parts of a store that follow from the study alone: metadata and coordinates."""
     from flexdyn import __version__
 
     arrays = tuple(layouts(cases_of(study)))
@@ -187,7 +187,7 @@ def _skeleton(study: Study, folder: Path) -> None:
 
 
 def _check_zarr() -> None:
-    """Say at once what the last line of a long study would be about.
+    """Check at the start for the libraries that the end of a long study needs.
 
     Raises:
         MissingExtra: zarr is not installed.

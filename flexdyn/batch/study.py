@@ -1,4 +1,4 @@
-"""Study: what a batch of runs is made of, as plain data that a worker anywhere rebuilds everything from."""
+"""Study: the description of a batch of runs, as plain data from which any worker can make the runs."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from flexdyn.io.notebook import Public, card, table
 from flexdyn.io.yaml import dump_yaml, parse_yaml
 
 PLACES = ("name", "folder", "model.robot.urdf", "model.robot.package_dirs")
-"""Entries that say where things lie (an unnamed model is called after its folder): a study that was moved is the same
-study while its files hold the same."""
+"""Entries that are paths (an unnamed model has the name of its folder): a study that was moved is the same study if the
+content of its files is the same."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Study(Public):
-    """A batch study, checked and made whole by `flexdyn.batch.studyfile`.
+    """A batch study, checked and completed by `flexdyn.batch.studyfile`.
 
     Attributes:
         name: of the model.
         model: mapping of the model file; the paths in it are absolute.
         command: absolute path of a recording, a mapping ``{"pd": {...}}`` with absolute paths, or None: no torque.
         duration: of every run [s].
-        rate: of what is stored [Hz].
+        rate: of the stored samples [Hz].
         solver: ``{"name": ..., settings}``.
-        runs: random draws; of a grid, draws at each of its points.
-        points: of the grid: 1 where nothing is on a grid.
+        runs: number of random draws; with a grid, draws at each of its points.
+        points: number of points of the grid; 1 without a grid.
         seed: run k depends on (seed, k) alone.
         vary: path of a number -> ``{distribution: numbers}``.
         keep: channels.
         metrics: their names.
-        chunk: runs that are done, written and lost together.
-        folder: absolute, of the study file: where a metric of the user's own is looked for.
-        files: SHA-256 of what the files hold that the study reads, by their place in it.
+        chunk: number of runs that are made and written together.
+        folder: absolute, of the study file: users' own metrics are searched there.
+        files: SHA-256 of the files that the study reads, by their path in it.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Study(Public):
         )
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: how many runs, and how each number varies."""
+        """HTML for notebooks: how many runs, and how each number varies."""
         facts = {
             "runs": f"{self.count} of {self.duration:g} s, seed {self.seed}",
             "solver": self.solver["name"],
@@ -80,12 +80,12 @@ class Study(Public):
 
     @property
     def count(self) -> int:
-        """Runs in all."""
+        """Number of all runs."""
         return self.points * self.runs
 
     @property
     def chunks(self) -> int:
-        """Chunks of runs."""
+        """Number of chunks of runs."""
         return math.ceil(self.count / self.chunk)
 
     def bounds(self, chunk: int) -> range:
@@ -99,11 +99,11 @@ class Study(Public):
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> Self:
-        """Of `to_dict`; nothing is checked again."""
+        """Make a study from `to_dict`, without new checks."""
         return cls(**{**content, "keep": tuple(content["keep"]), "metrics": tuple(content["metrics"])})
 
     def to_text(self) -> str:
-        """As YAML, which holds infinite numbers too and reads back bit for bit."""
+        """As YAML, which can contain infinite numbers and can be read back bit for bit."""
         return self._text
 
     @cached_property
@@ -113,14 +113,14 @@ class Study(Public):
     @classmethod
     @lru_cache(maxsize=4)
     def from_text(cls, text: str) -> Self:
-        """Of `to_text`; nothing is checked again."""
+        """Make a study from `to_text`, without new checks."""
         return cls.from_dict(parse_yaml(text))
 
     def difference(self, other: Study) -> str | None:
-        """What first makes another study give other numbers; None: nothing does.
+        """The first difference because of which another study gives other numbers; None if there is none.
 
         Args:
-            other: as it was before, in a store.
+            other: an earlier study, from a store.
 
         Returns:
             for example ``seed is 8 here and 7 there``.
@@ -130,14 +130,14 @@ class Study(Public):
             if mine.get(key) == its.get(key) or _is_place(key):
                 continue
             if key.startswith("files."):
-                return f"what the file of {key.removeprefix('files.')} holds is not the same"
+                return f"what the file of {key.removeprefix('files.')} holds has changed"
             here, there = (shown(side[key]) if key in side else "not given" for side in (mine, its))
             return f"{key} is {here} here and {there} there"
         return None
 
 
 def _is_place(key: str) -> bool:
-    """Whether an entry is a path to a file whose content is compared; what it held is compared under ``files``."""
+    """Whether an entry is the path of a file; the content of the file is compared under ``files``."""
     return key in PLACES or key == "command" or key in ("command.pd.reference", "command.pd.feedforward")
 
 

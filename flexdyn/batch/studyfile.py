@@ -42,11 +42,11 @@ TOP_KEYS = (
 )
 MAX_RUNS = 100_000_000
 CHUNK_BYTES = 16_000_000
-"""What a chunk's runs may hold in memory: a few chunks at a time are nothing to any machine."""
+"""Memory of a chunk's runs [bytes]: any machine can hold several chunks."""
 CHUNK_RUNS = 256
-"""Runs of a chunk at most: what a kill may lose."""
+"""Largest number of runs in a chunk, which are lost if the process is killed."""
 CHUNKS = 64
-"""Chunks at least, where there are as many runs: enough for the threads of one machine to share evenly."""
+"""Smallest number of chunks, if there are as many runs: enough to give all threads of a machine equal work."""
 
 
 def read_study(path: str | Path) -> Study:
@@ -56,7 +56,7 @@ def read_study(path: str | Path) -> Study:
         path: of the YAML file.
 
     Raises:
-        InputError: no such file, or anything in it that does not fit.
+        InputError: no such file, or an entry in it that does not fit.
     """
     file = Path(path)
     content = read_yaml(file)
@@ -67,11 +67,11 @@ def read_study(path: str | Path) -> Study:
 
 
 def study_from_dict(content: Mapping[str, Any], folder: Path) -> Study:
-    """The study that a file's mapping describes, made whole and tried out.
+    """Make the study that a file's mapping describes, complete it and try it out.
 
     Args:
         content: keys of a study file; ``model`` may also be the mapping of a model file.
-        folder: that its paths are relative to.
+        folder: its relative paths start here.
 
     Raises:
         InputError: a key, path, distribution, metric or number that does not fit.
@@ -82,7 +82,7 @@ def study_from_dict(content: Mapping[str, Any], folder: Path) -> Study:
         of_command = not error.file and str(error.key).startswith("pd.")
         raise (error.at(key="command") if of_command else error) from None
     except OverflowError:
-        raise InputError("an integer in it is beyond what a float can hold") from None
+        raise InputError("an integer in it is too large for a double") from None
 
 
 def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
@@ -137,7 +137,7 @@ def _model(entry: Any, folder: Path) -> FlexibleJointModel:
 
 
 def _command(entry: Any, folder: Path) -> Any:
-    """The command with absolute paths; a YAML file with ``pd:`` as what it holds."""
+    """The command with absolute paths; a YAML file with ``pd:`` is replaced by its content."""
     if entry is None:
         return None
     if isinstance(entry, str) and entry:
@@ -207,7 +207,7 @@ def _duration(given: Any, model: FlexibleJointModel, command: Any) -> float:
         length = make_drive(model, command, None).duration
         if length is None:
             remedy = "give it in s, or a command that has an end"
-            raise InputError("how long to simulate is not said", key="duration", remedy=remedy)
+            raise InputError("the duration is missing", key="duration", remedy=remedy)
         return length
     number = as_number(given)
     if not 0 < number < math.inf:
@@ -250,7 +250,7 @@ def _names(key: str, entry: Any) -> tuple[str, ...]:
 
 
 def _chunk(given: Any, count: int, samples: float, n: int) -> int:
-    """Runs of a chunk, from the study alone: never from the workers, or the store would depend on them."""
+    """Number of runs in a chunk, from the study alone: the store must not depend on the workers."""
     if given is not None:
         return min(_integer("chunk", given, 1), count)
     run_bytes = 8 * (samples + 1) * (len(SIGNALS) * n + 1)

@@ -1,4 +1,4 @@
-"""A study's results in numbers: what failed and why, every metric, and what each parameter does to it."""
+"""A study's results in numbers: failures with reasons, every metric, and the influence of each parameter."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d*)?([eE][-+]?\d+)?(?!\w)")
 
 @dataclass(frozen=True)
 class Reason:
-    """Why runs failed or lack a metric.
+    """A reason why runs failed or lack a metric.
 
     Attributes:
-        text: of the first of them; the others may differ in its numbers.
-        runs: how many.
-        first: the first of them.
+        text: of the first run; for the others its numbers may differ.
+        runs: number of these runs.
+        first: the first of these runs.
     """
 
     text: str
@@ -35,18 +35,18 @@ class Reason:
 
 @dataclass(frozen=True)
 class MetricSummary:
-    """A metric over all runs that have it; every number but the counts is None where no run does.
+    """A metric over all runs that have it; if no run has it, all numbers except the counts are None.
 
     Attributes:
         name: of the metric.
         unit: of its numbers.
-        runs: that have it.
-        mean: over them.
-        std: standard deviation over them (n - 1); None for one run.
-        least: of all.
+        runs: number of runs that have it.
+        mean: over these runs.
+        std: standard deviation over these runs (n - 1); None for one run.
+        least: smallest value.
         quantiles: by share of runs below, 0.05 to 0.95.
-        greatest: of all.
-        worst: the run with the greatest.
+        greatest: largest value.
+        worst: the run with the largest value.
     """
 
     name: str
@@ -66,10 +66,10 @@ class ParameterSummary:
 
     Attributes:
         name: its path.
-        unit: of it.
-        least: of all runs that are done.
-        greatest: of them.
-        sensitivities: what it does to each metric, strongest first; a metric is left out where that cannot be said.
+        unit: its unit.
+        least: smallest value of all finished runs.
+        greatest: largest value of all finished runs.
+        sensitivities: its influence on each metric, the strongest first; a metric is left out if it cannot be computed.
     """
 
     name: str
@@ -86,8 +86,8 @@ class Summary:
     Attributes:
         path: of the store.
         runs: of the study.
-        done: of them, failed ones included.
-        failed: that have no channels.
+        done: number of finished runs, failed ones included.
+        failed: number of runs without channels.
         reasons: why runs failed or lack a metric, the most frequent first.
         metrics: in the study's order.
         parameters: in the study's order.
@@ -102,7 +102,7 @@ class Summary:
     parameters: tuple[ParameterSummary, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON can hold it."""
+        """In a form for JSON."""
         return asdict(self)
 
 
@@ -131,12 +131,12 @@ def metric_summary(name: str, unit: str, values: Array) -> MetricSummary:
 
 
 def parameter_summary(name: str, unit: str, values: Array, metrics: Mapping[str, Array]) -> ParameterSummary:
-    """A parameter over the runs that are done, and what it does to each metric.
+    """A parameter over the finished runs, and its influence on each metric.
 
     Args:
         name: its path.
-        unit: of it.
-        values: by run (runs,); NaN where a run is not done.
+        unit: its unit.
+        values: by run (runs,); NaN if a run is not done.
         metrics: by name, by run (runs,).
     """
     found = {metric: sensitivity(values, column) for metric, column in metrics.items()}
@@ -148,10 +148,10 @@ def parameter_summary(name: str, unit: str, values: Array, metrics: Mapping[str,
 
 
 def reasons_of(statuses: Iterable[tuple[int, str]]) -> tuple[Reason, ...]:
-    """Reasons, counted; those that differ in numbers only count as one.
+    """Count the reasons; those that differ only in numbers count as one.
 
     Args:
-        statuses: run and status of those that have something to say.
+        statuses: run and status of all runs with a reason.
     """
     found: dict[str, list[Any]] = {}
     for run, status in statuses:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 BAND_QUANTILES = (0.05, 0.95, 0.25, 0.75, 0.5)
-"""Of runs below each line, the lowest line first."""
+"""Shares of runs below each line, the lowest line first."""
 LABELS = (
     "9 of 10 runs between",
     "9 of 10 runs between",
@@ -29,9 +29,9 @@ LABELS = (
     "median",
 )
 STYLES = (("dashed", 0.9, 0.45), ("dashed", 0.9, 0.45), ("solid", 0.9, 0.3), ("solid", 0.9, 0.3), ("solid", 1.7, 0.0))
-"""Dash, width [pt] and how pale."""
+"""Dash, width [pt] and paleness of each line."""
 INSTANTS = 1000
-"""Samples that are drawn of a trajectory."""
+"""Largest number of samples of a trajectory that are drawn."""
 MOST_JOINTS_DRAWN = 8
 
 
@@ -50,7 +50,7 @@ def trajectories(results: Results, channels: Sequence[str], notes: list[str]) ->
     Args:
         results: of the study.
         channels: to be drawn.
-        notes: where it is said what is left out.
+        notes: list to which notes about omissions are added.
     """
     times = results.times
     instants = np.unique(np.linspace(0, len(times) - 1, min(len(times), INSTANTS)).round().astype(np.intp))

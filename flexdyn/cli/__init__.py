@@ -1,6 +1,6 @@
-"""The command line: what the user typed, done; what is wrong with it, said in one line.
+"""The command line: runs the command, and reports an error in one line.
 
-Exit codes: 0 done; 2 what the user gave is wrong; 1 our fault, or a check of the study that failed; 130 interrupted.
+Exit codes: 0 done; 2 an input is wrong; 1 a fault of flexdyn, or a failed check of the study; 130 interrupted.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from flexdyn.cli import completion
 from flexdyn.cli.failures import report, show_warning
 
 INTERRUPTED = 130
-"""128 + SIGINT: what a shell reports of a tool that Ctrl-C ended; typer returns it without a word."""
+"""128 + SIGINT: the exit code of a tool that Ctrl-C ended; typer returns it without a message."""
 BROKEN_PIPE = 141
-"""128 + SIGPIPE: what a shell reports of a tool whose reader went away."""
+"""128 + SIGPIPE: the exit code of a tool whose output is no longer read."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -54,7 +54,7 @@ def _run(arguments: list[str]) -> int:
         nowhere = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - as long as the process
         sys.stdout, sys.stderr = sys.stdout or nowhere, sys.stderr or nowhere
     for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):  # a joint's name must not fail for want of a letter
+        if hasattr(stream, "reconfigure"):  # a name may have letters that it lacks
             stream.reconfigure(errors="backslashreplace")
     result = build().main(args=arguments, prog_name="flexdyn", standalone_mode=False)
     if result == INTERRUPTED:  # while the arguments were read
@@ -63,6 +63,6 @@ def _run(arguments: list[str]) -> int:
 
 
 def _mute() -> None:
-    """Nobody reads any more: let the interpreter's last flush go nowhere."""
+    """The output is no longer read: discard the interpreter's last flush."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())

@@ -13,7 +13,7 @@ from flexdyn.errors import InputError, did_you_mean
 
 
 class Commands(TyperGroup):
-    """The group of all commands; an unknown one is answered with the near miss."""
+    """The group of all commands; an unknown one is answered with the most similar name."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the command that the first argument names.
@@ -59,7 +59,7 @@ def build() -> Any:
         pretty_exceptions_enable=False,
         rich_markup_mode="markdown",
         help="Simulate robot arms with elastic joints, compare them with measurements, and name missing effects.",
-        epilog="Exit codes: 0 done, 2 what was given is wrong (one line on stderr says what), 1 a fault of flexdyn.",
+        epilog="Exit codes: 0 done, 2 an input is wrong (one line on stderr says which), 1 a fault of flexdyn.",
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_program)
@@ -107,4 +107,4 @@ def _program(
         ),
     ] = False,
 ) -> None:
-    """Hold the options that come before any command."""
+    """Take the options that come before any command."""

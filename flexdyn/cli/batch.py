@@ -1,4 +1,4 @@
-"""flexdyn batch: all runs of a study, what came out of them, and any one of them taken out again."""
+"""flexdyn batch: all runs of a study, their results, and the extraction of single runs."""
 
 from __future__ import annotations
 
@@ -42,7 +42,9 @@ def batch(
     views: Annotated[
         list[str] | None,
         typer.Option(
-            "--view", metavar="NAME", help="Of the picture: metrics, sensitivities, trajectories; again: more."
+            "--view",
+            metavar="NAME",
+            help="View in the picture: metrics, sensitivities or trajectories. May be given several times.",
         ),
     ] = None,
     extract: Annotated[
@@ -55,7 +57,7 @@ def batch(
 ) -> None:
     """Run a batch study, or look into the store of one.
 
-    If the process is killed, the chunks in work are lost, at most: --resume continues, and the store is then bit for
+    If the process is killed, at most the chunks in progress are lost: --resume continues, and the store is then bit for
     bit that of one uninterrupted run. The store's status says why a run failed; the others continue. A metric of your
     own (package.module:function) is imported: run no study file whose Python you do not trust.
     """
@@ -87,7 +89,7 @@ def _run(
         except KeyboardInterrupt:
             if output.exists():
                 words = ["flexdyn", "batch", str(study), "-o", str(output), "--resume"]
-                note(f"what is done is stored; go on with: {shlex.join(words)}")
+                note(f"finished runs are stored; continue with: {shlex.join(words)}")
             raise
     try:
         _show(results.summary(), as_json)
@@ -130,7 +132,7 @@ def _show(summary: Any, as_json: bool) -> None:
 
 @contextmanager
 def _progress(name: str) -> Iterator[Callable[[Progress], None] | None]:
-    """Runs done, rate and time left, on stderr where that is a terminal."""
+    """Print finished runs, rate and time left on stderr if it is a terminal."""
     err = console(stderr=True)
     if not err.is_terminal:
         yield None

@@ -1,4 +1,4 @@
-"""What flexdyn batch prints: a study's results as tables, one run taken out of it."""
+"""The output of flexdyn batch: a study's results as tables, and one extracted run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 METRICS = ("metric", "unit", "runs", "mean", "std", "least", "5 %", "median", "95 %", "greatest", "of run")
 REPORT_QUANTILES = (0.05, 0.5, 0.95)
 STRONGEST = 3
-"""Metrics that are named beside each parameter."""
+"""Number of metrics that are listed for each parameter."""
 
 
 def summary_parts(summary: Summary) -> list[Any]:
@@ -51,10 +51,10 @@ def summary_parts(summary: Summary) -> list[Any]:
 
 
 def extracted_lines(taken: Extracted) -> list[Any]:
-    """What is printed of a run taken out of a study.
+    """The text for a run that was extracted from a study.
 
     Args:
-        taken: its files and the line that makes it.
+        taken: its files and the command line that makes it.
     """
     numbers = [(path, number(value, 8)) for path, value in taken.values.items()]
     files = ", ".join(str(path) for path in (taken.model, taken.command) if path is not None)
@@ -62,7 +62,7 @@ def extracted_lines(taken: Extracted) -> list[Any]:
 
 
 def _correlations(sensitivities: Any) -> str:
-    """The strongest, those in parentheses that may well be chance."""
+    """The strongest correlations; those that may be chance are in parentheses."""
     shown = []
     for name, each in list(sensitivities.items())[:STRONGEST]:
         text = f"{each.rank_correlation:+.2f}"

@@ -1,4 +1,4 @@
-"""flexdyn compare: how far two runs or recordings are apart."""
+"""flexdyn compare: the errors between two runs or recordings."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def compare(
 
 
 def report(found: Comparison) -> list[Any]:
-    """What is printed of a comparison."""
+    """The text for a comparison."""
     head = (
         f"{found.second} - {found.first}, {found.samples} samples of {found.first} "
         f"from {number(found.start, 6)} to {number(found.end, 6)} s"

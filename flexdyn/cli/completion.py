@@ -1,4 +1,4 @@
-"""Completion by the shell: the options that install it, and the words that arguments are completed by."""
+"""Completion by the shell: the options that install it, and the words for arguments."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def asked() -> bool:
 
 
 def prepare() -> None:
-    """Let typer answer the shells that it knows."""
+    """Let typer answer the known shells."""
     from typer.completion import get_completion_inspect_parameters
 
     get_completion_inspect_parameters()
 
 
 def install(wanted: bool) -> None:
-    """Write the script for the shell that runs, where that shell reads it.
+    """Write the script for the running shell to the place where that shell reads it.
 
     Raises:
         InputError: the shell is not known.
@@ -57,7 +57,7 @@ def show(wanted: bool) -> None:
 
 
 def models(incomplete: str) -> list[str]:
-    """Names of shipped models and known robots; where none fits, the shell completes files."""
+    """Names of shipped models and known robots; if none fits, the shell completes files."""
     from flexdyn.model.model_file import shipped_models
     from flexdyn.robot import robot_names
 
@@ -84,7 +84,7 @@ def _shell(option: str) -> str:
         import shellingham
 
         name = str(shellingham.detect_shell()[0])
-    except Exception:  # no shell above us, or no such library
+    except Exception:  # no parent shell, or no such library
         name = Path(os.environ.get("SHELL", "")).name
     if name not in SHELLS:
         remedy = f"run it in one of {', '.join(SHELLS)}"

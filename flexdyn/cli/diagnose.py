@@ -1,4 +1,4 @@
-"""flexdyn diagnose: a model and measured motions in, what is missing in the model out."""
+"""flexdyn diagnose: find what a model lacks from measured motions."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ OUTPUT_OPTION = output_option("DIR", "Folder for report.html, report.json and mo
 
 
 class DiagnoseCommand(TyperCommand):
-    """The command whose ``--check A B`` reads as ``--check A --check B``."""
+    """The command; it reads ``--check A B`` as ``--check A --check B``."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the arguments."""
@@ -71,9 +71,9 @@ class DiagnoseCommand(TyperCommand):
 
 
 def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
-    """Arguments in which every recording after ``--check`` has that option to itself.
+    """The arguments with an option ``--check`` before every recording that follows ``--check``.
 
-    Only after MODEL and FIT: before them the second word is one of those.
+    Only after MODEL and FIT: before them the next word is MODEL or FIT.
 
     Args:
         args: as typed.

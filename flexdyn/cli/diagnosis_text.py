@@ -1,4 +1,4 @@
-"""What `flexdyn diagnose` prints of its answer: sentences and tables."""
+"""The output of `flexdyn diagnose`: sentences and tables."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ MEANING = {
 
 
 def diagnosis_text(diagnosis: Diagnosis, folder: Path) -> Iterator[Any]:
-    """The verdict, tables of findings and their numbers, the gap, the errors, notes, where the report is.
+    """The verdict, tables of findings and their numbers, the gap, the errors, notes, and the path of the report.
 
     Args:
-        diagnosis: as it was saved.
-        folder: that it was saved in.
+        diagnosis: that was saved.
+        folder: in which it was saved.
     """
     yield verdict_sentence(diagnosis)
     if diagnosis.findings:

@@ -14,7 +14,7 @@ FAULT = 1
 def doctor(as_json: JsonOption = False) -> int:
     """Say which versions and extras are installed, and test in a second that they work.
 
-    Paste what it prints into a report of a fault. Exit code 1 if a test fails.
+    Paste the output into a bug report. Exit code 1 if a test fails.
     """
     from flexdyn.cli.health import EXTRAS, compiler, extras, self_test, versions
 

@@ -38,7 +38,7 @@ def effects(
     """List the effects that a model can have; describe one and draw its law.
 
     In a law x is the position and u the velocity on the effect's side (link: q, v; motor: theta, omega), Sgn the
-    set-valued sign, tau the motor's torque. N m reads N, and rad reads m, for a prismatic joint.
+    set-valued sign, tau the motor's torque. For a prismatic joint, N m becomes N, and rad becomes m.
     """
     if name is None and output is not None:
         raise InputError("say which effect to draw", key="NAME", remedy=f"one of {', '.join(catalogue())}")
@@ -58,7 +58,7 @@ def effects(
 
 
 def describe(kind: type[Effect]) -> dict[str, Any]:
-    """All there is to say on an effect, as the JSON document holds it."""
+    """The description of an effect, as in the JSON document."""
     return {
         "effect": kind.name,
         "class": kind.__name__,
@@ -84,7 +84,7 @@ def describe(kind: type[Effect]) -> dict[str, Any]:
 
 
 def _named(name: str) -> type[Effect]:
-    """By its name, or by that of its class; half a name (stribeck) is enough to be told the whole one."""
+    """Find an effect by its name or its class name; for a part of a name (stribeck) the error gives the whole name."""
     by_class = {kind.__name__: kind for kind in catalogue().values()}
     first_words = {kind.rpartition("_")[0]: kind for kind in catalogue()}
     near = get_close_matches(name, first_words, n=1, cutoff=0.8)
@@ -123,7 +123,7 @@ def _parameters(kind: type[Effect]) -> Any:
 
 
 def meanings(kind: type[Effect]) -> dict[str, str]:
-    """What the docstring says on each parameter, without the unit that stands in a column of its own."""
+    """The text of the docstring for each parameter, without the unit, which has a column of its own."""
     arguments = inspect.cleandoc(kind.__doc__ or "").partition("Args:\n")[2].splitlines()
     found: dict[str, str] = {}
     last = ""

@@ -24,7 +24,7 @@ def example(
 ) -> None:
     """Write an example: a model, logs of a robot with an effect that the model lacks, and commands to find it.
 
-    The robot is simulated; its sensors are noisy. What its model lacks is the effect of that name.
+    The robot is simulated; its sensors are noisy. Its model lacks the effect NAME.
     """
     from flexdyn.cli.examples import EXAMPLES, commands, write_example
 

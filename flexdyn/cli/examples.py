@@ -1,4 +1,4 @@
-"""Robots whose models lack something: simulated, with the noise of sensors, written as a user would have them."""
+"""Examples: simulated robots whose models lack an effect, with logs that have sensor noise."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ DIGITS = 9
 
 @dataclass(frozen=True)
 class ExampleCase:
-    """What a robot has and its model lacks.
+    """An effect of a robot that its model lacks.
 
     Attributes:
         words: in plain words.
@@ -45,12 +45,12 @@ EXAMPLES: Mapping[str, ExampleCase] = {
     "viscous_friction": ExampleCase(
         "friction that grows with a motor's speed", ViscousFriction("elbow", side="motor", coefficient=1.2)
     ),
-    "backlash": ExampleCase("play in a gear", Backlash("elbow", half_gap=2e-3)),
+    "backlash": ExampleCase("backlash in a gear", Backlash("elbow", half_gap=2e-3)),
 }
 
 
 def model_of_the_examples() -> FlexibleJointModel:
-    """The paper's arm with stiff gears, as its maker believes it to be."""
+    """The model of the example: the paper's arm with stiff gears."""
     drives = {"*": {"stiffness": 900.0, "damping": 1.5, "rotor_inertia": 4e-5}}
     return load_model("scara_two_link").replace(joints=drives, effects=[], tolerance=0.03)
 
@@ -60,7 +60,7 @@ def write_example(name: str, folder: Path) -> tuple[Path, ...]:
 
     Args:
         name: of `EXAMPLES`.
-        folder: made if it is not there.
+        folder: created if it does not exist.
 
     Returns:
         The files.
@@ -77,7 +77,7 @@ def write_example(name: str, folder: Path) -> tuple[Path, ...]:
 
 
 def measured(robot: FlexibleJointModel, day: int) -> Recording:
-    """A motion as the robot's encoders and motor currents told it; another one each day."""
+    """A log of the robot's encoders and motor currents; each day has another motion."""
     t = np.arange(round(RATE * SECONDS)) / RATE
     shoulder = 0.5 * np.sin((0.9 + 0.1 * day) * t) + 0.2 * np.sin((5.0 - 0.4 * day) * t)
     elbow = 1.5 + 0.4 * np.sin((0.7 + 0.1 * day) * t) + 0.2 * np.sin((4.0 + 0.3 * day) * t)
@@ -93,7 +93,7 @@ def measured(robot: FlexibleJointModel, day: int) -> Recording:
 
 
 def commands(folder: Path) -> tuple[str, ...]:
-    """What to run, in order."""
+    """The commands to run, in order."""
     at = shlex.quote(folder.as_posix())
     return (
         f"flexdyn info {at}/model.yaml --modes",
@@ -107,14 +107,14 @@ def commands(folder: Path) -> tuple[str, ...]:
 
 def _readme(name: str, folder: Path) -> str:
     lines = (
-        "model.yaml   the arm as it is believed to be",
-        "monday.csv   a log of the arm as it is: positions of links and rotors, torques; noise as of good sensors",
-        "tuesday.csv  another motion of it, which takes no part in the diagnosis and tests its answer",
+        "model.yaml   the model of the arm, which lacks an effect",
+        "monday.csv   a log of the true arm: positions of links and rotors, torques; noise of good sensors",
+        "tuesday.csv  another motion of it, which is not used in the fit and tests the answer",
         "",
         f"Hidden in the logs and missing in the model: {name}, {EXAMPLES[name].words}. The commands that find it:",
         "",
         *(f"    {command}" for command in commands(folder)),
         "",
-        "The logs are simulated by flexdyn itself; how the diagnosis fares on robots is another question.",
+        "The logs are simulated by flexdyn itself; a diagnosis of a real robot is harder.",
     )
     return "\n".join(lines) + "\n"

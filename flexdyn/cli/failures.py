@@ -1,4 +1,4 @@
-"""Whatever went wrong, as one line on stderr and an exit code."""
+"""Every error as one line on stderr and an exit code."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ import typer
 
 from flexdyn.errors import FlexdynError, did_you_mean, shown, visible
 
-# typer brings its own click in some versions and needs the real one in others: take the class it uses.
+# Some versions of typer contain their own click, others use the real one: take the class that typer uses.
 UsageError: type[Exception] = next(kind for kind in typer.BadParameter.__mro__ if kind.__name__ == "UsageError")
 
 
 class ProgramInterrupted(Exception):
-    """Ctrl-C, out of reach of click, which would print of its own accord."""
+    """Ctrl-C, raised so that click does not print its own message."""
 
 
 def report(error: BaseException) -> int:
-    """Say on stderr what went wrong.
+    """Print an error on stderr.
 
     Args:
-        error: what a command raised.
+        error: that a command raised.
 
     Returns:
-        The exit code: 2 for what the user gave, 130 for Ctrl-C, 1 for anything unforeseen.
+        The exit code: 2 for a wrong input, 130 for Ctrl-C, 1 for any other error.
     """
     debug = bool(os.environ.get("FLEXDYN_DEBUG"))
     if debug:
@@ -38,7 +38,7 @@ def report(error: BaseException) -> int:
     if isinstance(error, UsageError):
         return _say(usage_line(error), 2)
     if isinstance(error, MemoryError):
-        return _say("it does not fit into memory; ask for less, for example a lower --rate or a shorter --duration", 2)
+        return _say("it does not fit into memory; use less, for example a lower --rate or a shorter --duration", 2)
     if isinstance(error, OSError) and error.strerror:
         return _say(f"{error.filename or 'output'}: {error.strerror}", 2)
     hint = "" if debug else "; run with FLEXDYN_DEBUG=1 for the traceback"
@@ -53,12 +53,12 @@ def show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """A warning as one line, in place of Python's own two with the source."""
+    """Print a warning as one line, without the source line that Python adds."""
     _say(f"warning: {message}", 0)
 
 
 def usage_line(error: Any) -> str:
-    """What is wrong with a command's arguments, in one line with the near miss.
+    """The error of a command's arguments, in one line with the most similar name.
 
     Args:
         error: click's UsageError.

@@ -1,4 +1,4 @@
-"""What doctor looks at: versions, extras, a compiler, and a self-test against closed forms."""
+"""The checks of doctor: versions, extras, a compiler, and a self-test against closed forms."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ EXTRAS: dict[str, tuple[str, tuple[str, ...]]] = {
 """What each extra is for, and the modules that it brings."""
 COMPILERS = ("c++", "g++", "clang++", "cl")
 AGREE, CLOSED, DECAY = 1e-8, 1e-9, 1e-5
-"""Bounds of the self-test: [rad], relative, [rad/s]; far above what is measured where all is well."""
+"""Bounds of the self-test: [rad], relative, [rad/s]; far above the errors of a correct installation."""
 
 
 def versions() -> dict[str, str]:
@@ -89,7 +89,7 @@ def compiler() -> str | None:
 
 
 def self_test() -> list[dict[str, Any]]:
-    """Tests whose answers are known without flexdyn, each with what was measured."""
+    """Tests with known answers, each with the measured value."""
     began = time.perf_counter()
     tests = [_guarded(name, run) for name, run in TESTS.items()]
     seconds = time.perf_counter() - began
@@ -99,7 +99,7 @@ def self_test() -> list[dict[str, Any]]:
 def _guarded(name: str, run: Any) -> dict[str, Any]:
     try:
         passed, measured = run()
-    except Exception as error:  # whatever fails is what doctor is there to report
+    except Exception as error:  # doctor reports any failure
         passed, measured = False, f"{type(error).__name__}: {error}"
     return {"name": name, "passed": bool(passed), "measured": measured}
 
@@ -120,7 +120,7 @@ def _solvers() -> tuple[bool, str]:
 
 
 def _energy() -> tuple[bool, str]:
-    """The energy of a swing without friction stays."""
+    """The energy of a swing without friction is constant."""
     tight = solvers.DormandPrince(rtol=1e-11, atol=1e-12)
     run = simulate(_arm().replace(effects=[]), duration=1.0, v0=[0.8, -0.5], solver=tight)
     energy = run.energy.mechanical
@@ -129,7 +129,7 @@ def _energy() -> tuple[bool, str]:
 
 
 def _friction() -> tuple[bool, str]:
-    """With the elbow all but locked, viscous friction b stops the shoulder as v = exp(-b t/M)."""
+    """With an almost locked elbow, viscous friction b slows the shoulder as v = exp(-b t/M)."""
     locked, b = ViscousFriction("elbow", side="link", coefficient=1e9), 0.7
     model = _arm().replace(
         joints={"*": {"stiffness": math.inf}},
@@ -153,7 +153,7 @@ def _files() -> tuple[bool, str]:
 
 TESTS = {
     "two solvers agree": _solvers,
-    "energy is kept": _energy,
+    "energy is conserved": _energy,
     "friction as in closed form": _friction,
-    "a file comes back": _files,
+    "a file is read back unchanged": _files,
 }

@@ -1,4 +1,4 @@
-"""flexdyn info: what a robot or model is made of."""
+"""flexdyn info: the parts of a robot or model."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ DRIVES = {
     "J": "rotor inertia",
     "K": "stiffness",
     "D": "damping",
-    "q": "position at which the rest is told",
+    "q": "position at which the other columns hold",
     "M_ii": "inertia of the arm about the joint",
     "f locked": "frequency of the joint with its rotor held, all other joints rigid",
     "f free": "the same with its rotor free",
 }
-"""What the symbols of the drives mean."""
+"""Meanings of the symbols of the drives."""
 
 
 def info(
@@ -95,7 +95,7 @@ def _picture(modes: bool, path: Path | None, output: Path | None) -> Path | None
     """The picture to draw, if one is asked for.
 
     Raises:
-        InputError: of --modes, --path and --output some are there and one that they need is not.
+        InputError: --modes, --path and --output are not given together.
     """
     if path is None and output is None:
         return None
@@ -107,7 +107,7 @@ def _picture(modes: bool, path: Path | None, output: Path | None) -> Path | None
 
 
 def describe(found: Target, q: Mapping[str, float]) -> dict[str, Any]:
-    """Everything `info` says, as the JSON document holds it.
+    """The content of `info`, as in the JSON document.
 
     Args:
         found: robot or model.
@@ -275,5 +275,5 @@ def _effects(document: Mapping[str, Any]) -> Any:
         place = (effect["joint"] or "-", effect["side"] or "-")
         rows.append((effect["from"], effect["effect"], *place, ", ".join(numbers + frame)))
         if effect["neutral"]:
-            rows[-1] = (*rows[-1][:-1], f"{rows[-1][-1]} (neutral: does nothing)")
+            rows[-1] = (*rows[-1][:-1], f"{rows[-1][-1]} (neutral: it changes nothing)")
     return table("Effects", ("from", "effect", "joint", "side", "parameters"), rows) if rows else "Effects: none"

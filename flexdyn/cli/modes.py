@@ -1,4 +1,4 @@
-"""What flexdyn info --modes adds: eigenfrequencies, damping, shapes, anti-resonances; frequencies over a path."""
+"""The output of flexdyn info --modes: eigenfrequencies, damping, shapes, anti-resonances; frequencies over a path."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flexdyn.records import read_recording
 SHOWN_SHAPE_SHARE = 0.1
 """Share of a shape's largest entry from which an entry is shown."""
 PATH_POSES = 400
-"""As many poses of a path are looked at."""
+"""Number of poses of a path that are used."""
 
 
 def describe(model: FlexibleJointModel, q: Mapping[str, float]) -> dict[str, Any]:
@@ -28,8 +28,8 @@ def describe(model: FlexibleJointModel, q: Mapping[str, float]) -> dict[str, Any
         q: positions by joint over the model's initial ones [rad or m].
 
     Returns:
-        ``free``: with the rotors let go, and with them the anti-resonances; ``held``: with the rotors held, null where
-        every joint is rigid.
+        ``free``: modes with free rotors, and the anti-resonances; ``held``: modes with held rotors, null if every joint
+        is rigid.
     """
     free = modes(model, q)
     held = modes(model, q, rotors="held") if model.elastic.any() else None
@@ -45,7 +45,7 @@ def describe(model: FlexibleJointModel, q: Mapping[str, float]) -> dict[str, Any
 
 
 def _rows(found: Modes) -> list[dict[str, Any]]:
-    """Every mode with the entry of its shape that moves most."""
+    """Every mode with the largest entry of its shape."""
     rows = []
     for row in found.rows():
         entries = _entries(row)
@@ -60,11 +60,11 @@ def _entries(row: Mapping[str, Any]) -> list[tuple[str, str, float]]:
 
 
 def tables(document: Mapping[str, Any], elastic: Mapping[str, bool]) -> list[Any]:
-    """The same for people.
+    """The modes as text.
 
     Args:
         document: of `describe`.
-        elastic: by joint; a rigid one has no rotor of its own to show.
+        elastic: by joint; the rotor of a rigid joint is not shown.
     """
     at = ", ".join(f"{joint} {number(value)}" for joint, value in document["q"].items())
     made: list[Any] = [_table(f"Modes at {at}, rotors let go", document["free"], elastic)]
@@ -90,7 +90,7 @@ def _table(title: str, modes_: list[dict[str, Any]], elastic: Mapping[str, bool]
 
 
 def _shape(row: Mapping[str, Any], elastic: Mapping[str, bool]) -> str:
-    """The larger entries of a shape; a joint whose rotor and link go together is named once."""
+    """The larger entries of a shape; a joint whose rotor and link move together has one entry."""
     shown = []
     for joint, part, value in _entries(row):
         twin = row["rotor" if part == "link" else "link"][joint]
@@ -101,7 +101,7 @@ def _shape(row: Mapping[str, Any], elastic: Mapping[str, bool]) -> str:
 
 
 def along(model: FlexibleJointModel, path: Path) -> PathFrequencies:
-    """Frequencies along the q of a recording, rotors let go.
+    """Frequencies along the q of a recording, with free rotors.
 
     Raises:
         InputError: a joint whose q the recording lacks.

@@ -23,7 +23,7 @@ from flexdyn.simulation.plant import LinkSide
 
 _PLAIN = re.compile(r"(\.\.?/)*[A-Za-z_/][A-Za-z0-9_./-]*")
 SUGGESTED_BANDWIDTH = 2.0
-"""Of the motion that is suggested [Hz]."""
+"""Bandwidth of the controller of the suggested motion [Hz]."""
 _WORDS = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 
 
@@ -46,7 +46,7 @@ def new(
         raise InputError("it is a model file already", file=robot, remedy="give a URDF or a robot's name")
     model = FlexibleJointModel(load_robot(robot))
     text = model_text(model, path.parent)
-    # What is handed over must load: here, where the file will stand.
+    # The written file must be loadable from its folder.
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # load_robot has said it
         model_from_dict(parse_yaml(text, path), path.parent, name=model.name)
@@ -55,17 +55,17 @@ def new(
 
 
 def model_text(model: FlexibleJointModel, folder: Path) -> str:
-    """The text of a model file that says what could be put where.
+    """The text of a model file with comments about all possible entries.
 
     Args:
         model: the plain model of a robot.
-        folder: in which the file will stand; paths are relative to it.
+        folder: of the file; paths are relative to it.
     """
     return "\n".join([*_head(model, folder), *_joints(model), *_tail(model), *_command(model), *_effects(model)]) + "\n"
 
 
 def quoted(text: str) -> str:
-    """A text as YAML reads it back, in double quotes where it needs them."""
+    """A text in YAML, in double quotes if it needs them."""
     if _PLAIN.fullmatch(text) and text.lower() not in _WORDS:
         return text
     letters = []
@@ -141,7 +141,7 @@ def _joint(model: FlexibleJointModel, j: int, name: str, inertia: float) -> list
 
 
 def _stiffness(inertia: float) -> str:
-    """K of sqrt(K/M_ii)/2pi = 10 Hz."""
+    """The stiffness K with sqrt(K/M_ii)/2pi = 10 Hz."""
     return f"{float(f'{(math.tau * 10.0) ** 2 * inertia:.2g}'):g}"
 
 
@@ -154,7 +154,7 @@ def _tail(model: FlexibleJointModel) -> list[str]:
 
 
 def _command(model: FlexibleJointModel) -> list[str]:
-    """A motion to uncomment: the first joint there and back, under gains that suit what each joint turns."""
+    """A motion as a comment: the first joint moves there and back, with gains that fit the inertia of each joint."""
     robot, names = model.robot, list(map(quoted, model.joint_names))
     M = LinkSide(model).mass_matrix([0.0] * model.n)
     low, high = float(robot.lower[0]), float(robot.upper[0])
@@ -178,7 +178,7 @@ def _command(model: FlexibleJointModel) -> list[str]:
 
 
 def _effects(model: FlexibleJointModel) -> list[str]:
-    """One line to uncomment for every effect of the catalogue."""
+    """A commented line for every effect of the catalogue."""
     first, *others = model.joint_names
     prismatic = model.robot.kinds[0] == "prismatic"
     lines = [

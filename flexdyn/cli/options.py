@@ -1,4 +1,4 @@
-"""What several commands take: options, values by joint, files to write, and the names errors call them by."""
+"""Parts that several commands share: options, values by joint, files to write, and their names in errors."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ MapOption = Annotated[
 
 
 def by_joint(option: str, texts: Sequence[str], joint_names: Sequence[str]) -> dict[str, float]:
-    """Values by joint out of ``0.1,0.2`` (one for each joint) or ``elbow=1.57,wrist=0`` (some of them).
+    """Values by joint from ``0.1,0.2`` (one for each joint) or ``elbow=1.57,wrist=0`` (some joints).
 
     Args:
-        option: that they were given with.
-        texts: as typed; an option given twice adds up.
+        option: name of the option.
+        texts: as typed; an option may be given several times.
         joint_names: of the robot.
 
     Raises:
-        InputError: a joint that is not there, too many or too few values, something that is no number.
+        InputError: an unknown joint, too many or too few values, an entry that is no number.
     """
     entries = [entry.strip() for text in texts for entry in text.split(",")]
     if not entries:
@@ -91,7 +91,7 @@ def decimal(key: str, text: str) -> float:
 
 
 def span_of(option: str, text: str) -> tuple[float | None, float | None]:
-    """First and last time [s] out of ``START:END``; either may be left out.
+    """First and last time [s] from ``START:END``; either may be left out.
 
     Raises:
         InputError: it is none.
@@ -108,7 +108,7 @@ def span_of(option: str, text: str) -> tuple[float | None, float | None]:
 
 
 def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inputs: Sequence[Path | None] = ()) -> Path:
-    """The file to write, found fit before any work is done.
+    """The file to write, checked before any work is done.
 
     Args:
         option: that it was given with.
@@ -117,7 +117,7 @@ def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inpu
         inputs: files that the command reads and must not overwrite.
 
     Raises:
-        InputError: not given, a suffix that is not known, no such folder, no right to write there, or an input.
+        InputError: not given, an unknown suffix, no such folder, no right to write there, or an input.
     """
     known = ", ".join(suffixes)
     if path is None:
@@ -141,10 +141,10 @@ def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inpu
 
 
 def output_folder(path: Path) -> None:
-    """Find the folder of --output fit before any work is done; it is made when there is something to write.
+    """Check the folder of --output before any work is done; it is created when there is something to write.
 
     Raises:
-        InputError: it is a file, or lies in one, or may not be written to.
+        InputError: it is a file, or in a file, or cannot be written to.
     """
     if path.exists() and not path.is_dir():
         raise InputError("it is a file", file=path, key="--output", remedy="give a folder")
@@ -157,7 +157,7 @@ def output_folder(path: Path) -> None:
 
 @contextmanager
 def naming(options: Mapping[str, str], *, file: Path | str, files: Mapping[str, Path | None]) -> Iterator[None]:
-    """Errors of the Python interface in the words of the command line.
+    """Convert errors of the Python interface to the words of the command line.
 
     Args:
         options: argument of the Python interface -> option.

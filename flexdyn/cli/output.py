@@ -1,4 +1,4 @@
-"""Printing: tables for people, JSON for programs, notes beside both on stderr."""
+"""Printing: tables for people, JSON for programs, notes on stderr."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PIPE_WIDTH = 160
 
 
 def console(*, stderr: bool = False) -> Console:
-    """Where to print; a pipe or file is given wide lines, so that a table's rows stay whole."""
+    """The console; in a pipe or file lines are wide, so that rows of a table are not broken."""
     from rich.console import Console
 
     stream = sys.stderr if stderr else sys.stdout
@@ -34,7 +34,7 @@ def show(*parts: Any) -> None:
     out = console()
     for part in parts:
         text = isinstance(part, str)
-        out.print(visible(part, lines=True) if text else part, soft_wrap=text)  # a line to be copied stays one
+        out.print(visible(part, lines=True) if text else part, soft_wrap=text)  # a line to be copied is not broken
 
 
 def show_json(document: Any) -> None:
@@ -45,7 +45,7 @@ def show_json(document: Any) -> None:
 
 
 def note(text: str) -> None:
-    """One line on stderr that is worth knowing and no error."""
+    """Print a note, which is no error, as one line on stderr."""
     console(stderr=True).print(f"flexdyn: {visible(text)}", soft_wrap=True)
 
 
@@ -57,26 +57,26 @@ def table(
     right: Iterable[str] = (),
     legend: Mapping[str, str] | None = None,
 ) -> Sheet:
-    """A table of texts that fits the terminal with its names and numbers whole.
+    """A table of texts that fits the terminal without breaking names and numbers.
 
     Args:
         title: above it.
         columns: their heads.
         rows: their cells, in order.
-        right: heads of the columns that hold numbers and stand to the right.
-        legend: what the symbols in it mean, printed below.
+        right: heads of the columns with numbers, which are right-aligned.
+        legend: meanings of its symbols, printed below.
     """
     cells = tuple(tuple(visible(str(cell), lines=True) for cell in row) for row in rows)
     return Sheet(visible(title), tuple(columns), cells, frozenset(right), legend or {})
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """A number as a table shows it; a dash where there is none."""
+    """A number for a table; a dash if there is none."""
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
 
 
 def plain(value: Any) -> Any:
-    """Data as JSON can hold it."""
+    """Data in a form for JSON."""
     if isinstance(value, Mapping):
         return {str(key): plain(entry) for key, entry in value.items()}
     if isinstance(value, np.ndarray):

@@ -52,7 +52,7 @@ def paper(
 
 
 def _found(summary: Mapping[str, Any], output: Path) -> Iterator[Any]:
-    """What was hidden and what the diagnosis made of it, the gap from step to step, where its report is."""
+    """The hidden effects and the findings, the gap after each step, and the path of the report."""
     from flexdyn.diagnose import Number
     from flexdyn.diagnose.report.digits import estimate_text, times
     from flexdyn.diagnose.report.words import effect_name, place_phrase
@@ -74,7 +74,7 @@ def _found(summary: Mapping[str, Any], output: Path) -> Iterator[Any]:
 
 @contextmanager
 def _progress() -> Iterator[Callable[[str], None] | None]:
-    """The part of the study in work, on stderr where that is a terminal."""
+    """Print the part of the study in progress on stderr if it is a terminal."""
     err = console(stderr=True)
     if not err.is_terminal:
         yield None

@@ -88,6 +88,6 @@ def play(
 
 
 def _source(run: str, map: Path | None) -> Recording | FlexibleJointModel:
-    """A recording, else what the name means."""
+    """A recording, else the model or robot of that name."""
     path = Path(run)
     return load(path, map=map) if is_recording(path) else find(run).model

@@ -72,7 +72,7 @@ def load_all(paths: Sequence[Path], maps: Sequence[Path] | None) -> list[Recordi
         maps: of their channels, in the same order; there may be fewer.
 
     Raises:
-        InputError: more maps than recordings, or a file that is wrong.
+        InputError: more maps than recordings, or a file with a fault.
     """
     maps = maps or ()
     if len(maps) > len(paths):

@@ -1,4 +1,4 @@
-"""Reading the recordings that commands are given, with a bar on the terminal where that takes long."""
+"""Read the recordings of a command, with a progress bar on the terminal if that takes long."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexdyn.errors import InputError
 from flexdyn.records import Recording, RecordingWarning, read_recording
 
 LARGE = 50e6
-"""Bytes from which reading a file shows how far it is."""
+"""Files larger than this show a progress bar [bytes]."""
 
 
 def load_each(paths: Sequence[Path], maps: Sequence[Path]) -> list[Recording]:
@@ -23,7 +23,7 @@ def load_each(paths: Sequence[Path], maps: Sequence[Path]) -> list[Recording]:
         maps: none, one, or as many as recordings, in their order.
 
     Raises:
-        InputError: another number of maps, or a file that is wrong.
+        InputError: another number of maps, or a file with a fault.
     """
     if len(maps) not in (0, 1, len(paths)):
         problem = f"{len(maps)} maps for {len(paths)} recordings"
@@ -69,7 +69,7 @@ def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Rec
         name: label; default: the file's name without suffix.
 
     Raises:
-        InputError: a file or map that is wrong, another number of maps than files, or files that do not fit together.
+        InputError: a file or map with a fault, another number of maps than files, or files that do not fit together.
     """
     files = parts_of(path)
     if len(files) == 1:
@@ -89,7 +89,7 @@ def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Rec
 
 
 def parts_of(path: Path) -> tuple[Path, ...]:
-    """The files that stand side by side; one, where a file has a plus sign in its name or none is given."""
+    """The files side by side; a single one if there is no plus sign or if a file has it in its name."""
     parts = tuple(Path(part) for part in str(path).split("+"))
     return (path,) if len(parts) == 1 or path.exists() or not all(map(str, parts)) else parts
 

@@ -1,4 +1,4 @@
-"""Tables that fit the terminal: names and numbers stay whole, however narrow it is."""
+"""Tables that fit the terminal: names and numbers are not broken, even if it is narrow."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from dataclasses import dataclass, field
 from typing import Any
 
 COLUMN_GAP = 2
-"""Blanks between columns."""
+"""Number of blanks between columns."""
 Row = tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A table of texts; rich asks it for what to print, when the width of the terminal is known.
+    """A table of texts, laid out when the width of the terminal is known.
 
-    Where it does not fit, texts are broken between words; where that is not enough, the first column, which names the
-    row, stands on a line of its own; where even that is not enough, so does every row, cell after cell.
+    If it does not fit, texts are broken between words. If that is not enough, the first column, which names the row,
+    gets a line of its own. If even that is not enough, each row is printed cell after cell.
 
     Attributes:
         title: above it.
         columns: heads; those with a line break have several lines.
         rows: cells, which may have several lines.
-        right: heads of the columns that hold numbers: they stand to the right and are never broken.
-        legend: what symbols mean, printed below.
+        right: heads of the columns with numbers, which are right-aligned and never broken.
+        legend: meanings of symbols, printed below.
     """
 
     title: str
@@ -34,14 +34,14 @@ class Sheet:
     legend: Mapping[str, str] = field(default_factory=dict)
 
     def __rich_console__(self, console: Any, options: Any) -> Iterator[Any]:
-        """What rich prints."""
+        """The lines that rich prints."""
         from rich.text import Text
 
         for text in self.lines(options.max_width):
             yield Text(text, style="bold" if text == self.title else "", no_wrap=True, overflow="ignore", end="\n")
 
     def lines(self, width: int) -> list[str]:
-        """The table as lines of at most so many letters, where its words allow it.
+        """The table as lines that are not longer than the width, if its words allow it.
 
         Args:
             width: of the terminal.
@@ -51,7 +51,7 @@ class Sheet:
         return [self.title, "", *body, *_wrapped(told, width), ""]
 
     def _across(self, width: int) -> list[str]:
-        """One line a row, as a table is; empty where it does not fit."""
+        """One line for each row; empty if it does not fit."""
         widths = self._widths(range(len(self.columns)), width)
         if widths is None:
             return []
@@ -59,7 +59,7 @@ class Sheet:
         return found + [line for row in self.rows for line in self._line(row, widths, rule=False)]
 
     def _below(self, width: int) -> list[str]:
-        """The first cell of each row above the others; empty where these do not fit."""
+        """The first cell of each row above the others; empty if these do not fit."""
         others = range(1, len(self.columns))
         widths = self._widths(others, width - COLUMN_GAP)
         if widths is None or len(self.columns) < 3:
@@ -81,7 +81,7 @@ class Sheet:
         return found
 
     def _widths(self, which: Sequence[int], width: int) -> list[int] | None:
-        """Of columns, the widest of them narrowed until they fit; None: they cannot, with their words whole."""
+        """Widths of the columns, the widest made narrower until they fit; None if that would break words."""
         natural, least = [], []
         for k in which:
             cells = [row[k] for row in (self.columns, *self.rows)]
@@ -103,7 +103,7 @@ class Sheet:
         columns, cells = self.columns[first:], row[first:]
         pieces = [_cell(cell, wide) for cell, wide in zip(cells, widths, strict=True)]
         tall = max(len(piece) for piece in pieces)
-        # Heads stand at the bottom of their lines, cells at the top.
+        # Heads are aligned at the bottom, cells at the top.
         even = [[""] * (tall - len(piece)) + piece if rule else piece + [""] * (tall - len(piece)) for piece in pieces]
         found = []
         for k in range(tall):
@@ -118,7 +118,7 @@ class Sheet:
 
 
 def _cell(text: str, width: int) -> list[str]:
-    """Lines of a cell, broken between words; what stands at the start of a line stays there."""
+    """Lines of a cell, broken between words; indentation of a line is kept."""
     found: list[str] = []
     for line in text.split("\n"):
         found += [line] if len(line) <= width else _wrapped(line, width)
@@ -130,7 +130,7 @@ def _wrapped(text: str, width: int) -> list[str]:
 
 
 def _packed(pieces: Sequence[str], width: int) -> list[str]:
-    """Pieces in a row, three blanks between them; each whole on one line, if a line holds it."""
+    """Pieces with three blanks between them; a piece is not broken if it fits on a line."""
     found: list[str] = []
     for piece in pieces:
         if found and len(found[-1]) + 3 + len(piece) <= width:

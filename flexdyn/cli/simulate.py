@@ -1,4 +1,4 @@
-"""flexdyn simulate: a model and a command in, a run out."""
+"""flexdyn simulate: simulate a model under a command, and write the run."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ SYMBOLS = {
     "q": "link position",
     "v": "link velocity",
     "theta": "motor position, reflected",
-    "tau": "motor torque asked for",
+    "tau": "commanded motor torque",
     "tau_s": "torque in the spring",
     "| |": "the largest size",
 }
-"""What the symbols of a run's table mean."""
+"""Meanings of the symbols in a run's table."""
 
 
 def simulate(
@@ -119,14 +119,14 @@ def simulate(
 
 
 def choose(name: str, **settings: float) -> Solver | str:
-    """The solver that the options ask for.
+    """The solver that the options describe.
 
     Args:
-        name: as given; of ``auto``, tolerances and smoothing make the adaptive one.
-        settings: those of step, rtol, atol, smoothing that are given.
+        name: as given; ``auto`` with tolerances or smoothing means the adaptive solver.
+        settings: the given ones of step, rtol, atol, smoothing.
 
     Raises:
-        InputError: no such solver, or a setting that it does not have or needs.
+        InputError: no such solver, a setting that it does not have, or a missing one.
     """
     if name != "auto" or not settings:
         return make_solver(name, **settings) if name != "auto" else "auto"
@@ -140,7 +140,7 @@ def choose(name: str, **settings: float) -> Solver | str:
 
 
 def summary(run: Run, path: Path) -> dict[str, Any]:
-    """What `--json` prints of a run."""
+    """The output of `--json` for a run."""
     peak = {"deflection": run.deflection, "v": run.v, "tau": run.tau, "tau_s": run.tau_s}
     return {
         "output": str(path),
@@ -163,7 +163,7 @@ def summary(run: Run, path: Path) -> dict[str, Any]:
 
 
 def _settings(**texts: str | None) -> dict[str, float]:
-    """Those that were given, as numbers."""
+    """The given values, as numbers."""
     return {key: decimal(f"--{key}", text) for key, text in texts.items() if text is not None}
 
 
@@ -178,7 +178,7 @@ def _starts(model: FlexibleJointModel, **given: list[str] | None) -> dict[str, A
 
 
 def _read_command(path: Path | None, map: Path | None) -> Any:
-    """The command; a recording keeps its path as name, so that errors can say which file it was."""
+    """The command; the name of a recording is its path, so that errors can name the file."""
     is_recording = path is not None and path.suffix.lower() not in (".yaml", ".yml")
     if map is not None and not is_recording:
         raise InputError("there is no recording to map", file=map, key="--map", remedy="give one as --command")
@@ -188,7 +188,7 @@ def _read_command(path: Path | None, map: Path | None) -> Any:
 
 
 def _can_write(path: Path) -> None:
-    """Write a recording of nothing elsewhere: a library that is missing shows before the work, not after it."""
+    """Write an empty recording to another place: a missing library is reported before the work, not after it."""
     with TemporaryDirectory() as folder:
         write_recording(Recording([0.0, 1.0], {"q.none": [0.0, 0.0]}), Path(folder) / f"probe{path.suffix}")
 
@@ -210,7 +210,7 @@ def _run(
 
 @contextmanager
 def _progress(name: str, duration: float | None) -> Iterator[Callable[[float], None] | None]:
-    """The time reached, on stderr where that is a terminal."""
+    """Print the time reached on stderr if it is a terminal."""
     err = console(stderr=True)
     if not err.is_terminal:
         yield None

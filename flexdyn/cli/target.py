@@ -1,4 +1,4 @@
-"""What ROBOT or MODEL on the command line means."""
+"""The meaning of ROBOT or MODEL on the command line."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ URDF_SUFFIXES = (".urdf", ".xml")
 
 @dataclass(frozen=True)
 class Target:
-    """A model, and what it was taken for.
+    """A model, and the kind of its source.
 
     Attributes:
-        model: a robot's is the plain one: every joint rigid, only the effects of its URDF.
+        model: for a robot the plain model: every joint rigid, only the effects of its URDF.
         taken: ``model file``, ``shipped model``, ``URDF file`` or ``robot``.
     """
 
@@ -29,10 +29,10 @@ class Target:
 
 
 def find(name: str) -> Target:
-    """The model that a path or name means; of a name that is both, the shipped model.
+    """The model of a path or name; if a name is both a robot and a shipped model, the shipped model.
 
     Raises:
-        InputError: it means nothing, or the file is wrong.
+        InputError: an unknown name, or a file with a fault.
     """
     path = Path(name)
     if path.is_file():
@@ -57,7 +57,7 @@ def model_file(name: str) -> FlexibleJointModel:
     """The model that can be simulated: a model file or a shipped model.
 
     Raises:
-        InputError: it is something else; a robot is told how it becomes a model.
+        InputError: it is something else; for a robot the message says how to make a model of it.
     """
     path = Path(name)
     if path.is_file():

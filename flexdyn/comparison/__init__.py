@@ -1,5 +1,5 @@
-"""How far two motions are apart.
+"""Errors between two motions.
 
-`motion_sources` brings runs, recordings and files of them to one form, `difference` takes two of them at common times,
+`motion_sources` converts runs, recordings and files to one form, `difference` evaluates two of them at common times,
 and `compare` gives the errors of every channel.
 """

@@ -1,4 +1,4 @@
-"""compare: how far two motions are apart, channel by channel, in numbers."""
+"""compare: the errors between two motions, channel by channel."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ChannelError:
-    """How far one channel of the second is from that of the first; error = second - first.
+    """The error of one channel: second motion - first motion.
 
     Attributes:
         channel: such as ``q.elbow``.
-        unit: of all numbers but `relative`; empty where it is not known.
+        unit: of all numbers except `relative`; empty if it is not known.
         rms: root of the mean of the squared error over the samples.
-        largest: greatest absolute error.
+        largest: largest absolute error.
         at: time of that error [s].
         bias: mean of the error.
-        relative: rms over the standard deviation of the first's samples; None where the first does not vary.
+        relative: rms over the standard deviation of the first motion's samples; None if the first does not vary.
 
     Example:
         >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
@@ -52,17 +52,17 @@ class ChannelError:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(Public):
-    """Errors of the second motion against the first over the time both cover.
+    """Errors of the second motion against the first, over the common time.
 
     Attributes:
         first: name of the first, the reference.
         second: name of the second.
         start: first common time [s].
         end: last common time [s].
-        samples: of the first in that time, gaps of the second left out: errors are taken there.
-        rows: one a common channel, in the first's order.
-        only_first: channels that the second lacks.
-        only_second: channels that the first lacks.
+        samples: number of samples of the first in that time, without gaps of the second; errors are computed there.
+        rows: one for each common channel, in the order of the first.
+        only_first: channels that the second does not have.
+        only_second: channels that the first does not have.
         sources: the two motions themselves.
 
     Example:
@@ -83,12 +83,12 @@ class Comparison(Public):
     sources: tuple[MotionSource, MotionSource] = field(repr=False, compare=False)
 
     def __repr__(self) -> str:
-        """Which two, over which time, in a line."""
+        """The two motions and the time, in one line."""
         span = f"{self.samples} samples from {self.start:g} to {self.end:g} s"
         return visible(f"<Comparison of {self.second} with {self.first}: {len(self.rows)} channels, {span}>")
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the errors of every channel."""
+        """HTML for notebooks: the errors of every channel."""
         heads = ("channel", "unit", "RMS", "largest", "at [s]", "bias", "relative")
         rows = (
             (each.channel, each.unit or "-", each.rms, each.largest, each.at, each.bias, _or_dash(each.relative))
@@ -100,7 +100,7 @@ class Comparison(Public):
         """Errors of one channel.
 
         Raises:
-            InputError: it is not among the common ones.
+            InputError: it is no common channel.
         """
         for row in self.rows:
             if row.channel == channel:
@@ -113,7 +113,7 @@ class Comparison(Public):
         return any(row.channel == channel for row in self.rows)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything but the samples, as JSON can hold it."""
+        """All results without the samples, in a form for JSON."""
         skipped = ("rows", "sources")
         plain = {key: getattr(self, key) for key in self.__dataclass_fields__ if key not in skipped}
         return plain | {"channels": [asdict(row) for row in self.rows]}
@@ -140,17 +140,17 @@ class Comparison(Public):
 
 
 def compare(first: Any, second: Any, *, start: float | None = None, end: float | None = None) -> Comparison:
-    """How far the second motion is from the first, channel by channel.
+    """Compute the errors of the second motion against the first, channel by channel.
 
-    Errors are second - first at the times of the first's samples that lie in the time both cover. The second is taken
-    there on the straight line between its samples; ``tau`` and ``tau_applied``, which are held from one sample to
-    the next, as held. Every sample counts alike. Of a run its true signals are taken, not what its sensors report.
+    Errors are second - first, at the times of the first's samples within the common time. The second motion is
+    interpolated linearly between its samples; ``tau`` and ``tau_applied`` are held from one sample to the next. All
+    samples have the same weight. For a run the true signals are used, not those of its sensors.
 
     Args:
-        first: the reference, such as what was measured: a run, a recording, or the path of one.
-        second: what is held against it.
-        start: first time to be compared [s]; default: as early as both go.
-        end: last time to be compared [s]; default: as late as both go.
+        first: the reference, such as a measurement: a run, a recording, or the path of one.
+        second: the motion that is compared with it.
+        start: first time to be compared [s]; default: the first common time.
+        end: last time to be compared [s]; default: the last common time.
 
     Raises:
         InputError: the two have no channel or no time in common, or a channel in different units.

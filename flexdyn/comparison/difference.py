@@ -1,4 +1,4 @@
-"""Two motions at common times: which samples, what is between them, and how far apart they are."""
+"""Two motions at common times: the samples, the interpolation, and the differences."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from flexdyn.records.units import split_name
 
 Array = NDArray[np.float64]
 LARGEST_COMPARED = 1e290
-"""Sums of numbers up to this do not overflow."""
+"""Largest number that is compared: sums of such numbers do not overflow."""
 SAME_TIME = 1e-6
-"""Times closer than this share of the second's mean sample interval are one: grids of a rate differ by rounding."""
+"""Times that differ by less than this share of the mean sample interval are equal: grids differ by rounding [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +26,8 @@ class Difference:
 
     Attributes:
         t: times of the first's samples that the second covers, its gaps left out [s].
-        first: samples of the first.
-        second: the second at those times.
+        first: values of the first.
+        second: values of the second at those times.
     """
 
     t: Array
@@ -46,7 +46,7 @@ class Difference:
 
 
 def common_rows(one: MotionSource, two: MotionSource, start: float | None = None, end: float | None = None) -> slice:
-    """Which samples of the first lie in the time that both cover.
+    """Rows of the first motion's samples within the common time.
 
     Raises:
         InputError: fewer than two.
@@ -68,15 +68,15 @@ def difference(one: MotionSource, two: MotionSource, channel: str, rows: slice) 
 
     Args:
         one: the reference.
-        two: taken at the first's times.
-        channel: that both have.
+        two: the other motion, evaluated at the times of the first.
+        channel: a common channel.
         rows: of the first, from `common_rows`.
     """
     t, first = one.recording.t[rows], one.recording[channel][rows]
     if (missed := in_gaps(two.recording.t, t)).any():
         t, first = t[~missed], first[~missed]
         if len(t) < 2:
-            remedy = "what both recorded is less than two samples"
+            remedy = "the recordings have fewer than two samples in common"
             raise InputError(f"{two.name} has a gap there", key=channel, remedy=remedy)
     second = taken_at(two, channel, t)
     for values in (first, second):
@@ -88,11 +88,11 @@ def difference(one: MotionSource, two: MotionSource, channel: str, rows: slice) 
 
 
 def taken_at(source: MotionSource, channel: str, t: Array) -> Array:
-    """A channel at other times: held where the signal is, else on the line between two samples.
+    """A channel at other times: held if the signal is held, else interpolated linearly.
 
     Args:
-        source: whose channel.
-        channel: its name.
+        source: the motion.
+        channel: name of its channel.
         t: within the source's own times [s].
     """
     own, values = source.recording.t, source.recording[channel]
@@ -104,11 +104,11 @@ def taken_at(source: MotionSource, channel: str, t: Array) -> Array:
 
 
 def root_mean_square(values: Array) -> float:
-    """Root of the mean of the squares, whatever their size."""
-    scale = float(np.abs(values).max())  # squares of great numbers would overflow
+    """Root mean square, without overflow."""
+    scale = float(np.abs(values).max())  # squares of large numbers would overflow
     return scale * math.sqrt(float(np.mean((values / scale) ** 2))) if scale > 0 else 0.0
 
 
 def slack(source: MotionSource) -> float:
-    """Times of a motion closer than this are one [s]."""
+    """Times of a motion that differ by less are taken as equal [s]."""
     return SAME_TIME * source.recording.duration / len(source.recording)

@@ -1,4 +1,4 @@
-"""What can be drawn and compared: runs, recordings and files of them, brought to one form."""
+"""Motions that can be drawn and compared: runs, recordings and files, converted to one form."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
 HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
-"""Signals that hold from their sample to the next; all others go straight from one sample to the next."""
+"""Signals that are held from one sample to the next; all others are interpolated linearly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +25,9 @@ class MotionSource:
     """A motion to be drawn or compared.
 
     Attributes:
-        name: that pictures and tables call it by.
-        recording: its samples; of a run the true ones, not what its sensors would report.
-        run: that it comes from, if it was handed over as one.
+        name: its name in pictures and tables.
+        recording: its samples; for a run the true ones, not those of its sensors.
+        run: the run, if it was given as one.
     """
 
     name: str
@@ -41,17 +41,17 @@ class MotionSource:
 
     @property
     def measured(self) -> bool:
-        """Whether it was measured: no run, no file that a run was saved to.
+        """Whether it was measured: it is no run, and no file of a saved run.
 
-        Such a file holds a solver's settings in its meta; one of a format without meta has all seven signals of a run
-        for every joint.
+        A file of a saved run has a solver's settings in its meta data; in a format without meta data it has all seven
+        signals of a run for every joint.
         """
         if self.run is not None or "solver" in self.recording.meta:
             return False
         return not all(self.recording.has(signal, joint) for joint in self.joints for signal in SIGNALS)
 
     def stated_unit(self, channel: str) -> str:
-        """Unit of a channel where the run's robot or the file's meta says it; empty where it would be assumed."""
+        """Unit of a channel from the run's robot or the file's meta data; empty if neither gives it."""
         units = self.recording.meta.get("units", {})
         return self.recording.unit(channel) if self.run is not None or channel in units else ""
 
@@ -61,14 +61,14 @@ class MotionSource:
 
 
 def as_source(given: Any, name: str = "") -> MotionSource:
-    """One form for all that can be drawn.
+    """Convert anything that can be drawn to a motion.
 
     Args:
         given: a run, a recording, the path of a recording, or a table of pandas or xarray.
-        name: to call it by; default: that of the recording or of the run's model.
+        name: its name; default: that of the recording or of the run's model.
 
     Raises:
-        InputError: it is something else, or the file is wrong.
+        InputError: it is something else, or the file has a fault.
     """
     if isinstance(given, MotionSource):
         return given
@@ -79,15 +79,15 @@ def as_source(given: Any, name: str = "") -> MotionSource:
 
 
 def printable(name: str) -> str:
-    """A name without what neither pictures nor terminals should obey."""
+    """A name without control characters for pictures and terminals."""
     return "".join(letter if letter.isprintable() else " " for letter in name).strip()
 
 
 def as_sources(given: Sequence[Any]) -> tuple[MotionSource, ...]:
-    """Several of them; those that share a name are numbered.
+    """Convert several motions; those with equal names are numbered.
 
     Raises:
-        InputError: one of them is neither run nor recording.
+        InputError: one of them is neither a run nor a recording.
     """
     sources = [as_source(entry) for entry in given]
     names = [source.name for source in sources]
@@ -100,10 +100,10 @@ def as_sources(given: Sequence[Any]) -> tuple[MotionSource, ...]:
 
 
 def unit_in(sources: Sequence[MotionSource], channel: str) -> str:
-    """Unit of a channel in all of them: as one of them states it, else as its name has it.
+    """Unit of a channel in all motions: the one that a motion states, else the one of its signal.
 
     Raises:
-        InputError: two of them state different ones.
+        InputError: two of them state different units.
     """
     having = [source for source in sources if channel in source.recording]
     stated = {unit: source for source in having if (unit := source.stated_unit(channel))}
@@ -115,10 +115,10 @@ def unit_in(sources: Sequence[MotionSource], channel: str) -> str:
 
 
 def windowed(source: MotionSource, start: float | None, end: float | None) -> NDArray[np.intp]:
-    """Which samples lie in a window of time, as indices.
+    """Indices of the samples in a window of time.
 
     Args:
-        source: whose samples.
+        source: the motion.
         start: first time [s]; None: the first sample's.
         end: last time [s]; None: the last sample's.
 

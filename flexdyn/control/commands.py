@@ -1,4 +1,4 @@
-"""What drives the arm, as frozen data: torques over time, joint tracking at a control rate, a law in Python."""
+"""Commands as frozen data: torques over time, joint tracking at a control rate, a law in Python."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Samples:
 
     Args:
         t: times (samples,) [s], strictly increasing; the run starts at the first.
-        values: (samples, n), one column a joint in the order of q, or a mapping from joint to (samples,).
+        values: (samples, n), one column for each joint in the order of q, or a mapping from joint to (samples,).
         interpolation: ``hold`` (from this sample to the next), ``linear``, ``monotone`` (cubic pieces with a continuous
             velocity that never leave the range between two samples: Fritsch and Carlson, SIAM J. Numer. Anal. 17,
             1980) or ``cubic`` (a C2 spline, which may overshoot).
@@ -71,12 +71,12 @@ class Samples:
             object.__setattr__(self, key, entry)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Unpickle through the constructor, so that arrays are locked again."""
+        """Unpickle through the constructor, so that arrays are read-only again."""
         named = self.values if self.joints is None else dict(zip(self.joints, self.values.T, strict=True))
         return (type(self), (self.t, named, self.interpolation))
 
     def __repr__(self) -> str:
-        """How many, of how many joints, over which time, in a line."""
+        """Number of samples and joints, and the time span, in one line."""
         names = f" of {', '.join(self.joints)}" if self.joints else ""
         size = f"{len(self.t)} by {self.values.shape[1]}"
         return f"<{type(self).__name__} {size}{names}, {self.t[0]:g} to {self.t[-1]:g} s, {self.interpolation}>"
@@ -90,7 +90,7 @@ class Samples:
         """The values in the order of `joint_names`; a joint that was not named gets zeros.
 
         Raises:
-            InputError: a column too many or too few, or of a joint that is not there.
+            InputError: too many or too few columns, or an unknown joint.
         """
         if self.joints is None:
             if self.values.shape[1] != len(joint_names):
@@ -126,21 +126,21 @@ class Samples:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PD:
-    """Joint tracking at a control rate, the torque held in between.
+    """Joint tracking at a control rate; the torque is held between the ticks.
 
-    ``tau = feedforward(t) + kp (reference - y) + kd (reference' - y')``, y = theta or q. After the reference's end the
-    arm is held where it ended, and there is no feedforward.
+    ``tau = feedforward(t) + kp (reference - y) + kd (reference' - y')``, y = theta or q. After its end, the reference
+    keeps its last value, and there is no feedforward.
 
     Args:
-        reference: positions [rad or m] (`Samples`, interpolated cubic or linear for a velocity that makes sense), a
+        reference: positions [rad or m]: `Samples` with cubic or linear interpolation, so that the velocity is useful; a
             recording with ``q`` or ``theta`` columns, or its path.
         kp: [N m/rad], one for all, one per joint, or a mapping by joint.
         kd: [N m s/rad], likewise.
         rate: of the controller [Hz].
         feedback: ``theta`` (motor side) or ``q`` (link side).
         feedforward: torques to add (`Samples`, a recording with ``tau`` columns, or its path).
-        interpolation: of a reference that is a recording: ``monotone`` (default: through its samples, never beyond two
-            neighbours), ``hold`` (its steps as they are), ``linear`` or ``cubic``; `Samples` bring their own.
+        interpolation: of a reference that is a recording: ``monotone`` (default: through its samples, never outside the
+            range of two neighbours), ``hold`` (steps), ``linear`` or ``cubic``; `Samples` have their own.
 
     Example:
         >>> reference = fd.Samples([0, 1], {"shoulder": [0.0, 0.5], "elbow": [0.0, 1.0]}, "cubic")
@@ -172,7 +172,7 @@ class PD:
             raise InputError("no such interpolation", key="pd.interpolation", value=interpolation, remedy=remedy)
         if interpolation is not None and isinstance(reference, Samples):
             remedy = "give it to the Samples"
-            raise InputError("Samples bring their own interpolation", key="pd.interpolation", remedy=remedy)
+            raise InputError("Samples have their own interpolation", key="pd.interpolation", remedy=remedy)
         if feedback not in ("theta", "q"):
             raise InputError("no such feedback", key="pd.feedback", value=feedback, remedy="it is theta or q")
         entries = {
@@ -190,7 +190,7 @@ class PD:
 
 @dataclass(frozen=True)
 class State:
-    """What a controller sees: all joints at one instant; on a rigid joint theta, omega read q, v.
+    """The input of a controller: all joints at one instant; for a rigid joint theta = q and omega = v.
 
     Attributes:
         q: link positions (n,) [rad or m].
@@ -216,7 +216,7 @@ class State:
 
 @dataclass(frozen=True)
 class Controller:
-    """A control law in Python, called at a control rate, its torque held in between.
+    """A control law in Python, called at a control rate; the torque is held between the calls.
 
     Args:
         law: ``law(t, state) -> tau`` with t [s], a `State` and torques (n,) [N m or N].
@@ -247,7 +247,7 @@ class FrameWrench:
 
     Args:
         frame: its name, for example the tool.
-        samples: six columns fx, fy, fz [N], mx, my, mz [N m] (`Samples`), or six numbers that do not change.
+        samples: six columns fx, fy, fz [N], mx, my, mz [N m] (`Samples`), or six constant numbers.
         axes: ``world`` (of the base) or ``frame``, in which the six are given.
 
     Example:
@@ -281,7 +281,7 @@ class FrameWrench:
 
 
 def checked_rate(key: str, rate: Any) -> float:
-    """A rate in Hz: finite and above 0.
+    """Check a rate in Hz: finite and above 0.
 
     Raises:
         InputError: it is not.
@@ -296,7 +296,7 @@ def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:
     """One number for all joints, one per joint, or a mapping by joint, as (n,).
 
     Raises:
-        InputError: wrong length, an unknown or missing joint, something not finite.
+        InputError: wrong length, an unknown or missing joint, a number that is not finite.
     """
     n = len(joint_names)
     if isinstance(value, Mapping):

@@ -11,24 +11,24 @@ from flexdyn.errors import InputError
 
 @dataclass(frozen=True, kw_only=True)
 class Firmware:
-    """Position error in counts to PWM, as the firmware of a hobby or smart servo computes it.
+    """The position controller in the firmware of a hobby or smart servo: from position error in counts to PWM.
 
-    At every tick ``e`` is the goal less the position, both in whole counts, 0 inside the dead band;
-    ``pwm = kp e + ki sum(e)/rate + kd (e - e_before) rate``, cut at the limit and rounded towards 0. The sum stands
-    still while the PWM is cut. A duty of 1 is `full_pwm`.
+    At every tick ``e`` is the goal minus the position, both in whole counts, and 0 inside the dead band;
+    ``pwm = kp e + ki sum(e)/rate + kd (e - e_before) rate``, limited and rounded towards 0. The sum does not change
+    while the PWM is at its limit. A duty of 1 is `full_pwm`.
 
     Args:
         kp: PWM counts per position count [1].
         ki: PWM counts per position count and second [1/s].
         kd: PWM counts per position count per second [s].
         counts_per_turn: of the position, behind the gear.
-        full_pwm: PWM counts that put the whole supply on the motor.
-        pwm_limit: at which the controller cuts its output; default: `full_pwm`.
-        dead_band: position counts of error that are taken for none.
+        full_pwm: PWM counts that apply the whole supply to the motor.
+        pwm_limit: limit of the controller's output; default: `full_pwm`.
+        dead_band: errors of up to so many position counts are taken as 0.
         rate: of the controller [Hz].
 
     Raises:
-        InputError: a number that makes no sense.
+        InputError: a number that is not allowed.
 
     Example:
         >>> firmware = fd.Firmware(kp=400 / 256, counts_per_turn=4096, full_pwm=885)
@@ -36,7 +36,7 @@ class Firmware:
         >>> model = fd.load_model("scara_two_link").replace(joints={"*": drive}, effects=[])
         >>> goal = fd.Samples([0.0, 1.0], {"shoulder": [0.4, 0.4], "elbow": [0.2, 0.2]})
         >>> run = fd.simulate(model, fd.Servo(reference=goal, firmware=firmware), duration=0.1, q0=[0.0, 0.0])
-        >>> run.electrical.voltage[0]  # of errors of 261 and 130 counts, which are 407 and 203 of the PWM
+        >>> run.electrical.voltage[0]  # errors of 261 and 130 counts give 407 and 203 PWM counts
         array([5.51864407, 2.75254237])
     """
 
@@ -64,7 +64,7 @@ class Firmware:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """As the core takes them."""
+        """The settings in the form that the core takes."""
         return tuple(getattr(self, key) for key in CORE_ORDER)
 
 

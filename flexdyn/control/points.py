@@ -1,4 +1,4 @@
-"""Commands written in YAML, or as a mapping: ``pd:`` or ``torques:``, with points that stand in the text itself.
+"""Commands in YAML, or as a mapping: ``pd:`` or ``torques:``, with points that are written in the text itself.
 
 ::
 
@@ -9,9 +9,9 @@
 
     torques: {t: [0, 0.5, 1], elbow: [0, 2, 0], interpolation: linear}              # N m
 
-Points give positions or torques of joints at times [s]. Between points of a reference the arm moves ``monotone`` unless
-told otherwise: through the points, at rest in those where it turns back, nowhere beyond them. It starts at the first
-one; a joint without points stays where it starts. Torques are held from point to point unless told otherwise.
+Points give positions or torques of joints at times [s]. The default interpolation of a reference is ``monotone``: the
+reference goes through the points, is at rest where it reverses, and never leaves their range. The arm starts at the
+first point; a joint without points stays where it starts. By default torques are held from point to point.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ PD_KEYS = ("reference", "kp", "kd", "rate", "feedback", "feedforward", "interpol
 
 
 class CommandPoints(Samples):
-    """Samples by joint, the first of which is where the arm starts."""
+    """Samples by joint; the arm starts at the first one."""
 
     def whole(self, joint_names: Sequence[str], rest: Mapping[str, float]) -> Samples:
         """Samples of every joint: one without points stays at `rest`, 0 if it is not named there.
 
         Raises:
-            InputError: points of a joint that is not there.
+            InputError: points of an unknown joint.
         """
         columns = self.columns(joint_names).copy()
         for j, joint in enumerate(joint_names):
@@ -47,14 +47,14 @@ class CommandPoints(Samples):
 
 
 def command_of(content: Mapping[str, Any], folder: Path | None = None) -> PD | Samples:
-    """The command that a mapping describes.
+    """Make the command that a mapping describes.
 
     Args:
         content: with ``pd`` or ``torques``.
-        folder: that paths are relative to; None: there are points only.
+        folder: its relative paths start here; None: only points are allowed.
 
     Raises:
-        InputError: a key that is not there, or points that make no sense.
+        InputError: an unknown key, or points that are not allowed.
     """
     check_keys(content, COMMAND_KEYS)
     if len(content) != 1:
@@ -73,15 +73,15 @@ def command_of(content: Mapping[str, Any], folder: Path | None = None) -> PD | S
 
 
 def points_of(entry: Any, key: str, between: Any) -> CommandPoints:
-    """Points as they stand in the text: ``t`` and a list a joint, and ``interpolation`` if it is another.
+    """Read points: ``t``, a list for each joint, and ``interpolation`` if it is not the default.
 
     Args:
         entry: of the text.
-        key: where it stands.
-        between: interpolation unless the entry says another.
+        key: its path in the file, for messages.
+        between: default interpolation.
 
     Raises:
-        InputError: no times, no joint, lists of different lengths, something that is no number.
+        InputError: no times, no joint, lists of different lengths, an entry that is no number.
     """
     if not isinstance(entry, Mapping) or "t" not in entry:
         remedy = "write {t: [0, 1, 2], JOINT: [0, 0.5, 0]}"

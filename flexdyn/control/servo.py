@@ -1,4 +1,4 @@
-"""Servo: a drive's cascade as it runs on a real robot, sample by sample: position loop, velocity loop, limit."""
+"""Servo: the cascade controller of a real drive, sample by sample: position loop, velocity loop, limit."""
 
 from __future__ import annotations
 
@@ -21,33 +21,35 @@ Gains = float | ArrayLike | Mapping[str, float]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Servo:
-    """A position loop around a velocity loop at a control rate, the torque held in between.
+    """A position loop around a velocity loop at a control rate; the torque is held between the ticks.
 
-    ``u = velocity_gain (position_gain (reference - y) + speed_feedforward reference' - dy)``, late by `delay` samples,
-    cut to ``[-limit, limit]``; then ``tau = u + added``. y is theta or q as it is at the sample, dy its difference over
-    the last `span` samples, as a drive without a velocity sensor takes it. With the recorded reference of a robot and
-    its drives' gains this puts the controller into the loop: what is held against the recording is then the torque that
-    the model asks for. After the reference's end the arm is held where it ended.
+    ``u = velocity_gain (position_gain (reference - y) + speed_feedforward reference' - dy)``, delayed by `delay`
+    samples and limited to ``[-limit, limit]``; then ``tau = u + added``. y is theta or q at the sample, dy its
+    difference over the last `span` samples, as in a drive without a velocity sensor. With the recorded reference of a
+    robot and the gains of its drives, the simulation contains the robot's controller; then the torque of the model can
+    be compared with the recorded torque. After its end, the reference keeps its last value.
 
-    With `firmware` it is the position controller of a smart servo instead, whose duty goes onto the joints' motors:
-    they need an `Actuator` with a supply.
+    With `firmware` it is the position controller of a smart servo instead. Its duty is applied to the joints' motors,
+    which need an `Actuator` with a supply.
 
     Args:
         reference: positions [rad or m]: `Samples`, or a recording with ``goal``, ``reference``, ``theta`` or ``q``
-            columns (the first of these that it has; it gives the first state too), or its path.
+            columns (the first of these that exists; it also gives the first state), or its path.
         position_gain: [1/s], one for all, one per joint, or a mapping by joint; not with firmware.
         velocity_gain: [N m s/rad], likewise.
-        firmware: one `Firmware` for all joints, or a mapping by joint; span, speed_feedforward and limit are not its.
-        rate: of the controller [Hz]; with firmware it is the firmware's.
+        firmware: one `Firmware` for all joints, or a mapping by joint; it does not use span, speed_feedforward and
+            limit.
+        rate: of the controller [Hz]; with firmware the firmware's own rate is used.
         feedback: ``theta`` (motor side) or ``q`` (link side).
-        span: samples over which the velocity is taken; 2 is the difference of means of two samples; 0: the true one.
-        speed_feedforward: share of the reference's velocity that the velocity loop is given [1].
+        span: samples over which the velocity is computed; 2: the difference of means of two samples; 0: the true
+            velocity.
+        speed_feedforward: share of the reference's velocity that is added to the input of the velocity loop [1].
         limit: of the torque [N m], one for all, one per joint, or a mapping by joint.
-        delay: samples by which the controller's torque or duty is late.
-        added: torques behind the limit (`Samples`), such as a test signal at the amplifier's input.
+        delay: samples by which the controller's torque or duty is delayed.
+        added: torques that are added after the limit (`Samples`), such as a test signal at the amplifier's input.
 
     Raises:
-        InputError: a number that makes no sense.
+        InputError: a number that is not allowed.
 
     Example:
         >>> reference = fd.Samples([0, 1], {"shoulder": [0.0, 0.2], "elbow": [0.0, 0.2]}, "linear")
@@ -70,7 +72,7 @@ class Servo:
     added: Samples | None = None
 
     def __post_init__(self) -> None:
-        """Check what can be checked without a robot."""
+        """Check everything that needs no robot."""
         if self.feedback not in ("theta", "q"):
             raise InputError("no such feedback", key="servo.feedback", value=self.feedback, remedy="it is theta or q")
         for key in ("span", "delay"):
@@ -90,7 +92,7 @@ class Servo:
             object.__setattr__(self, "rate", _one_rate(self.firmware))
 
     def law(self, reference: Samples, joint_names: Sequence[str]) -> Callable[[float, State], Array]:
-        """A controller at the start of a run; it remembers what it has seen, so every run needs its own.
+        """Make a controller for the start of a run; it has a state, so every run needs its own.
 
         Args:
             reference: positions over time.
@@ -112,7 +114,7 @@ class Servo:
             k = round(t * self.rate)
             now = min(k, len(wanted) - 1)
             y, dy = (state.theta, state.omega) if self.feedback == "theta" else (state.q, state.v)
-            if not seen:  # before the run the joint moved as it does at its start
+            if not seen:  # before the run the joint is taken to move with its first velocity
                 seen.extend(y - dy * age / self.rate for age in range(self.span, 0, -1))
             seen.append(y.copy())
             speed = (y - seen[0]) * (self.rate / self.span) if self.span else dy
@@ -159,5 +161,5 @@ def _at_ticks(samples: Samples, names: tuple[str, ...], rate: float) -> Array:
         return np.asarray(kind(t, columns)(np.minimum(ticks, t[-1])))
     if samples.interpolation == "linear":
         return np.column_stack([np.interp(ticks, t, column) for column in columns.T])
-    slack = 1e-3 / rate  # clocks that are a little late belong to their own tick
+    slack = 1e-3 / rate  # a small delay of the clock does not move a sample to the next tick
     return np.asarray(columns[np.clip(np.searchsorted(t, ticks + slack, "right") - 1, 0, None)])

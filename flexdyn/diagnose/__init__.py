@@ -1,4 +1,4 @@
-"""Diagnosis: where model and measurement disagree, which effect is missing, and what the model is with it."""
+"""Diagnosis: where model and measurement disagree, which effects are missing, and the corrected model."""
 
 from flexdyn.diagnose.compared.models import ModelsCompared, compare_models
 from flexdyn.diagnose.decision.forces import prescribed_forces

@@ -1,4 +1,4 @@
-"""Pieces of work that do not depend on one another, side by side on the machine's cores."""
+"""Independent pieces of work in parallel on the machine's cores."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from flexdyn.diagnose.progress import check
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 SILENT = partial(np.errstate, over="ignore", invalid="ignore")
-"""Where overflow is found afterwards, in what came of it; every thread has to be told for itself."""
+"""Ignore overflow, which is detected afterwards in the results; every thread has its own setting."""
 
 
 def abreast(
     work: Callable[[Item], Result], items: Iterable[Item], progress: Callable[[float], None] | None = None
 ) -> list[Result]:
-    """What `work` makes of every item, in their order.
+    """The results of `work` for all items, in their order.
 
-    NumPy and the core let other threads run while they compute. The threads end with the call, so that nothing of them
-    is left in a process that is forked later.
+    NumPy and the core let other threads run while they compute. The threads end with the call, so that a process that
+    is forked later has none of them.
 
     Args:
-        work: that does not depend on what becomes of other items.
-        items: to work on.
-        progress: called with the share that is done.
+        work: function whose result does not depend on other items.
+        items: its arguments.
+        progress: called with the finished share.
     """
     items = list(items)
     found: list[Result] = []

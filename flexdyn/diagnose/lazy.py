@@ -1,4 +1,4 @@
-"""What an object computes when first asked, in threads that do not wait for one another."""
+"""Attributes that are computed at their first use, in threads that do not wait for one another."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ Value = TypeVar("Value")
 class lazy(Generic[Value]):
     """A `functools.cached_property` without its lock.
 
-    Until Python 3.12 that lock is one for all objects of a class: while one of them computes, every other waits, and
-    threads bring nothing. Two threads that first ask the same object at once both compute the same value.
+    Before Python 3.12 all objects of a class share this lock: while one of them computes, every other waits, and
+    threads have no advantage. If two threads use the attribute of an object for the first time at once, both compute
+    the value.
     """
 
     def __init__(self, compute: Callable[[Any], Value]) -> None:
@@ -20,7 +21,7 @@ class lazy(Generic[Value]):
         self.__doc__ = compute.__doc__
 
     def __set_name__(self, owner: type, name: str) -> None:
-        """The attribute under which the value is kept; it then hides this descriptor."""
+        """Store the name of the attribute for the value, which then hides this descriptor."""
         self.name = name
 
     @overload
@@ -30,7 +31,7 @@ class lazy(Generic[Value]):
     def __get__(self, instance: object, owner: type) -> Value: ...
 
     def __get__(self, instance: object | None, owner: type) -> Self | Value:
-        """The value, computed if it is not there yet."""
+        """The value, computed at the first use."""
         if instance is None:
             return self
         value = self.compute(instance)

@@ -1,4 +1,4 @@
-"""How far a diagnosis is, said from wherever the work is done, and where it may be stopped."""
+"""The progress of a diagnosis, reported from anywhere in the work, and the points where it can be stopped."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from typing import Any
 
 @dataclass(eq=False)
 class Course:
-    """One diagnosis under way, shared by the thread that works and the one that shows.
+    """One diagnosis in progress, shared by the working thread and the displaying thread.
 
     Attributes:
-        told: stages and shares that wait to be shown, each with an event that is set once it was.
-        stop: set where the work is to end.
-        stage: what is in work.
-        share: of all work that is done, as far as that can be said [1].
-        known: what is known by now, by a name; read only when the work has been stopped.
+        told: stages and shares that wait to be displayed, each with an event that is set after the display.
+        stop: set if the work should end.
+        stage: present stage.
+        share: estimated share of the finished work [1].
+        known: results so far, by name; read only after the work has been stopped.
     """
 
     told: queue.SimpleQueue[tuple[str, float, threading.Event]] = field(default_factory=queue.SimpleQueue)
@@ -30,7 +30,7 @@ class Course:
     known: dict[str, Any] = field(default_factory=dict)
 
     def tell(self, stage: str, share: float) -> None:
-        """Say what is in work and wait until that was shown."""
+        """Report the present stage and wait until it was displayed."""
         check()
         self.stage, self.share = stage, max(share, self.share)
         shown = threading.Event()
@@ -44,7 +44,7 @@ _COURSE: ContextVar[Course | None] = ContextVar("flexdyn_course", default=None)
 
 @contextmanager
 def following(course: Course) -> Iterator[None]:
-    """What is said and checked in here belongs to a course."""
+    """A context in which reports and checks belong to one diagnosis."""
     before = _COURSE.set(course)
     try:
         yield
@@ -53,14 +53,14 @@ def following(course: Course) -> Iterator[None]:
 
 
 def tell(stage: str, share: float) -> None:
-    """Say what is in work, if anybody follows.
+    """Report the present stage, if there is a display.
 
     Args:
         stage: in a few words.
-        share: of all work of the diagnosis that is done [1].
+        share: share of the diagnosis that is finished [1].
 
     Raises:
-        KeyboardInterrupt: the work is to end.
+        KeyboardInterrupt: the work should end.
     """
     course = _COURSE.get()
     if course is not None:
@@ -68,17 +68,17 @@ def tell(stage: str, share: float) -> None:
 
 
 def know(**entries: Any) -> None:
-    """Keep what is known by now, for the case that the work is stopped."""
+    """Store the results so far, in case the work is stopped."""
     course = _COURSE.get()
     if course is not None:
         course.known.update(entries)
 
 
 def check() -> None:
-    """Come to an end where that is wished.
+    """End the work if it was stopped.
 
     Raises:
-        KeyboardInterrupt: the work is to end.
+        KeyboardInterrupt: the work should end.
     """
     course = _COURSE.get()
     if course is not None and course.stop.is_set():

@@ -1,4 +1,4 @@
-"""The effects a drive and its links can have; one class each, the laws in the compiled core."""
+"""The effects that a drive and its links can have: one class for each; the laws are in the compiled core."""
 
 from flexdyn.effects.actuator import (
     CommandDelay,

@@ -1,4 +1,4 @@
-"""Effects between the torque asked for (tau) and the torque on the rotor (tau_applied)."""
+"""Effects between the commanded torque (tau) and the torque on the rotor (tau_applied)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from flexdyn.effects.base import JointEffect, parameter, spaced
 
 
 class TorqueOffset(JointEffect):
-    """A constant torque that nobody asked for: current sensor offset, cogging bias.
+    """A constant torque that was not commanded: current sensor offset, cogging bias.
 
     ``tau_applied = tau + offset``.
 
@@ -29,13 +29,13 @@ class TorqueOffset(JointEffect):
 
 
 class TorqueConstantError(JointEffect):
-    """The motor gives a fixed share more or less than asked: its torque constant is not the one assumed.
+    """The motor gives a constant factor of the commanded torque: its torque constant is not the assumed one.
 
     ``tau_applied = (1 + gain) tau``. Several on one joint add their gains.
 
     Args:
         joint: its name.
-        gain: 0.05: five percent more; -2: wired the wrong way round [1].
+        gain: 0.05 means five percent more; -2 means that the motor is wired the wrong way round [1].
     """
 
     sides = ("motor",)
@@ -51,7 +51,7 @@ class TorqueConstantError(JointEffect):
 
 
 class TorqueRipple(JointEffect):
-    """Torque that swings with the rotor's angle: cogging, slots, uneven phase currents.
+    """Torque that varies with the rotor's angle: cogging, slots, uneven phase currents.
 
     ``tau_applied = tau + amplitude sin(harmonic theta + phase)``.
 
@@ -76,7 +76,7 @@ class TorqueRipple(JointEffect):
 
 
 class TorqueSpeedLimit(JointEffect):
-    """The torque-speed line of a motor: what it can give falls to nothing at the no-load speed.
+    """The torque-speed line of a motor: the largest torque falls to zero at the no-load speed.
 
     ``tau`` clipped to ``[-stall (1 + omega/no_load), stall (1 - omega/no_load)]``, neither bound past zero. Paper,
     Table I: stall torque 0.63 N m, no-load speed 3.5 rad/s; its "actuator constants" k_1 = 0.63 and k_2 = 0.18 =
@@ -85,7 +85,7 @@ class TorqueSpeedLimit(JointEffect):
     Args:
         joint: its name.
         stall_torque: at omega = 0 [N m]; infinite: no limit.
-        no_load_speed: where the torque is gone [rad/s].
+        no_load_speed: speed at which the largest torque is zero [rad/s].
     """
 
     sides = ("motor",)
@@ -94,7 +94,7 @@ class TorqueSpeedLimit(JointEffect):
     neutral = {"stall_torque": math.inf}
     shown = {"stall_torque": 1.0, "no_load_speed": 3.0}
     order = 5
-    grids = {  # of what was given: a controller may ask a motor at its limit for many times that
+    grids = {  # of the applied torque: a controller may command many times the limit
         "stall_torque": ("given", (0.45, 0.6, 0.75, 0.9, 1.2, 1.6, 2.2, 3.0)),
         "no_load_speed": ("speed", (1.1, 1.5, 2.0, 3.0, 10.0)),
     }
@@ -105,13 +105,14 @@ class TorqueSpeedLimit(JointEffect):
 
 
 class TorqueSaturation(JointEffect):
-    """Torque that is lost at high current: the iron saturates, and more current gives less and less torque.
+    """Torque that is lost at high current: the iron saturates, and more current gives less additional torque.
 
-    ``tau_applied = tau/(1 + abs(tau)/scale)``: half of what is asked for is lost where ``abs(tau) = scale``, and no
-    torque reaches the scale. Of small torques ``abs(tau)/scale`` is lost, to first order. Its slope is continuous.
+    ``tau_applied = tau/(1 + abs(tau)/scale)``: half of the commanded torque is lost at ``abs(tau) = scale``, and no
+    torque reaches the scale. Of a small torque the share ``abs(tau)/scale`` is lost, to first order. The slope is
+    continuous.
 
-    It takes what gain, offset and ripple of the current have made of the torque, for all of it goes through the iron.
-    The torque-speed line comes after it: that is of the torque that the motor gives. Source: the fall of the torque
+    It acts after gain, offset and ripple, because the whole current magnetises the iron. The torque-speed line acts
+    after it, because it limits the torque that the motor gives. Source: the fall of the torque
     constant at high current in motors' data sheets; a saturation of the Froelich kind, ``B = H/(a + b H)``.
 
     Args:
@@ -132,9 +133,9 @@ class TorqueSaturation(JointEffect):
 
 
 class CommandDelay(JointEffect):
-    """The torque asked for arrives late: a bus, a control cycle.
+    """The commanded torque arrives late: a bus, a control cycle.
 
-    ``tau_applied(t) = tau(t - delay)``; 0 before the first of it arrives. Several on one joint add.
+    ``tau_applied(t) = tau(t - delay)``; 0 before the first command arrives. Several on one joint add.
 
     Args:
         joint: its name.

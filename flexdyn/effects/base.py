@@ -1,8 +1,8 @@
-"""What every effect is: a named law with parameters, units, bounds and a neutral value.
+"""The base of every effect: a named law with parameters, units, bounds and a neutral value.
 
-The law itself is written once, in the compiled core; a class here says what it is called, where in the
-equations of motion it stands and which numbers it takes. A user's own effect is a subclass that overrides
-`torque` in Python: it runs in every solver, slower.
+The law itself is written once, in the compiled core. A class here gives its name, its place in the equations of motion
+and its parameters. A user's own effect is a subclass that overrides `torque` in Python: it runs in every solver, more
+slowly.
 """
 
 from __future__ import annotations
@@ -41,27 +41,27 @@ def parameter(
     infinite: bool = False,
     default: Any = dataclasses.MISSING,
 ) -> Any:
-    """A number of an effect.
+    """A parameter of an effect.
 
     Args:
-        unit: for a revolute joint; a prismatic one reads N for N m and m for rad.
-        lower: the least it may be.
-        strict: it must be above `lower`, not on it.
-        infinite: it may be infinite; a neutral value always may.
-        default: its value where none is given; none: it must be given.
+        unit: for a revolute joint; for a prismatic one N m becomes N and rad becomes m.
+        lower: lower bound.
+        strict: whether the value must be above `lower`, not equal to it.
+        infinite: whether the value may be infinite; a neutral value always may.
+        default: value if none is given; without a default a value is required.
     """
     metadata = {"unit": unit, "lower": lower, "strict": strict, "infinite": infinite}
     return dataclasses.field(default=default, metadata=metadata)
 
 
 def spaced(first: float, last: float, count: int) -> tuple[float, ...]:
-    """Values of a grid from the first to the last, each the same factor larger."""
+    """A geometric grid from the first to the last value."""
     return tuple(float(value) for value in np.geomspace(first, last, count))
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(parameter, dataclasses.field))
 class Effect:
-    """Base of all effects; subclasses become frozen dataclasses of their own accord.
+    """Base of all effects; every subclass becomes a frozen dataclass automatically.
 
     Class attributes:
         name: the effect's name in files and reports: the class name in snake_case.
@@ -71,8 +71,8 @@ class Effect:
             ``link`` (right side, on the link), ``inertia`` (changes M and h), ``sensor`` (what is measured),
             ``model`` (a number of the model).
         law: its formula as the catalogue shows it, in x, u (position, velocity of its side), tau, delta.
-        neutral: the parameter values at which it does nothing; such an effect is dropped from the plant.
-        no_torque: where the law is no torque over position and velocity: what to use instead.
+        neutral: the parameter values at which it changes nothing; a neutral effect is left out of the plant.
+        no_torque: if the law is no torque over position and velocity: what to use instead.
         shown: parameter values with which the documentation shows it.
         takes_load: its torque depends on what the transmission carries, so that it needs an elastic joint.
         order: place among the effects on the motor's torque, or on the deflection; the least acts first, users' own
@@ -119,7 +119,7 @@ class Effect:
     bends_spring: ClassVar[bool] = False
 
     def __init_subclass__(cls, abstract: bool = False) -> None:
-        """Make the subclass a frozen dataclass and enter it in the catalogue under its name."""
+        """Make the subclass a frozen dataclass and register it in the catalogue under its name."""
         dataclasses.dataclass(frozen=True, kw_only=True)(cls)
         if abstract:
             return
@@ -137,7 +137,7 @@ class Effect:
     @classmethod
     @functools.cache
     def parameters(cls) -> tuple[dataclasses.Field[Any], ...]:
-        """The numbers of the effect, in the order the core takes them."""
+        """The parameters of the effect, in the order in which the core takes them."""
         return tuple(f for f in dataclasses.fields(cls) if "unit" in f.metadata)  # type: ignore[arg-type]
 
     @classmethod
@@ -152,7 +152,7 @@ class Effect:
 
     @property
     def is_neutral(self) -> bool:
-        """Whether it does nothing: every parameter named in `neutral` has its neutral value."""
+        """Whether it changes nothing: every parameter named in `neutral` has its neutral value."""
         return bool(self.neutral) and all(getattr(self, key) == value for key, value in self.neutral.items())
 
     @property
@@ -161,7 +161,7 @@ class Effect:
         return type(self).torque is not Effect.torque
 
     def torque(self, x: ArrayLike, u: ArrayLike, *, t: ArrayLike = 0.0, tau: ArrayLike = 0.0) -> Array:
-        """The law over whole recordings, as it stands in the equations of motion.
+        """Evaluate the law over whole recordings, with the sign that it has in the equations of motion.
 
         Args:
             x: position of the effect's side [rad or m]; the deflection delta in a transmission.
@@ -189,15 +189,15 @@ class Effect:
         return {"effect": self.name} | {key: value for key, value in fields.items() if value is not None}
 
     def replace(self, **changes: Any) -> Self:
-        """The same effect with some of its fields changed, checked as new ones are."""
+        """A copy of the effect with some fields changed; the new values are checked."""
         return dataclasses.replace(self, **changes)  # type: ignore[type-var]
 
     @classmethod
     def from_dict(cls, entry: Mapping[str, Any]) -> Self:
-        """Of a model file's entry without its ``effect`` key.
+        """Make the effect from a model file's entry without its ``effect`` key.
 
         Raises:
-            InputError: a key that the effect does not have, or one that it needs and is not there.
+            InputError: a key that the effect does not have, or a required key is missing.
         """
         fields = {f.name: f for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
         for key in entry:
@@ -211,11 +211,11 @@ class Effect:
 
     @classmethod
     def example(cls, joint: str = "joint", other: str = "other_joint") -> Self:
-        """One with parameters that show what it does, for documentation and drawings.
+        """An effect with typical parameters, for documentation and drawings.
 
         Args:
-            joint: that it acts on, where it acts on one.
-            other: a second joint, where it needs one.
+            joint: the joint that it acts on, if it acts on one.
+            other: a second joint, if it needs one.
         """
         numbers = {
             field.name: cls.shown.get(field.name, _USUAL.get(field.metadata["unit"], 1.0))
@@ -226,7 +226,7 @@ class Effect:
 
     @classmethod
     def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
-        """Its fields that are no numbers."""
+        """Names of its fields that are not numbers."""
         return {}
 
     def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
@@ -256,7 +256,7 @@ class JointEffect(Effect, abstract=True):
     side: Side | None = None
 
     def __post_init__(self) -> None:
-        """Fill in the side where only one is possible, and refuse one that the law does not have."""
+        """Fill in the side if only one is possible, and refuse a side that the law does not have."""
         super().__post_init__()
         if not isinstance(self.joint, str) or not self.joint:
             raise InputError("a joint's name is needed", key=f"{self.name}.joint", value=self.joint)
@@ -277,5 +277,5 @@ def registered() -> Mapping[str, type[Effect]]:
 
 
 def unit_for(unit: str, *, prismatic: bool) -> str:
-    """The unit a parameter has on this kind of joint: N m reads N and rad reads m on a prismatic one."""
+    """The unit of a parameter on this kind of joint: for a prismatic joint N m becomes N, and rad becomes m."""
     return unit.replace("N m", "N").replace("rad", "m") if prismatic else unit

@@ -1,4 +1,4 @@
-"""The catalogue: every effect by name, and an effect out of a model file's entry."""
+"""The catalogue: every effect by name, and an effect from a model file's entry."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ FILES = (
 
 
 def catalogue() -> dict[str, type[Effect]]:
-    """All effects by name: flexdyn's own from the motor's friction to the sensors, then the users' own."""
+    """All effects by name: flexdyn's own in the order of the catalogue, then the users' own."""
     place = {f"flexdyn.effects.{file}": k for k, file in enumerate(FILES)}
     known = registered()
     return {name: known[name] for name in sorted(known, key=lambda name: place.get(known[name].__module__, len(FILES)))}
 
 
 def find_effect(name: Any) -> type[Effect]:
-    """The class of an effect's name.
+    """The class of an effect with this name.
 
     Raises:
-        InputError: there is no effect of that name; the near miss is named.
+        InputError: there is no effect of that name; the message names the most similar one.
     """
     known = registered()
     if not isinstance(name, str) or name not in known:
@@ -42,7 +42,7 @@ def find_effect(name: Any) -> type[Effect]:
 
 
 def effect_from_dict(entry: Any) -> Effect:
-    """An effect out of ``{effect: name, joint: ..., side: ..., parameters}``.
+    """Make an effect from ``{effect: name, joint: ..., side: ..., parameters}``.
 
     Raises:
         InputError: an unknown effect, a parameter missing, unknown or out of bounds.

@@ -32,7 +32,7 @@ class CoulombFriction(JointEffect):
     """Dry friction of one level, set-valued at rest.
 
     ``f = level Sgn(u)``, Sgn(0) = [-1, 1]. Paper, eq. 1, second term (b^d); its sgn(0) = 0 (eq. 2) would let a loaded
-    joint slide at rest, so the set-valued Sgn stands for it.
+    joint start to slide from rest under any torque, so flexdyn uses the set-valued Sgn.
 
     Args:
         joint: its name.
@@ -81,10 +81,10 @@ class AsymmetricFriction(JointEffect):
 
 
 class StribeckFriction(JointEffect):
-    """Dry friction in excess of the kinetic level that fades as the joint gets moving.
+    """Dry friction in excess of the kinetic level that decreases with the speed.
 
     ``f = excess exp(-(|u|/velocity)^exponent) Sgn(u)``. Paper, eq. 1, third term: excess = b^s - b^d, velocity =
-    epsilon, exponent 1. The level to break away is this excess and the Coulomb level added up.
+    epsilon, exponent 1. The break-away level is the sum of this excess and the Coulomb level.
 
     Args:
         joint: its name.
@@ -116,8 +116,8 @@ class AsymmetricViscousFriction(JointEffect):
     Equal coefficients are viscous friction. Source: the friction of a screw drive identified for either direction
     (Janot, Gautier, Brunot: Data set and reference models of EMPS, 2019).
 
-    One of the coefficients may be negative beside viscous friction of at least that size on the same side: ``(-c, c)``
-    says what the direction changes. Alone a negative coefficient would drive the joint.
+    A coefficient may be negative if the same side also has viscous friction of at least that size: ``(-c, c)``
+    describes the difference between the directions. Alone, a negative coefficient would supply energy.
 
     Args:
         joint: its name.
@@ -141,7 +141,7 @@ class AsymmetricViscousFriction(JointEffect):
 
 
 class QuadraticDrag(JointEffect):
-    """Drag that grows with the square of speed: air, churned grease.
+    """Drag that grows with the square of the speed: air, oil, grease.
 
     ``f = coefficient u abs(u)``.
 

@@ -11,12 +11,12 @@ from flexdyn.errors import InputError
 class Payload(Effect):
     """A point mass that the arm carries.
 
-    It enters M(q) and h(q, v) like any mass: ``M += mass J^T J``, J the frame's translational Jacobian, and its weight
-    loads the joints. Paper: m_e, the mass of the end effector, and m_L in eq. 16-19.
+    It enters M(q) and h(q, v) like any mass: ``M += mass J^T J`` with the frame's translational Jacobian J, and its
+    weight loads the joints. Paper: m_e, the mass of the end effector, and m_L in eq. 16-19.
 
     Args:
         mass: [kg].
-        frame: at whose origin it sits; left out: the last frame of the chain.
+        frame: the mass is at the origin of this frame; default: the last frame of the chain.
     """
 
     stage = "inertia"
@@ -37,7 +37,7 @@ class ParallelSpring(JointEffect):
     Args:
         joint: its name.
         stiffness: [N m/rad].
-        rest: where it pulls to [rad].
+        rest: position at which its torque is zero [rad].
     """
 
     sides = ("link",)
@@ -54,7 +54,7 @@ class PositionTorque(JointEffect):
     """A torque that depends on the joint's position alone: a counterbalance, cables, a hose.
 
     ``tau_link = -(cos_1 cos q + sin_1 sin q + cos_2 cos 2q + sin_2 sin 2q)``, on the right side of the link's
-    equation. On a prismatic joint q counts in m.
+    equation. For a prismatic joint q is in m.
 
     Args:
         joint: its name.
@@ -77,15 +77,15 @@ class PositionTorque(JointEffect):
 
 
 class EndStop(JointEffect):
-    """Bumpers at the ends of a joint's travel: they press, they never pull.
+    """Bumpers at the ends of a joint's range: they press, they never pull.
 
-    ``tau_link = -(stiffness (q - upper) + damping v)`` beyond upper, likewise below lower, and 0 where that would pull
+    ``tau_link = -(stiffness (q - upper) + damping v)`` beyond upper, likewise below lower, and 0 if that would pull
     the link into the bumper.
 
     Args:
         joint: its name.
-        lower: [rad]; -inf: none on this side.
-        upper: [rad]; inf: none on this side.
+        lower: [rad]; -inf: no bumper on this side.
+        upper: [rad]; inf: no bumper on this side.
         stiffness: [N m/rad].
         damping: [N m s/rad].
     """

@@ -1,4 +1,4 @@
-"""Effects that remember: their torque depends on the path taken, through an internal state z."""
+"""Effects with memory: their torque depends on the path, through an internal state z."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 class MemoryEffect(JointEffect, abstract=True):
     """An effect on one joint with a state of its own: ``z' = u - abs(u) z/reach``.
 
-    Where u has one sign, z follows the distance s that is covered and not time:
-    ``dz/ds = sgn(u) - z/reach``, so that ``z -> sgn(u) reach`` over a few reaches.
+    While u keeps its sign, z depends on the covered distance s and not on time: ``dz/ds = sgn(u) - z/reach``, so ``z ->
+    sgn(u) reach`` after a few times the reach.
     """
 
     stage: ClassVar[Stage] = "friction"
@@ -25,7 +25,7 @@ class MemoryEffect(JointEffect, abstract=True):
 
     @property
     def reach(self) -> float:
-        """Largest abs(z) [rad or m]; a loop forms over about four of it."""
+        """Largest abs(z) [rad or m]; a loop closes over about four times this distance."""
         raise NotImplementedError
 
     def states_along(self, x: ArrayLike, z0: float = 0.0) -> Array:
@@ -66,5 +66,5 @@ class MemoryEffect(JointEffect, abstract=True):
         return np.interp(np.linspace(0.0, 5.0, 1201), np.arange(6.0), turns)
 
     def _torque_of(self, z: Array, rate: Array) -> Array:
-        """Out of the state and its rate z'."""
+        """The torque from the state and its rate z'."""
         raise NotImplementedError

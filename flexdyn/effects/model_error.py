@@ -13,11 +13,11 @@ from flexdyn.errors import InputError
 class ParameterError(base.Effect):
     """A number of the model file or of the URDF is wrong: ``true = factor given``.
 
-    Which numbers: of a joint ``gear_ratio``, ``rotor_inertia``, ``stiffness``, ``damping`` and, of the URDF's
-    <dynamics>, ``urdf_damping``, ``urdf_friction``; of a link ``link_mass``, ``link_com`` (all of the centre of mass'
-    position in the link's frame), ``link_inertia`` (all of the inertia about it), each by itself; of another effect
-    any parameter of it; of a joint with a DC motor ``torque_constant`` and ``resistance``. Several on one number
-    multiply.
+    The numbers are: of a joint ``gear_ratio``, ``rotor_inertia``, ``stiffness``, ``damping``, and ``urdf_damping`` and
+    ``urdf_friction`` of the URDF's <dynamics>; of a joint with a DC motor also ``torque_constant`` and ``resistance``;
+    of a link ``link_mass``, ``link_com`` (the whole position of the centre of mass in the link's frame) and
+    ``link_inertia`` (the whole inertia about the centre of mass); of another effect any parameter. The factors of
+    several errors of one number multiply.
 
     Args:
         of: name of the joint or link, or ``effects[i]``, counting the model's own effects from 0.
@@ -50,6 +50,6 @@ class ParameterError(base.Effect):
 
 
 def effect_place(of: str) -> int | None:
-    """The place of the effect that ``effects[i]`` says; None: it is the name of a joint or link."""
+    """The index i of ``effects[i]``; None if `of` names a joint or link."""
     match = re.fullmatch(r"effects\[(\d{1,6})\]", of)
     return int(match[1]) if match else None

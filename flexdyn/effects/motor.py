@@ -1,4 +1,4 @@
-"""The laws of a DC motor under voltage, made of a joint's actuator: no candidates and no entries of a model file."""
+"""The laws of a DC motor under voltage, made from the actuator; they are no candidates and not in a model file."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from flexdyn.effects.base import JointEffect, parameter
 
 
 class MotorLaw(JointEffect, abstract=True):
-    """What a joint's actuator does to the torque asked for; the model makes it of the actuator's numbers.
+    """The effect of a joint's actuator on the commanded torque; the model makes it from the actuator's numbers.
 
-    The torque asked of a motor under voltage is the one that the voltage would give at standstill, ``tau = kt V/R``.
-    It is a number of N m or N like any other, held as the voltage is.
+    The commanded torque of a motor under voltage is the torque that the voltage gives at standstill, ``tau = kt V/R``.
+    It is in N m or N, and is held between samples as the voltage is.
     """
 
     name: ClassVar[str] = "motor_law"
@@ -22,7 +22,7 @@ class MotorLaw(JointEffect, abstract=True):
 
 
 class SupplyLimit(MotorLaw, abstract=True):
-    """A driver gives no more than its supply: the torque at standstill is cut at that of the full voltage.
+    """The supply limits the voltage: the torque at standstill is at most that of the full voltage.
 
     Args:
         joint: its name.
@@ -37,13 +37,13 @@ class SupplyLimit(MotorLaw, abstract=True):
 
 
 class MotorTorque(MotorLaw, abstract=True):
-    """The torque of a DC motor: less by its back-EMF the faster it turns, and cut where its current is limited.
+    """The torque of a DC motor: the back-EMF reduces it with speed, and the current limit bounds it.
 
     ``tau_applied = clip(gain tau - back_emf omega, -limit, limit)``, ``back_emf = kt^2/R``, ``limit = kt i_max``.
 
     Args:
         joint: its name.
-        gain: torque at standstill over what the model file's numbers make of the voltage [1].
+        gain: torque at standstill over the torque that the model file's numbers give for the voltage [1].
         back_emf: [N m s/rad].
         limit: at the largest current [N m]; infinite: no limit.
     """

@@ -1,4 +1,4 @@
-"""Effects on what is measured and not on the motion: a run stays true, its recording shows them."""
+"""Effects on the measurement and not on the motion: they change the recording of a run, not its states."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SensorEffect(Effect, abstract=True):
     """An effect on one measured channel.
 
     Class attributes:
-        signals: those that it can act on; empty: any.
+        signals: signals that it can act on; empty means any.
     """
 
     sides: ClassVar[tuple[Side, ...]] = ("sensor",)
@@ -42,7 +42,7 @@ class SensorEffect(Effect, abstract=True):
     side: Side = "sensor"
 
     def __post_init__(self) -> None:
-        """Check the numbers, and that the channel reads ``<signal>.<joint>``."""
+        """Check the numbers, and that the channel has the form ``<signal>.<joint>``."""
         super().__post_init__()
         key = f"{self.name}.channel"
         signal, dot, joint = self.channel.partition(".") if isinstance(self.channel, str) else ("", "", "")
@@ -78,7 +78,7 @@ class SensorEffect(Effect, abstract=True):
         return true + self.error(true)
 
     def error(self, x: Array) -> Array:
-        """What is added to the true channel, where that depends on its value alone."""
+        """The error that is added to the true channel, if it depends on the value alone."""
         raise NotImplementedError
 
     @classmethod
@@ -87,10 +87,10 @@ class SensorEffect(Effect, abstract=True):
 
 
 class ChannelLag(SensorEffect):
-    """A measured channel is late: filters, buses, clocks that differ.
+    """A measured channel is late: filters, buses, different clocks.
 
-    ``measured(t) = x(t - delay)``, linear between samples (torques asked for are held), the first value before the
-    first sample has arrived. Several on one channel add.
+    ``measured(t) = x(t - delay)``, linear between samples (commanded torques are held). Before the first sample
+    arrives, it is the first value. Several on one channel add.
 
     Args:
         channel: ``<signal>.<joint>``.
@@ -115,7 +115,7 @@ class ChannelLag(SensorEffect):
 
 
 class EncoderEccentricity(SensorEffect):
-    """An encoder disc off its axis: an error that comes back every turn.
+    """An eccentric encoder disc: an error that is periodic over a turn.
 
     ``measured = x + amplitude sin(harmonic x + phase)``.
 
@@ -144,7 +144,7 @@ class EncoderEccentricity(SensorEffect):
 
 
 class SensorOffset(SensorEffect):
-    """A sensor whose zero is off.
+    """A sensor with a wrong zero.
 
     ``measured = x + offset``.
 
@@ -162,18 +162,18 @@ class SensorOffset(SensorEffect):
     offset: float = parameter("unit of the channel")
 
     def error(self, x: Array) -> Array:
-        """The same everywhere."""
+        """A constant."""
         return np.full_like(x, self.offset)
 
 
 class SensorGain(SensorEffect):
-    """A sensor whose scale is off.
+    """A sensor with a wrong scale.
 
     ``measured = (1 + gain) x``. Several on one channel add their gains.
 
     Args:
         channel: ``<signal>.<joint>``.
-        gain: 0.05: it reports five percent too much; -2: mounted the wrong way round [1].
+        gain: 0.05 means that it reports five percent too much; -2 that it is mounted the wrong way round [1].
     """
 
     law = "(1 + gain)*x"
@@ -184,7 +184,7 @@ class SensorGain(SensorEffect):
     gain: float = parameter("1")
 
     def error(self, x: Array) -> Array:
-        """In proportion."""
+        """Proportional to the value."""
         return self.gain * x
 
 
@@ -194,7 +194,8 @@ _ORDER = (ChannelLag, EncoderEccentricity, SensorGain, SensorOffset)
 def measure(effects: Iterable[SensorEffect], x: ArrayLike, t: ArrayLike) -> Array:
     """A channel as the sensor with all of these effects reports it.
 
-    They act in the order lag, eccentricity, gain, offset, users' own; those of one kind see the same input and add.
+    They act in the order lag, eccentricity, gain, offset, users' own. Several of one kind have the same input, and
+    their errors add.
 
     Args:
         effects: on this channel; neutral ones change nothing, bit for bit.

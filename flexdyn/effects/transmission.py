@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 class JointElasticity(JointEffect):
     """The elasticity of a joint that was taken for rigid.
 
-    The joint becomes elastic: rotor and link move apart and ``tau_s = stiffness delta`` (paper, eq. 3, 4, with the
-    joint's own `damping` across it). Several on one joint add their stiffness.
+    The joint becomes elastic: rotor and link have positions of their own, and ``tau_s = stiffness delta`` (paper,
+    eq. 3, 4), plus the joint's `damping`. Several on one joint add their stiffness.
 
     Args:
         joint: its name; it must be rigid without this effect, and its rotor must have inertia.
@@ -38,14 +38,14 @@ class JointElasticity(JointEffect):
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
 
     def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
-        # The core has no law of this name: the model folds it into the joint's stiffness.
+        # The core has no law of this name: the model adds it to the joint's stiffness.
         return self.stiffness * x
 
 
 class TransmissionDamping(JointEffect):
     """Damping across the spring of an elastic joint.
 
-    ``tau_s += coefficient (omega - v)``, of the true velocities. It adds to the joint's `damping`.
+    ``tau_s += coefficient (omega - v)``, with the true velocities. It adds to the joint's `damping`.
 
     Args:
         joint: its name; it must be elastic.
@@ -64,9 +64,9 @@ class TransmissionDamping(JointEffect):
 
 
 class HardeningSpring(JointEffect):
-    """A transmission that stiffens as it winds up, as harmonic drives do.
+    """A transmission whose stiffness grows with the deflection, as in harmonic drives.
 
-    ``tau_s += cubic delta^3``, beside the joint's own ``K delta``; it stores ``1/4 cubic delta^4``.
+    ``tau_s += cubic delta^3``, in addition to the joint's own ``K delta``; it stores ``1/4 cubic delta^4``.
 
     Args:
         joint: its name; it must be elastic.
@@ -114,14 +114,14 @@ class DeflectionEffect(JointEffect, abstract=True):
 
 
 class Backlash(DeflectionEffect):
-    """Play between rotor and link: within the gap the transmission carries no spring torque.
+    """A gap between rotor and link: within the gap the transmission carries no spring torque.
 
     ``delta -> delta - half_gap`` above the gap, ``delta + half_gap`` below it, 0 inside. Several on one joint add
     their half gaps.
 
     Args:
         joint: its name; it must be elastic.
-        half_gap: half the play [rad].
+        half_gap: half of the gap [rad].
     """
 
     law = "delta -> dead zone of +-half_gap"
@@ -133,7 +133,7 @@ class Backlash(DeflectionEffect):
 
 
 class SpringHysteresis(MemoryEffect):
-    """A transmission that gives back less than was put in: rubbing teeth, a flexspline's material.
+    """A transmission that returns less energy than it was given: rubbing teeth, a flexspline's material.
 
     ``tau_s += stiffness h``, ``h' = delta' - abs(delta') h/width``, delta after kinematic error and dead zone. It
     stores ``1/2 stiffness h^2`` and never supplies energy beyond that. Source: the model of Bouc (1967) and Wen (J.
@@ -141,8 +141,8 @@ class SpringHysteresis(MemoryEffect):
 
     Args:
         joint: its name; it must be elastic.
-        stiffness: at reversal, beside the joint's K [N m/rad]; far from it the torque is stiffness*width.
-        width: deflection over which it turns round [rad].
+        stiffness: at a reversal, in addition to the joint's K [N m/rad]; far from it the torque is stiffness*width.
+        width: scale of the deflection over which the torque changes its sign after a reversal [rad].
     """
 
     sides = ("transmission",)
@@ -167,12 +167,12 @@ class SpringHysteresis(MemoryEffect):
 
 
 class KinematicError(DeflectionEffect):
-    """A gear that does not divide its turn evenly: it winds the spring as the rotor turns.
+    """A gear with an uneven ratio over a turn: it deflects the spring as the rotor turns.
 
-    ``delta -> delta + amplitude sin(harmonic theta + phase)``. The rotor feels the spring's torque times ``1 +
-    amplitude harmonic cos(harmonic theta + phase)``, so that no energy is made or lost. Source: the position error of
-    harmonic drives (Tuttle and Seering, IEEE Trans. Robotics Automation 12(3), 1996); the conservative form, Gandhi
-    and Ghorbel (Robotica 20, 2002).
+    ``delta -> delta + amplitude sin(harmonic theta + phase)``. The torque on the rotor is the spring's torque times ``1
+    + amplitude harmonic cos(harmonic theta + phase)``, so that energy is conserved. Source: the position error of
+    harmonic drives (Tuttle and Seering, IEEE Trans. Robotics Automation 12(3), 1996); the conservative form, Gandhi and
+    Ghorbel (Robotica 20, 2002).
 
     Args:
         joint: its name; it must be elastic.

@@ -1,4 +1,4 @@
-"""Writing files so that nothing is lost or half written: beside the target, then renamed."""
+"""Writing files so that nothing is lost or incomplete: into a temporary file, which is then renamed."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from flexdyn.errors import InputError
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A fresh file beside `path` to write to; it takes the path's place on success and vanishes on failure.
+    """Open a temporary file next to `path`; on success it replaces `path`, on failure it is removed.
 
     Raises:
-        InputError: the folder is not there, or the target is something other than a file.
+        InputError: the folder does not exist, or the target is not a regular file.
     """
     target = Path(os.path.realpath(path))
     if not target.parent.is_dir():
@@ -32,12 +32,12 @@ def replacing(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror or error})", file=path) from None
     finally:
-        with suppress(OSError):  # it took the path's place, or the disk is read-only
+        with suppress(OSError):  # it has replaced the path, or the disk is read-only
             fresh.unlink()
 
 
 def exists(path: str | Path) -> bool:
-    """Whether something is there; no for a name that no file can have, or in a folder that may not be read."""
+    """Whether the path exists; False for a name that no file can have, or in a folder that cannot be read."""
     try:
         return Path(path).exists()
     except (OSError, ValueError):
@@ -45,11 +45,11 @@ def exists(path: str | Path) -> bool:
 
 
 def is_file(path: str | Path) -> bool:
-    """Whether a file is there, and not a folder: `exists` with that difference."""
+    """Whether the path exists and is a file; like `exists` otherwise."""
     return exists(path) and Path(path).is_file()
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file in UTF-8, whole or not at all."""
+    """Write a text file in UTF-8, completely or not at all."""
     with replacing(path) as fresh:
         fresh.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""What notebooks show of an object and what tab completion offers: small HTML tables, and public names."""
+"""HTML tables that notebooks show for an object, and the public names that tab completion offers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Public:
 
 
 def card(title: str, facts: Mapping[str, Any], *tables: str, notes: Iterable[str] = ()) -> str:
-    """HTML of an object: its title, a line for each fact, tables, notes; whatever stands in them is only text.
+    """HTML of an object: its title, a line for each fact, tables, notes; all content is escaped.
 
     Args:
         title: what it is.

@@ -1,4 +1,4 @@
-"""YAML files as untrusted input: version 1.2, safe types, bounded size, one line on what is wrong."""
+"""YAML files as untrusted input: version 1.2, safe types, bounded size, errors of one line."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from typing import Any
 from flexdyn.errors import InputError, did_you_mean
 
 MAX_YAML_BYTES = 500_000
-"""Of a file: so much is read in some seconds."""
+"""Largest size of a file [bytes]; such a file is read in some seconds."""
 MAX_NODES = 100_000
-"""Entries once aliases are unfolded."""
+"""Largest number of entries after aliases are unfolded."""
 MAX_DEPTH = 32
-"""Lists and mappings in each other."""
+"""Deepest nesting of lists and mappings."""
 MAX_BRACKETS = 1000
-"""Open at once, wherever they stand: the parser takes long over more."""
+"""Largest number of open brackets anywhere in the text: the parser is slow with more."""
 _BRACKET = re.compile(r"[\[\]{}]")
 
 
 def read_yaml(path: Path) -> Mapping[str, Any]:
-    """The mapping that a YAML file holds; numbers as YAML 1.2 reads them (4e-05 is one).
+    """Read the mapping in a YAML file, with numbers as in YAML 1.2 (4e-05 is a number).
 
     Raises:
-        InputError: no such file, too large, not YAML, or no mapping.
+        InputError: no such file, a file that is too large, not YAML, or no mapping.
     """
     try:
         if path.stat().st_size > MAX_YAML_BYTES:
@@ -43,14 +43,14 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
 
 
 def parse_yaml(text: str, path: Path | None = None) -> Mapping[str, Any]:
-    """As `read_yaml`, of text already read; `path` is for messages."""
+    """Like `read_yaml`, for text that is already read; `path` is used in messages."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
     if _brackets(text) > MAX_BRACKETS:
         raise _too_deep(path)
     yaml = YAML(typ="safe", pure=True)  # pure Python: the C parser reads YAML 1.1, where 4e-05 is a string
-    yaml.composer.warn_double_anchors = False  # an anchor may be set anew, says YAML 1.2
+    yaml.composer.warn_double_anchors = False  # YAML 1.2 allows an anchor to be defined again
     try:
         if "&" in text and _expanded_size(yaml.compose(text), {}) > MAX_NODES:
             raise InputError(f"its aliases unfold to more than {MAX_NODES} entries", file=path)
@@ -65,7 +65,7 @@ def parse_yaml(text: str, path: Path | None = None) -> Mapping[str, Any]:
         raise _too_deep(path) from None
     except (YAMLError, ValueError) as error:
         raise InputError(f"not valid YAML{_reason(error)}", file=path) from None
-    except Exception as error:  # odd tags (!!int '', !!bool x) make ruamel stumble in ways of its own
+    except Exception as error:  # ruamel raises various exceptions for unusual tags (!!int '', !!bool x)
         raise InputError(f"not valid YAML ({type(error).__name__})", file=path) from None
     if not isinstance(content, Mapping):
         raise InputError("a mapping of keys is needed", file=path, value=content)
@@ -75,7 +75,7 @@ def parse_yaml(text: str, path: Path | None = None) -> Mapping[str, Any]:
 
 
 def _brackets(text: str) -> int:
-    """How many brackets are open at once, those in texts and comments too."""
+    """The largest number of open brackets, including those in texts and comments."""
     steps = (1 if bracket[0] in "[{" else -1 for bracket in _BRACKET.finditer(text))
     return max(itertools.accumulate(steps), default=0)
 
@@ -91,9 +91,9 @@ def _deeper(content: Any, left: int) -> bool:
 
 
 def _expanded_size(node: Any, known: dict[int, float]) -> float:
-    """How many entries a node has once its aliases are unfolded; one that holds itself has no end."""
+    """The number of entries of a node after its aliases are unfolded; infinite if it contains itself."""
     if id(node) not in known:
-        known[id(node)] = math.inf  # met again before it is done: it holds itself
+        known[id(node)] = math.inf  # met again before it is finished: it contains itself
         children = node.value if isinstance(getattr(node, "value", None), list) else []
         flat = [child for entry in children for child in (entry if isinstance(entry, tuple) else (entry,))]
         known[id(node)] = 1.0 + sum(_expanded_size(child, known) for child in flat)
@@ -106,10 +106,10 @@ def _reason(error: Any) -> str:
 
 
 def check_keys(content: Any, known: Sequence[str], *, required: Sequence[str] = (), key: str = "") -> None:
-    """Refuse a key that nobody reads, and miss one that is needed.
+    """Refuse an unknown key, and a mapping without a required key.
 
     Raises:
-        InputError: with the near miss.
+        InputError: an unknown key, with the most similar known one, or a missing key.
     """
     if not isinstance(content, Mapping):
         raise InputError("a mapping of keys is needed", key=key or None, value=content)
@@ -123,7 +123,7 @@ def check_keys(content: Any, known: Sequence[str], *, required: Sequence[str] = 
 
 
 def dump_yaml(content: Mapping[str, Any]) -> str:
-    """Text of a mapping that reads back bit for bit: floats by their shortest exact form."""
+    """Text of a mapping that can be read back bit for bit: floats in their shortest exact form."""
     from io import StringIO
 
     from ruamel.yaml import YAML

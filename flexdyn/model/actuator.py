@@ -1,4 +1,4 @@
-"""What turns a joint's motor: a DC motor under voltage, and the position controller in its firmware."""
+"""The actuator of a joint: a DC motor under voltage, and the position controller in its firmware."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class DCMotor:
     Args:
         torque_constant: kt [N m/A], which is the back-EMF constant [V s/rad] as well.
         resistance: R of the winding and its driver [ohm].
-        supply: largest voltage [V], which a duty of 1 gives; infinite: no limit, and no duty.
+        supply: largest voltage [V], which a duty of 1 gives; infinite: no limit, and a duty has no meaning.
         current_limit: [A]; infinite: none.
         inductance: L of the winding [H]; 0: the current follows the voltage at once. A run starts without current.
 
@@ -69,19 +69,19 @@ MOTOR_NUMBERS = tuple(field.name for field in dataclasses.fields(DCMotor))
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Actuator:
-    """What drives a joint's motor: it is asked for volts, not for a torque.
+    """The drive of a joint's motor whose command is a voltage, not a torque.
 
-    A recording says by ``voltage.JOINT`` [V], ``duty.JOINT`` [1], or, where there is firmware, ``goal.JOINT`` [rad]
-    what it was asked for. The signal ``tau`` is then the torque that this voltage gives at standstill.
+    A recording holds the command as ``voltage.JOINT`` [V], ``duty.JOINT`` [1], or, with firmware, ``goal.JOINT`` [rad].
+    The signal ``tau`` is then the torque that this voltage gives at standstill.
 
     Args:
         dc_motor: a `DCMotor` or the mapping of its numbers.
-        firmware: a `Firmware`, the mapping of its settings, or None: the voltage comes from elsewhere.
-        torque_per_volt: at standstill, behind the gear, by which volts become torque asked for [N m/V]; None: of the
-            motor's own numbers. It stays what it was where a diagnosis moves them.
+        firmware: a `Firmware`, the mapping of its settings, or None if the voltage is commanded directly.
+        torque_per_volt: factor from the voltage to the commanded torque at standstill, behind the gear [N m/V]; None:
+            computed from the motor's numbers. A diagnosis keeps it fixed when it changes these numbers.
 
     Raises:
-        InputError: a number that makes no sense.
+        InputError: a number that is not allowed.
 
     Example:
         >>> servo = fd.Actuator(dc_motor=fd.DCMotor(torque_constant=0.5, resistance=5.0, supply=12.0))
@@ -97,7 +97,7 @@ class Actuator:
     torque_per_volt: float | None = None
 
     def __post_init__(self) -> None:
-        """Make mappings what they describe."""
+        """Convert mappings to the objects that they describe."""
         for name, kind in (("dc_motor", DCMotor), ("firmware", Firmware)):
             value = getattr(self, name)
             if isinstance(value, kind) or (value is None and name == "firmware"):
@@ -105,11 +105,11 @@ class Actuator:
             object.__setattr__(self, name, _made(name, kind, value))
 
     def per_volt(self, gear_ratio: float) -> float:
-        """Torque asked for per volt [N m/V]."""
+        """Commanded torque per volt [N m/V]."""
         return self.dc_motor.stall_torque(gear_ratio) if self.torque_per_volt is None else self.torque_per_volt
 
     def laws(self, joint: str, gear_ratio: float) -> tuple[MotorLaw, ...]:
-        """What it does to the torque asked for, behind the gear."""
+        """The laws that act on the commanded torque, behind the gear."""
         motor, asked = self.dc_motor, self.per_volt(gear_ratio)
         kt = gear_ratio * motor.torque_constant
         gain, back_emf = kt / motor.resistance / asked, kt * kt / motor.resistance
@@ -122,12 +122,12 @@ class Actuator:
         return (torque,) if limit.is_neutral else (limit, torque)
 
     def scaled(self, number: str, factor: float) -> Actuator:
-        """With one number of the motor times a factor."""
+        """A copy with one number of the motor multiplied by a factor."""
         motor = dataclasses.replace(self.dc_motor, **{number: getattr(self.dc_motor, number) * factor})
         return dataclasses.replace(self, dc_motor=motor)
 
     def held(self, gear_ratio: float) -> Actuator:
-        """The same, whose volts become torque asked for as now, whatever is changed of its numbers or the gear."""
+        """A copy that keeps the present factor from volts to commanded torque when its numbers or the gear change."""
         return dataclasses.replace(self, torque_per_volt=self.per_volt(gear_ratio))
 
     def to_dict(self) -> dict[str, Any]:
@@ -137,10 +137,10 @@ class Actuator:
 
     @staticmethod
     def of(entry: Any) -> Actuator | None:
-        """Of a model file's entry, or as it is.
+        """Make an actuator from a model file's entry; an actuator is returned as it is.
 
         Raises:
-            InputError: no mapping of ``dc_motor`` and ``firmware``, or a number that makes no sense.
+            InputError: no mapping of ``dc_motor`` and ``firmware``, or a number that is not allowed.
         """
         if entry is None or isinstance(entry, Actuator):
             return entry
@@ -152,7 +152,7 @@ class Actuator:
 
 
 def _made(name: str, kind: Any, entry: Any, allowed: tuple[str, ...] = ()) -> Any:
-    """A frozen settings class of a mapping of its fields."""
+    """Make a frozen settings class from a mapping of its fields."""
     fields = {field.name: field for field in dataclasses.fields(kind)}
     known = allowed or tuple(fields)
     if not isinstance(entry, Mapping):

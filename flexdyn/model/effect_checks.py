@@ -1,4 +1,4 @@
-"""Whether effects fit the arm: what they name is there, and what they act on can have them."""
+"""Checks that effects fit the arm: the joints, frames and channels that they name exist and can have them."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ MEASURED = ("q", "v", "theta", "omega", "tau", "tau_applied", "tau_s")
 
 
 def fitted(robot: Robot, joints: Mapping[str, Joint], entries: Iterable[Any]) -> tuple[Effect, ...]:
-    """The effects, each checked against the arm and against those beside it.
+    """Check each effect against the arm and against the other effects, and return them.
 
     Args:
         robot: whose joints and frames they name.
-        joints: its drives by name.
+        joints: the drives by name.
         entries: effects, or entries of a model file.
 
     Raises:
-        InputError: one that does not fit; its key is ``effects[i]``.
+        InputError: an effect does not fit; its key is ``effects[i]``.
     """
     effects: list[Effect] = []
     for i, entry in enumerate(entries):

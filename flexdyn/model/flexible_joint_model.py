@@ -43,24 +43,25 @@ class FlexibleJointModel(Public):
         tau_s = K (theta - q) + D (omega - v) + ...          transmission
 
     M and h (Coriolis, centrifugal, gravity) come from Pinocchio. A joint of infinite stiffness is rigid: theta = q,
-    and its J is added to M. The friction torques f_link, f_motor and whatever else acts are the model's effects.
+    and its J is added to M. The friction torques f_link, f_motor and all other torques are the model's effects.
 
     Args:
         robot: from `load_robot`.
-        joints: joint name -> `Joint` or mapping of its numbers; ``"*"`` stands for joints not named. A number may be
-            ``"unknown"`` or have an absolute tolerance, see `Joint`.
+        joints: joint name -> `Joint` or mapping of its numbers; ``"*"`` applies to all joints that are not named. A
+            number may be ``"unknown"`` or have an absolute tolerance, see `Joint`.
         effects: any number of them; several of one kind add up.
         initial: ``{"q": {"elbow": 1.57}}``; also v, theta, omega [rad, rad/s]. Default 0, theta = q, omega = v.
         tolerance: how well the numbers are known, relative, 1 sigma; a mapping sets it per number by its dotted path
             (``{"*": 0.05, "joints.elbow.stiffness": 0.2}``).
-        links: link name -> ``{"inertia": moment}`` [kg m^2], the same about every axis through the centre of mass, in
-            place of what the URDF says, which is often 0; it may be ``"unknown"`` or have an absolute tolerance.
+        links: link name -> ``{"inertia": moment}`` [kg m^2], the same about every axis through the centre of mass. It
+            replaces the URDF's value, which is often 0; it may be ``"unknown"`` or have an absolute tolerance.
         gravity: [m/s^2] in the axes of the base.
-        urdf_dynamics: ``use`` turns the URDF's <dynamics damping friction> into link-side effects; ``ignore``.
-        rotor_coupling: ``reduced``: rotors act on their own joint only; ``full``: they ride on their parent links, turn
-            with them, and their spin acts on the links (S(q) alpha and its gyroscopic torques).
-        command: a first motion in the words of a command file, with points (see `flexdyn.control.points`): what
-            ``flexdyn simulate`` plays where no other is given; in Python ``fd.simulate(model, model.command)``.
+        urdf_dynamics: ``use`` turns the URDF's <dynamics damping friction> into link-side effects; ``ignore`` leaves
+            it out.
+        rotor_coupling: ``reduced``: rotors act on their own joint only; ``full``: they move with their parent links,
+            and their spin acts on the links (S(q) alpha and its gyroscopic torques).
+        command: a default motion in the form of a command file with points (see `flexdyn.control.points`). ``flexdyn
+            simulate`` uses it if no other command is given; in Python ``fd.simulate(model, model.command)``.
         name: of the model; default: the robot's.
 
     Raises:
@@ -98,35 +99,35 @@ class FlexibleJointModel(Public):
         self.urdf_dynamics = one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
         self.rotor_coupling = one_of("robot.rotor_coupling", rotor_coupling, ("reduced", "full"))
         if robot.axes and rotor_coupling == "full":
-            remedy = "write reduced: where the rotors of coupled axes ride, nothing says"
+            remedy = "write reduced: the model does not say on which links the rotors of coupled axes ride"
             raise InputError("no rotor coupling with axes", key="robot.rotor_coupling", value="full", remedy=remedy)
         self.gravity = gravity_checked(gravity)
         self.initial = initial_checked({} if initial is None else initial, robot.joint_names)
         self.tolerance = tolerance_checked(tolerance)
         self.command = command_checked(command, robot.joint_names)
         self.links: Mapping[str, GivenNumber] = link_inertias({} if links is None else links, robot)
-        given = (each for each in effects if not isinstance(each, MotorLaw))  # those are of the joints' actuators
+        given = (each for each in effects if not isinstance(each, MotorLaw))  # those come from the actuators
         self.effects: tuple[Effect, ...] = fitted(robot, self.joints, given)
         self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
         self.__dict__["_locked"] = True
-        self.resolved()  # refuses parameter errors that fit nothing
+        self.resolved()  # refuses parameter errors of numbers that do not exist
 
     def __setattr__(self, key: str, value: Any) -> None:
-        """Models do not change; `replace` makes another."""
+        """Refuse changes: models are immutable, `replace` makes a changed copy."""
         if self.__dict__.get("_locked"):
             raise AttributeError(f"a model does not change: use model.replace({key}=...)")
         super().__setattr__(key, value)
 
     def __delattr__(self, key: str) -> None:
-        """Nor do they lose anything."""
+        """Refuse to delete an attribute."""
         raise AttributeError(f"a model does not change: {key} stays")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle by what it was made of."""
+        """Pickle by the constructor's arguments."""
         return (_rebuild, (self.robot, dict(self.joints), self.effects, self._settings()))
 
     def __eq__(self, other: object) -> bool:
-        """Equal if robot source, joints, effects and settings are."""
+        """Equal if robot source, joints, effects and settings are equal."""
         if not isinstance(other, FlexibleJointModel):
             return NotImplemented
         mine, its = self.robot, other.robot
@@ -135,18 +136,18 @@ class FlexibleJointModel(Public):
         return same_robot and self._content() == other._content()
 
     def __hash__(self) -> int:
-        """By name and joints."""
+        """Hash of name and joints."""
         return hash((self.name, tuple(self.joints.values())))
 
     def __repr__(self) -> str:
-        """What it holds, in a line."""
+        """A summary in one line."""
         elastic = int(self.elastic.sum())
         return visible(
             f"<FlexibleJointModel {self.name}: {self.n} joints, {elastic} elastic, {len(self.all_effects)} effects>"
         )
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: drives and effects."""
+        """HTML for notebooks: drives and effects."""
         numbers = ("gear_ratio", "reflected_inertia", "stiffness", "damping")
         drives = (
             (name, "elastic" if each.elastic else "rigid", *(getattr(each, key) for key in numbers))
@@ -173,12 +174,12 @@ class FlexibleJointModel(Public):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """In the order of q."""
+        """Names of the joints in the order of q."""
         return self.robot.joint_names
 
     @cached_property
     def stiffness(self) -> Array:
-        """K of every joint (n,) [N m/rad or N/m], infinite where rigid; with the effect joint_elasticity folded in."""
+        """K of every joint (n,) [N m/rad or N/m], infinite where rigid; the effect joint_elasticity is included."""
         stiffness = self._numbers("stiffness")
         for effect in self.effects:
             if isinstance(effect, JointElasticity) and not effect.is_neutral:
@@ -203,12 +204,12 @@ class FlexibleJointModel(Public):
 
     @cached_property
     def all_effects(self) -> tuple[Effect, ...]:
-        """The model's effects, then the laws of motors under voltage, then what comes from the URDF's <dynamics>."""
+        """The model's effects, then the laws of motors under voltage, then the effects of the URDF's <dynamics>."""
         return self.effects + self.motor_laws + self.urdf_effects
 
     @cached_property
     def motor_laws(self) -> tuple[MotorLaw, ...]:
-        """What the joints' actuators do to the torques asked for."""
+        """The laws of the joints' actuators, which act on the commanded torques."""
         found: list[MotorLaw] = []
         for name, joint in self.joints.items():
             if joint.actuator is not None:
@@ -219,7 +220,7 @@ class FlexibleJointModel(Public):
         """A copy with some of the constructor's arguments changed.
 
         Args:
-            changes: as the constructor takes them; ``joints`` is merged number by number into what is there.
+            changes: as the constructor takes them; ``joints`` is merged number by number into the present joints.
         """
         if changes.keys() == {"initial"}:
             return self._starting(changes["initial"])
@@ -231,17 +232,17 @@ class FlexibleJointModel(Public):
         return FlexibleJointModel(robot, joints, effects, **(self._settings() | changes))
 
     def resolved(self) -> FlexibleJointModel:
-        """The model as it is true: parameter errors and joint elasticities folded into the numbers they change.
+        """The model with parameter errors and joint elasticities applied to the numbers that they change.
 
-        Without any of them it is the model itself. Plants are built of this one.
+        Without any of them it is the model itself. Plants are built from the resolved model.
         """
         return self._resolved
 
     def check_known(self) -> None:
-        """Refuse a number that is unknown: whatever computes with the model needs all of them.
+        """Refuse a model with an unknown number: a computation needs all numbers.
 
         Raises:
-            InputError: a number is unknown; it says how to give it.
+            InputError: a number is unknown; the message says how to give it.
         """
         for name, joint in self.joints.items():
             for number in ("rotor_inertia", *(["damping"] if self.elastic[self.index(name)] else [])):
@@ -253,7 +254,7 @@ class FlexibleJointModel(Public):
             raise refusal(f"links.{name}.inertia", "kg m^2")
 
     def rigid(self) -> FlexibleJointModel:
-        """The same arm without elasticity: every joint rigid, J added to M, effects that need a spring left out."""
+        """The same arm without elasticity: every joint rigid, J added to M, no effects that need a spring."""
         true = self.resolved()
         kept = [
             effect
@@ -264,7 +265,7 @@ class FlexibleJointModel(Public):
         return true.replace(joints={"*": {"stiffness": math.inf}}, effects=kept, initial=links)
 
     def index(self, joint: str) -> int:
-        """Place of a joint in q.
+        """Index of a joint in q.
 
         Raises:
             InputError: the robot has no such joint.
@@ -272,7 +273,7 @@ class FlexibleJointModel(Public):
         return self.robot.joint_index(joint)
 
     def _starting(self, initial: Any) -> FlexibleJointModel:
-        """The same model with another first state; what was checked and computed of it stays."""
+        """The same model with another first state; checks and computed values are kept."""
         kept = {key: value for key, value in vars(self).items() if key != "_resolved"}
         twin = object.__new__(type(self))
         twin.__dict__.update(kept, initial=initial_checked({} if initial is None else initial, self.joint_names))
@@ -310,7 +311,7 @@ def _locked(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def _thawed(value: Any) -> Any:
-    """Read-only mappings as plain ones, which pickle and compare."""
+    """Plain copies of read-only mappings, which can be pickled and compared."""
     return {key: _thawed(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value
 
 

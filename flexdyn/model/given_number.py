@@ -1,4 +1,4 @@
-"""A number of a model file as it may be written: a value, ``unknown``, or a value with an absolute tolerance."""
+"""A number of a model file: a value, ``unknown``, or a value with an absolute tolerance."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
 UNKNOWN = "unknown"
-"""How a model file says that nobody knows a number."""
+"""The word of a model file for an unknown number."""
 KEYS = ("value", "tolerance")
 WRITE_UNKNOWN = "write unknown for a number that nobody knows"
 
 
 @dataclass(frozen=True)
 class GivenNumber:
-    """A number with what is known of it.
+    """A number and how well it is known.
 
     Attributes:
-        value: in its unit; 0 where it is unknown.
+        value: in its unit; 0 if it is unknown.
         tolerance: absolute, one standard deviation, in the same unit; infinite: the number is unknown; None: the
-            relative tolerance of the model holds.
+            relative tolerance of the model applies.
     """
 
     value: float
@@ -31,7 +31,7 @@ class GivenNumber:
 
     @property
     def is_unknown(self) -> bool:
-        """Whether nobody knows it."""
+        """Whether the number is unknown."""
         return self.tolerance == math.inf
 
     def entry(self) -> Any:
@@ -46,10 +46,10 @@ def given_number(entry: Any, key: str) -> GivenNumber:
 
     Args:
         entry: a number, ``unknown`` or ``{value: 0.0, tolerance: 0.02}``.
-        key: where it stands.
+        key: its path in the file, for messages.
 
     Raises:
-        InputError: none of them.
+        InputError: it is none of these.
     """
     if isinstance(entry, str) and entry == UNKNOWN:
         return GivenNumber(0.0, math.inf)
@@ -75,10 +75,10 @@ def given_number(entry: Any, key: str) -> GivenNumber:
 
 
 def refusal(key: str, unit: str) -> InputError:
-    """What a simulation says of an unknown number.
+    """The error of a simulation whose model has an unknown number.
 
     Args:
-        key: where the number stands.
+        key: path of the number in the file.
         unit: of the number.
     """
     remedy = f"write it in {unit}, or estimate it from a recording with flexdyn diagnose"

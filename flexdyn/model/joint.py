@@ -1,4 +1,4 @@
-"""One joint's drive: gear, rotor, spring and damper between motor and link."""
+"""The drive of one joint: gear, rotor, spring and damper between motor and link."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexdyn.model.given_number import UNKNOWN, GivenNumber, given_number
 
 @dataclass(frozen=True, kw_only=True)
 class Joint:
-    """The drive of one joint; everything but rotor_inertia is on the link side of the gear.
+    """The drive of one joint; all numbers except rotor_inertia are on the link side of the gear.
 
     Every number but the gear ratio may be given with an absolute tolerance, one standard deviation in its own unit:
     ``{"value": 0.0, "tolerance": 2e-5}``. Rotor inertia and damping may be ``"unknown"``: a diagnosis estimates them.
@@ -24,13 +24,14 @@ class Joint:
             other way.
         rotor_inertia: on the motor side [kg m^2]; J = gear_ratio^2 rotor_inertia.
         stiffness: K [N m/rad or N/m]; infinite: a rigid joint.
-        damping: D across the transmission [N m s/rad or N s/m]; a rigid joint has none to act on.
-        actuator: an `Actuator` or its mapping, where the motor is driven by a voltage; None: by a torque.
-        tolerances: absolute ones by name of the number; infinite: the number is unknown. Read from the numbers.
+        damping: D across the transmission [N m s/rad or N s/m]; it has no effect in a rigid joint.
+        actuator: an `Actuator` or its mapping, if the motor is driven by a voltage; None: by a torque.
+        tolerances: absolute ones by name of the number; infinite: the number is unknown. Taken from the numbers if
+            these have one.
 
     Raises:
-        InputError: a number that is missing its sense: negative inertia, zero stiffness, an elastic joint whose rotor
-            weighs nothing.
+        InputError: a number that is not allowed: negative inertia, zero stiffness, an elastic joint whose rotor has no
+            inertia.
 
     Example:
         >>> joint = fd.Joint(gear_ratio=100.0, rotor_inertia=2e-5, stiffness=2e4)
@@ -62,7 +63,7 @@ class Joint:
             remedy = "give the rotor's inertia in kg m^2 on the motor side, or stiffness .inf for a rigid joint"
             raise InputError("an elastic joint needs it above 0", key="rotor_inertia", remedy=remedy)
         if self.rotor_inertia > 0 and not 0 < self.reflected_inertia < math.inf:
-            problem = "gear_ratio^2 rotor_inertia is beyond what a float can hold"
+            problem = "gear_ratio^2 rotor_inertia is too large for a double"
             raise InputError(problem, key="rotor_inertia", value=self.rotor_inertia)
 
     @property
@@ -76,7 +77,7 @@ class Joint:
         return self.gear_ratio * self.gear_ratio * self.rotor_inertia
 
     def given(self, name: str) -> GivenNumber:
-        """A number with its absolute tolerance, where it has one."""
+        """A number with its absolute tolerance, if it has one."""
         return GivenNumber(getattr(self, name), dict(self.tolerances).get(name))
 
     def to_dict(self) -> dict[str, Any]:
@@ -85,7 +86,7 @@ class Joint:
         return numbers if self.actuator is None else numbers | {"actuator": self.actuator.to_dict()}
 
     def values(self) -> dict[str, Any]:
-        """Every number without its tolerance; ``unknown`` where it is."""
+        """Every number without its tolerance; ``unknown`` for an unknown one."""
         return {name: UNKNOWN if self.given(name).is_unknown else getattr(self, name) for name in NUMBERS}
 
     @staticmethod
@@ -107,12 +108,12 @@ class Joint:
         return {str(key): value for key, value in entry.items()}
 
     def _read(self) -> None:
-        """Take values and absolute tolerances from what was given."""
+        """Take values and absolute tolerances from the given entries."""
         tolerances = dict(self.tolerances)
         for name in NUMBERS:
             number = given_number(getattr(self, name), name)
             if number.value != 0.0 and tolerances.get(name) == math.inf:
-                del tolerances[name]  # it was unknown and is given now
+                del tolerances[name]  # it was unknown and now has a value
             if number.tolerance is not None:
                 if name == "gear_ratio" or (number.is_unknown and name == "stiffness"):
                     raise InputError("it must be a number", key=name, value=number.entry(), remedy=ALWAYS_KNOWN[name])
@@ -122,25 +123,25 @@ class Joint:
 
 
 KEYS = tuple(field.name for field in fields(Joint) if field.name != "tolerances")
-"""What a model file may say of a joint."""
+"""Keys of a joint in a model file."""
 NUMBERS = tuple(name for name in KEYS if name != "actuator")
 """Names of a joint's numbers."""
 ALWAYS_KNOWN = {
     "gear_ratio": "all signals are reflected, so a wrong one shows in the rotor's inertia: make rotor_inertia unknown",
     "stiffness": "leave it out: a diagnosis finds the elasticity of a rigid joint, with its stiffness",
 }
-"""Why a number may not be unknown."""
+"""Why some numbers may not be unknown."""
 
 
 def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Joint]:
-    """A drive for every joint: its own numbers over those of ``"*"`` over the defaults.
+    """A drive for every joint: its own numbers, else those of ``"*"``, else the defaults.
 
     Args:
         entries: joint name or ``"*"`` -> `Joint` or mapping of its numbers.
         names: of the robot's joints.
 
     Raises:
-        InputError: a joint that the robot does not have, or a number without sense.
+        InputError: a joint that the robot does not have, or a number that is not allowed.
     """
     if not isinstance(entries, Mapping):
         raise InputError("joints are a mapping by name", key="joints", value=entries)
@@ -158,7 +159,7 @@ def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[s
         try:
             resolved[name] = Joint(**(shared | own))
         except InputError as error:
-            # A number stands where it was given; one that is missing is missed at the joint itself.
+            # An error names the entry that gave the number; a missing number is reported at the joint itself.
             number = str(error.key).partition(".")[0]
             inherited = name not in entries or (number in shared and number not in own)
             raise error.at(key=f"joints.{'*' if inherited else name}") from None

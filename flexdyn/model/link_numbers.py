@@ -1,4 +1,4 @@
-"""Inertias of links that a model file gives in place of its URDF's."""
+"""Inertias of links that a model file gives instead of those of the URDF."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def link_inertias(entries: Any, robot: Robot) -> Links:
         robot: whose links they are.
 
     Raises:
-        InputError: a link or key that is not there, a link that moves no mass, or a negative moment.
+        InputError: an unknown link or key, a link that moves no mass, or a negative moment.
     """
     if not isinstance(entries, Mapping):
         remedy = "write {LINK: {inertia: 0.01}}"
@@ -57,12 +57,12 @@ def links_entry(links: Links) -> dict[str, Any]:
 
 
 def unknown_links(links: Links) -> dict[str, Any]:
-    """Of those that nobody knows, as a model file writes them."""
+    """The unknown ones, as a model file writes them."""
     return links_entry({link: number for link, number in links.items() if number.is_unknown})
 
 
 def robot_with_links(robot: Robot, links: Links) -> Robot:
-    """The robot with the inertias that are known in place of its own; the same one for the same inertias."""
+    """The robot with the known inertias instead of its own; the same object for the same inertias."""
     known = tuple((link, number.value) for link, number in links.items() if not number.is_unknown)
     return _with_inertias(robot, known)
 

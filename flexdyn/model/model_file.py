@@ -40,7 +40,7 @@ def load_model(path: str | Path) -> FlexibleJointModel:
         path: of a model.yaml, or the name of a shipped model (``scara_two_link``, ``scara``, ``panda``, ``ur5``).
 
     Raises:
-        InputError: no such file, or anything in it that does not fit.
+        InputError: no such file, or an entry in it that does not fit.
 
     Example:
         >>> model = fd.load_model("scara_two_link")
@@ -57,11 +57,11 @@ def load_model(path: str | Path) -> FlexibleJointModel:
 
 
 def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "") -> FlexibleJointModel:
-    """The model that a file's mapping describes.
+    """Make the model that a file's mapping describes.
 
     Args:
         content: keys of the model file.
-        folder: that its paths are relative to.
+        folder: its relative paths start here.
         name: of the model; default: the robot's.
 
     Raises:
@@ -89,11 +89,11 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
 
 
 def save_model(model: FlexibleJointModel, path: str | Path) -> None:
-    """Write a model file that reads back without loss; whole or not at all.
+    """Write a model file that can be read back without loss; it is written completely or not at all.
 
     Args:
         model: to be written; effects that come from its URDF stay in the URDF.
-        path: of the file; the URDF is named relative to it.
+        path: of the file; it names the URDF relative to its folder.
 
     Raises:
         InputError: the robot came from a pin.Model and has no URDF, or the file cannot be written.
@@ -114,7 +114,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
 
     Args:
         model: to be described.
-        folder: that paths are written relative to; None: absolute.
+        folder: paths are written relative to it; None: absolute paths.
 
     Raises:
         InputError: the robot has no URDF.
@@ -168,7 +168,7 @@ def _is_robot(name: str) -> bool:
 
 
 def _becomes_model(robot: str) -> str:
-    """How a robot is made a model, in Python and as a file."""
+    """How to make a model from a robot, in Python and as a file."""
     stem = Path(robot).stem
     python = f"fd.FlexibleJointModel(fd.load_robot({robot!r}), joints={{...}})"
     return f"make one of it: {python}, or flexdyn new {robot} -o {stem}.yaml and load that"
@@ -187,7 +187,7 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
             )
         source = urdf
     else:
-        source = Path(source).resolve()  # one name for one file: models of it compare equal
+        source = Path(source).resolve()  # one name for each file, so that models of it compare equal
     package_dirs = [folder / str(directory) for directory in entry.get("package_dirs") or []]
     for i, directory in enumerate(package_dirs):
         if not exists(directory):

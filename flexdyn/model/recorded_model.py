@@ -11,14 +11,14 @@ from flexdyn.model.model_file import model_from_dict
 from flexdyn.records import Recording
 
 NAME_IT = "name it: model=..., on the command line --model MODEL"
-"""What to do where a recording does not say which arm it is of."""
+"""The remedy if a recording does not say which arm it belongs to."""
 
 
 def model_in(recording: Recording) -> FlexibleJointModel | None:
-    """The model that a run's recording holds in its meta; None if it holds none.
+    """The model in the meta data of a run's recording; None if there is none.
 
     Raises:
-        InputError: it is no model, or its URDF is not there any more.
+        InputError: the text is no model, or its URDF does not exist any more.
     """
     text = recording.meta.get("model")
     if text is None:

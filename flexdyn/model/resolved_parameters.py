@@ -1,4 +1,4 @@
-"""Parameter errors and joint elasticities folded into the numbers that they change."""
+"""Parameter errors and joint elasticities, applied to the numbers that they change."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 
 @dataclasses.dataclass(frozen=True)
 class Folded:
-    """What a model holds once every wrong number is put right.
+    """The parts of a model after every wrong number is corrected.
 
     Attributes:
-        robot: with links and <dynamics> as they are true.
+        robot: with the true numbers of links and <dynamics>.
         joints: numbers of each drive.
-        effects: the others, with their true parameters.
+        effects: the other effects, with their true parameters.
     """
 
     robot: Robot
@@ -38,15 +38,15 @@ class Folded:
 
 
 def folded(robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect]) -> Folded:
-    """Fold parameter errors, then joint elasticities.
+    """Apply parameter errors, then joint elasticities.
 
     Args:
-        robot: as it is given.
+        robot: as given.
         joints: its drives by name.
-        effects: of the model; ``effects[i]`` counts in them.
+        effects: of the model; ``effects[i]`` counts in this list.
 
     Raises:
-        InputError: a number that is not there or that the factor makes senseless; its key is ``effects[i]``.
+        InputError: an unknown number, or a factor that makes the number invalid; its key is ``effects[i]``.
     """
     numbers = {name: joint.values() for name, joint in joints.items()}
     for name, joint in joints.items():

@@ -1,4 +1,4 @@
-"""The settings of a model, checked: every mistake is an InputError that names its key."""
+"""Checks of a model's settings: every mistake is an InputError that names its key."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ INITIAL_KEYS = ("q", "v", "theta", "omega")
 
 
 def one_of(key: str, value: str, allowed: tuple[str, ...]) -> str:
-    """A choice out of a few words."""
+    """Check that a setting is one of the allowed words."""
     if value not in allowed:
         raise InputError("no such choice", key=key, value=value, remedy=f"it is {' or '.join(allowed)}")
     return value
 
 
 def gravity_checked(value: Any) -> tuple[float, float, float]:
-    """Three finite numbers [m/s^2]."""
+    """Check for three finite numbers [m/s^2]."""
     listed = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
     numbers = [as_number(component) for component in listed]
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
@@ -72,7 +72,7 @@ def tolerance_checked(value: Any) -> float | Mapping[str, float]:
 def check_tolerance_paths(
     tolerance: Any, joints: Sequence[str], links: Sequence[str], effects: Sequence[Effect]
 ) -> None:
-    """Refuse a tolerance of a number that is not there.
+    """Refuse a tolerance of a number that does not exist.
 
     Args:
         tolerance: of a model file.
@@ -81,7 +81,7 @@ def check_tolerance_paths(
         effects: of the file.
 
     Raises:
-        InputError: a path that leads nowhere; the near miss is named.
+        InputError: an unknown path; the message names the most similar one.
     """
     if not isinstance(tolerance, Mapping):
         return
@@ -96,7 +96,7 @@ def check_tolerance_paths(
 
 
 def command_checked(command: Any, joint_names: Sequence[str]) -> Mapping[str, Any] | None:
-    """A command of points as a locked copy, found fit for the robot.
+    """Check a command of points against the robot, and return a read-only copy.
 
     Raises:
         InputError: a key, joint or point that does not fit.
@@ -120,7 +120,7 @@ def command_checked(command: Any, joint_names: Sequence[str]) -> Mapping[str, An
 
 
 def plain_command(command: Any) -> Any:
-    """A locked command in plain dictionaries and lists, as YAML writes them."""
+    """A read-only command as plain dictionaries and lists, as YAML writes them."""
     if isinstance(command, Mapping):
         return {key: plain_command(entry) for key, entry in command.items()}
     return [plain_command(entry) for entry in command] if isinstance(command, tuple) else command

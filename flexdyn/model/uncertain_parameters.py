@@ -19,9 +19,9 @@ OF_MOTOR = ("torque_constant", "resistance")
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 DEFAULT_TOLERANCE = 0.05
 UNKNOWN_TOLERANCE = 10.0
-"""A relative tolerance from which a number counts as not known [1]."""
+"""From this relative tolerance on a number counts as unknown [1]."""
 INERTIA_ROUNDING = 1e-12
-"""Change of inertias, by their size, that is rounding."""
+"""Relative change of inertias that is due to rounding [1]."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class FileNumber:
         of: joint, link or ``effects[i]`` that it belongs to.
         parameter: its name, as `ParameterError` takes it.
         value: as given.
-        tolerance: how well it is known, relative, 1 sigma; of an absolute one its share of the value.
-        joint: that it acts on; None for a link's.
+        tolerance: how well it is known, relative, 1 sigma; an absolute tolerance is divided by the value.
+        joint: the joint that it belongs to; None for a number of a link.
     """
 
     of: str
@@ -44,18 +44,18 @@ class FileNumber:
 
     @property
     def is_open(self) -> bool:
-        """Whether it was not known: its tolerance is that much larger than the value that a diagnosis starts from."""
+        """Whether it was unknown: its tolerance is much larger than the value from which a diagnosis starts."""
         return self.tolerance >= UNKNOWN_TOLERANCE
 
     def error(self, factor: float) -> ParameterError:
-        """The effect that says ``true = factor*given``."""
+        """The effect ``true = factor*given`` for this number."""
         return ParameterError(self.of, parameter=self.parameter, factor=factor)
 
 
 def file_numbers(model: FlexibleJointModel) -> tuple[FileNumber, ...]:
-    """Every number of the model that does something and could be wrong.
+    """Every number of the model that has an influence and could be wrong.
 
-    The gear ratio is left out: all signals are reflected, so it shows only in the rotor's inertia N^2 J.
+    The gear ratio is left out: all signals are reflected, so it changes only the reflected rotor inertia N^2 J.
     """
     found = [*_of_joints(model), *_of_links(model), *_of_effects(model)]
     return tuple(number for number in found if number.value != 0.0 and math.isfinite(number.value))
@@ -64,7 +64,7 @@ def file_numbers(model: FlexibleJointModel) -> tuple[FileNumber, ...]:
 def with_factors(
     model: FlexibleJointModel, factors: Mapping[FileNumber, float], found: Iterable[Effect] = ()
 ) -> FlexibleJointModel:
-    """The model with numbers moved and effects added."""
+    """The model with changed numbers and additional effects."""
     errors = [number.error(factor) for number, factor in factors.items() if factor != 1.0]
     return model.replace(effects=[*model.effects, *errors, *found])
 
@@ -83,7 +83,7 @@ def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
 
 
 def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
-    """Of those that change what the arm needs: not where the centre of mass of a link is that stands at its origin."""
+    """Those that change the torques of the arm: not the centre of mass of a link if it is at the link's origin."""
     robot = robot_with_links(model.robot, model.links)
     own = robot.tree.inertial_parameters
     for frame in robot.frame_names:
@@ -112,12 +112,12 @@ def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
 
 
 def _relative(given: GivenNumber, otherwise: float) -> float:
-    """Tolerance of a number as a share of its value."""
+    """Tolerance of a number relative to its value."""
     return otherwise if given.tolerance is None or given.value == 0.0 else given.tolerance / abs(given.value)
 
 
 def _tolerance(model: FlexibleJointModel, *paths: str) -> float:
-    """Of a number, by its own path, else by the default."""
+    """Tolerance of a number: by its own path, else the default."""
     if not isinstance(model.tolerance, Mapping):
         return float(model.tolerance)
     for path in (*paths, "*"):

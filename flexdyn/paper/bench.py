@@ -1,4 +1,4 @@
-"""The paper's arm on a bench: moved under control, measured by encoders, its torques noisy."""
+"""The paper's arm on a test bench: moved under control, measured by encoders, with noisy torques."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ CHECK: tuple[Corners, Corners] = (
 
 @dataclass(frozen=True)
 class Bench:
-    """Runs of the true arm, and what is written down of them.
+    """Runs of the true arm, and their recordings.
 
     Attributes:
         cases: with the shipped model, which is the truth here.
@@ -60,7 +60,7 @@ class Bench:
 
     @cached_property
     def runs(self) -> Mapping[str, Run]:
-        """What really happens: a controlled motion to learn from, another to check on, the torque of Fig. 4."""
+        """The true runs: a controlled motion to fit, another one to test, and the torque of Fig. 4."""
         return {
             "fit": self._controlled(FIT),
             "check": self._controlled(CHECK),
@@ -87,7 +87,7 @@ class PaperServo:
     """PD control on the motor encoders, the rigid arm's torque fed forward.
 
     Attributes:
-        wanted: positions (samples, 2) [rad].
+        wanted: reference positions (samples, 2) [rad].
         forward: torques (samples, 2) [N m].
     """
 
@@ -97,7 +97,7 @@ class PaperServo:
     _slow: Array = field(default_factory=lambda: np.zeros(2), init=False)
 
     def __call__(self, t: float, state: State) -> Array:
-        """Torques asked for, held to the next sample (2,) [N m]."""
+        """Commanded torques, held to the next sample (2,) [N m]."""
         k = min(round(t * BENCH_RATE), len(self.wanted) - 2)
         seen = quantised(state.theta, MOTOR_STEP)
         last = seen if self._seen is None else self._seen
@@ -130,7 +130,7 @@ def feedforward(arm: eq.Arm, wanted: Array) -> Array:
 
 
 def torque_of_fig4() -> Samples:
-    """Accelerate, brake, let go; the same at both joints."""
+    """The torque of Fig. 4: accelerate, brake, then zero; the same at both joints."""
     signs = np.array([1.0, -1.0, 0.0, 0.0])
     return Samples([0.0, PULSE, TORQUE_END, BENCH_WATCHED], np.outer(AMPLITUDE * signs, [1.0, 1.0]))
 

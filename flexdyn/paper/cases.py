@@ -51,7 +51,7 @@ class FrictionNumbers:
 
 @dataclass(frozen=True)
 class PaperCases:
-    """The shipped model, what follows from it, and the runs that several chapters look at.
+    """The shipped model, models derived from it, and the runs that several chapters use.
 
     Attributes:
         model: ``scara_two_link`` as shipped: elastic, torque-speed limit, friction of eq. 1.
@@ -122,8 +122,8 @@ def bang_bang(model: FlexibleJointModel) -> Run:
 def smooth_torque(t: ArrayLike) -> Array:
     """A torque that starts and ends with three zero derivatives, the same at both joints (..., 2) [N m].
 
-    ``(4 s (1 - s))^4 (1 - 2 s)``, s = t/2 s, scaled to a peak of 0.3 N m: it speeds the arm up and brakes it, and
-    leaves a stiff spring no reason to ring.
+    ``(4 s (1 - s))^4 (1 - 2 s)``, s = t/2 s, scaled to a peak of 0.3 N m: it accelerates and brakes the arm without
+    exciting a stiff spring.
     """
     s = np.clip(np.asarray(t, dtype=float) / SMOOTH_END, 0.0, 1.0)
     peak = (8 / 9) ** 4 / 3  # of the polynomial, at s = 1/3

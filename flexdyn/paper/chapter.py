@@ -1,4 +1,4 @@
-"""What a part of the study hands in: checks, numbers, tables, figures and runs."""
+"""The results of a part of the study: checks, numbers, tables, figures and runs."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class Check:
     """One statement of the study, measured: it holds where value <= bound.
 
     Attributes:
-        name: what is stated.
+        name: the statement.
         value: measured.
-        bound: the most it may be.
-        passed: whether it holds; a value that is no number does not.
+        bound: largest allowed value.
+        passed: whether it holds; it does not hold for a value that is no number.
         note: unit, and how it was measured.
     """
 

@@ -23,7 +23,7 @@ END_FORCE_KP, END_FORCE_KD = 50.0, 4.5  # N m/rad, N m s/rad: hold the motors, c
 
 
 def end_force(cases: PaperCases) -> Chapter:
-    """A lateral push at the tool: at rest the springs bend by K^-1 J^T F."""
+    """A lateral push at the tool: at rest the springs deflect by K^-1 J^T F."""
     light, heavy = (_pushed(cases, v) for v in (PAPER_V, SETTLING))
     arm = cases.arm()
     at = int(np.argmin(np.abs(light.t - RELEASE))) - 1
@@ -42,16 +42,16 @@ def end_force(cases: PaperCases) -> Chapter:
         "Section 3 names the joint torques induced by an end-of-arm force as a further term and then assumes the force "
         "to be zero. Here it acts: the motors hold their place (a PD law at 1 kHz), and the tool is pushed by "
         f"{-FORCE[0]:g} N along -x, across the second link, and let go after {RELEASE:g} s. At rest the springs must "
-        "bend by theta - q = -K^-1 J_r^T F, with the Jacobian of eq. 8-11 at the pose that the arm then has: "
+        "deflect by theta - q = -K^-1 J_r^T F, with the Jacobian of eq. 8-11 at the pose that the arm then has: "
         f"{_degrees(bent)} degrees (shoulder, elbow). With the damping raised to v = {SETTLING:g} N m s/rad, so that "
-        f"it comes to rest, the simulated arm bends by {_degrees(heavy.deflection[at])} degrees, and its tip gives way "
+        f"it comes to rest, the simulated arm deflects by {_degrees(heavy.deflection[at])} degrees, and its tip moves "
         f"by {np.linalg.norm(moved):.0f} mm, {abs(moved[0]):.0f} mm of them along the force. With the paper's "
         f"v = {PAPER_V:g} it swings about that place (mean deflection {_degrees(mean)} degrees). Dry friction is left "
         "out: it would let the arm rest anywhere in a band about this place."
     )
     checks = (
         check(
-            "Under an end-of-arm force the springs bend by K^-1 J^T F at rest",
+            "Under an end-of-arm force the springs deflect by K^-1 J^T F at rest",
             error,
             1e-6,
             f"relative, {-FORCE[0]:g} N across the second link, v = {SETTLING:g} N m s/rad, after {RELEASE:g} s",

@@ -1,9 +1,9 @@
 """The paper's equations in closed form, one function each, independent of Pinocchio and of the compiled core.
 
-"The Effect of Friction on the Formulation and Numerical Solution of Elastic Joint Manipulators", Amirkabir 8/30.
-q1, q2 are the links' angles, q3, q4 the rotors', as in eq. 12-15. Where the print is wrong, the corrected form stands
-here and the printed one is named in the docstring; `jacobian_as_printed` and `D22_as_printed` keep the printed forms,
-so that the study can show by how much they miss. Every function takes arrays of states, the joint axis last.
+"The Effect of Friction on the Formulation and Numerical Solution of Elastic Joint Manipulators", Amirkabir 8/30. q1, q2
+are the links' angles, q3, q4 the rotors', as in eq. 12-15. If the print is wrong, the function has the corrected form
+and its docstring names the printed one; `jacobian_as_printed` and `D22_as_printed` keep the printed forms, so that the
+study can show their errors. Every function takes arrays of states, with the joints as the last axis.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Arm:
-    """The numbers of the two-link arm; defaults are Table I, or say what stands for what it leaves out.
+    """The numbers of the two-link arm; the defaults are those of Table I, or chosen if it does not give them.
 
     Attributes:
         L: length of both links [m]. Table I.
@@ -149,7 +149,7 @@ def friction(u: ArrayLike, *, viscous: float, static: float, dynamic: float, eps
 
 
 def tip(arm: Arm, q: ArrayLike) -> Array:
-    """Where the end of the arm is (..., 2) [m]; eq. 8-11 are its derivatives."""
+    """Position of the end of the arm (..., 2) [m]; eq. 8-11 are its derivatives."""
     q = np.asarray(q, dtype=float)
     first, both = q[..., 0], q[..., 0] + q[..., 1]
     return np.stack([arm.L * (np.cos(first) + np.cos(both)), arm.L * (np.sin(first) + np.sin(both))], -1)
@@ -169,7 +169,7 @@ def jacobian(arm: Arm, q: ArrayLike) -> Array:
 
 
 def jacobian_as_printed(arm: Arm, q: ArrayLike) -> Array:
-    """Eq. 8-11 by the letter: the sign of eq. 10 and the I_2 of eq. 11 as they stand in print."""
+    """Eq. 8-11 as printed, with the sign of eq. 10 and the I_2 of eq. 11."""
     q = np.asarray(q, dtype=float)
     printed = jacobian(arm, q)
     printed[..., 1, 0] -= 2 * arm.L * np.cos(q[..., 0])

@@ -30,7 +30,7 @@ MISTAKES = {
     "shoulder": {"stiffness": 1.015, "rotor_inertia": 0.98},
     "elbow": {"stiffness": 0.985, "rotor_inertia": 1.02},
 }
-"""Factors on what the model file says: Table I is printed with two figures."""
+"""Factors of the model file's numbers: Table I is printed with two digits."""
 CHECKED = ("check_fig4", "check")
 Progress = Callable[[str, float], None]
 
@@ -40,8 +40,8 @@ def hidden_friction(cases: PaperCases, folder: Path, progress: Progress | None =
 
     Args:
         cases: with the arm.
-        folder: for the report of the diagnosis; it is there.
-        progress: as `diagnose` takes it.
+        folder: for the report of the diagnosis; it must exist.
+        progress: as for `diagnose`.
     """
     bench = Bench(cases)
     data = bench.recordings
@@ -70,7 +70,7 @@ def hidden_friction(cases: PaperCases, folder: Path, progress: Progress | None =
 
 
 def forgetful(model: FlexibleJointModel) -> FlexibleJointModel:
-    """The model as somebody has it who read the paper: no dry friction, K and J to two figures."""
+    """The model that a reader of the paper would make: no dry friction, K and J with two digits."""
     joints = {
         name: {key: getattr(joint, key) * MISTAKES[name][key] for key in MISTAKES[name]}
         for name, joint in model.joints.items()
@@ -79,7 +79,7 @@ def forgetful(model: FlexibleJointModel) -> FlexibleJointModel:
 
 
 def hidden(model: FlexibleJointModel) -> tuple[Effect, ...]:
-    """What the forgetful model lacks."""
+    """The effects that this model lacks."""
     return tuple(effect for effect in model.effects if effect.name in HIDDEN)
 
 

@@ -20,10 +20,10 @@ FOUND = {"color": style.BLUE, "linestyle": "-", "linewidth": 1.0, "label": "with
 
 @dataclass(frozen=True)
 class Step:
-    """The gap on the data of the check once the model has one thing more.
+    """The gap on the test data after one more effect is added to the model.
 
     Attributes:
-        name: what it has.
+        name: of the added effect.
         gap: in units of noise.
     """
 

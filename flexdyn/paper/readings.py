@@ -1,4 +1,4 @@
-"""What the paper leaves open or prints wrong, and the reading chosen, with a measured reason where one can be had."""
+"""Ambiguities and misprints of the paper, and the chosen reading, with a measured reason if there is one."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class Reading:
 
     Attributes:
         where: equation, table, figure or section.
-        printed: what stands there.
-        read_as: what is used instead, or for it.
+        printed: the printed text.
+        read_as: the reading that is used.
         why: the reason, with numbers measured by this study.
     """
 
@@ -152,7 +152,7 @@ def _table(cases: PaperCases) -> tuple[Reading, ...]:
             "Table I",
             "stall torque and no-load speed, which no equation uses",
             "a limit on the motor torque tau of eq. 14, 15 over rotor speed",
-            "that is what such a line means; the figures show torque asked and torque applied",
+            "that is what such a line means; the figures show commanded and applied torque",
         ),
     )
 

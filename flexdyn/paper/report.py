@@ -91,7 +91,7 @@ def _run_data(run: Run) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Nested data as JSON takes it: mappings as dicts, a number that is none as null."""
+    """Nested data in a form for JSON: mappings as dicts, numbers that are not finite as null."""
     if isinstance(value, Mapping):
         return {str(key): _plain(each) for key, each in value.items()}
     if isinstance(value, list | tuple):

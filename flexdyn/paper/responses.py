@@ -30,9 +30,10 @@ def responses(cases: PaperCases) -> Chapter:
         f"{PULSE:g} s to brake, then nothing, the same at both joints as the caption says. It is the usual test of a "
         f"flexible arm, stays under the stall torque of {cases.limit.stall_torque:g} N m, and starts and stops sharply "
         "enough for the large oscillation that the text describes. Under the torque-speed line of Table I the motors "
-        f"cannot follow all of it: of the torque asked, up to {max(numbers['torque_cut_off_flexible']):.2f} N m is cut "
-        "off while they turn fast.\n\n"
-        f"The springs bend by up to {bends} degrees (shoulder, elbow). When the torque is gone, the flexible arm goes "
+        f"cannot follow all of it: of the commanded torque, up to {max(numbers['torque_cut_off_flexible']):.2f} N m is "
+        "cut off while they turn fast.\n\n"
+        f"The springs deflect by up to {bends} degrees (shoulder, elbow). When the torque is gone, the flexible "
+        f"arm goes "
         f"on vibrating with an amplitude of {size.min():.1f} to {size.max():.1f} degrees and no sign of decay, there "
         "being no friction, while the rigid arm (its rotors' inertia included) moves on without any oscillation."
     )

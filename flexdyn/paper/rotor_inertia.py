@@ -1,4 +1,4 @@
-"""Chapter: the rotor inertia, which the paper does not give: which conclusions hold whatever it is."""
+"""Chapter: the rotor inertia, which the paper does not give: which conclusions hold for any value."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LOOKS: tuple[Any, ...] = ((style.VERMILION, (0, (5, 2))), (style.BLUE, "-"), (st
 
 @dataclass(frozen=True)
 class Row:
-    """What one rotor inertia leads to.
+    """The results for one rotor inertia.
 
     Attributes:
         J: [kg m^2].

@@ -41,10 +41,10 @@ CHAPTERS: tuple[tuple[str, Callable[[PaperCases], Chapter]], ...] = (
 
 @dataclass(frozen=True)
 class PaperStudy:
-    """What the study found.
+    """The results of the study.
 
     Attributes:
-        summary: as summary.json holds it.
+        summary: the content of summary.json.
         checks: every statement with its value and bound.
         files: everything written.
     """
@@ -62,11 +62,11 @@ class PaperStudy:
 def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], None] | None = None) -> PaperStudy:
     """Reproduce the paper's study on the shipped ``scara_two_link``.
 
-    Writes into `out`, each file whole or not at all: figures as PNG (300 dpi) and PDF, ``summary.md``,
-    ``summary.json`` and ``runs/NAME.npz``. A second time it replaces them.
+    Writes into `out`, each file completely or not at all: figures as PNG (300 dpi) and PDF, ``summary.md``,
+    ``summary.json`` and ``runs/NAME.npz``. Existing files are replaced.
 
     Args:
-        out: the folder; it is made if it is not there.
+        out: the folder; it is created if it does not exist.
         diagnose: hide the arm's friction too, and let the diagnosis find it: its report goes to ``diagnosis``.
         progress: called with a line as each part begins, and by the diagnosis as it goes on.
 

@@ -10,7 +10,7 @@ from flexdyn.io.files import replacing
 from flexdyn.paper.cases import TORQUE_END
 from flexdyn.paper.chapter import Figure
 
-# Okabe and Ito's colours: told apart by colour-blind readers; every one comes with a line style of its own for print.
+# Okabe and Ito's colours, which colour-blind readers can distinguish; each has its own line style for print.
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 BLACK, GREY = "#000000", "#8C8C8C"
 FULL_WIDTH = 7.16  # inch: both columns of a journal page

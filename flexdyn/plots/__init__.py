@@ -1,4 +1,4 @@
-"""Pictures: motions, laws of effects, frequencies. Matplotlib, Plotly: extra ``plot``, imported when one is drawn."""
+"""Pictures of motions, laws and frequencies; Matplotlib and Plotly (extra ``plot``) are imported when needed."""
 
 from flexdyn.plots.examples import example_entry
 from flexdyn.plots.frequencies import draw_frequencies

@@ -1,4 +1,4 @@
-"""Where panels go on the page: rows and columns in inches, so that nothing overlaps whatever draws them."""
+"""The places of panels on the page: rows and columns in inches, so that nothing overlaps in any renderer."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from flexdyn.plots.panel import Box, Key, Panel
 from flexdyn.plots.picture import KEY, LEFT, Picture
 
 RIGHT, TITLE, GAP, AXIS = 0.14, 0.34, 0.12, 0.52
-"""Around the inside of a panel: right of it, above, below without and with an axis across [inch]."""
+"""Margins of a panel: right, above, below without and below with a horizontal axis [inch]."""
 GUTTER = 2.35
-"""Right of a panel with a legend of its own [inch]."""
+"""Right margin of a panel with its own legend [inch]."""
 
 
 @dataclass(frozen=True)
@@ -20,9 +20,9 @@ class Block:
 
     Attributes:
         rows: panels from left to right; None leaves a place empty.
-        heights: of the insides of each row's panels [inch].
-        width: of the inside of each panel [inch]; None: as wide as the page lets it be.
-        left: of the inside of each panel: room for names beside bars [inch].
+        heights: of the axes in each row [inch].
+        width: of the axes of each panel [inch]; None: as wide as the page allows.
+        left: left margin of the axes: space for names beside bars [inch].
     """
 
     rows: tuple[tuple[Panel | None, ...], ...]
@@ -37,11 +37,11 @@ class Block:
 
     @property
     def needs(self) -> float:
-        """Width of the page that it asks for [inch]."""
+        """Width of the page that it needs [inch]."""
         return 0.0 if self.width is None else self.columns * (self.left + self.width + RIGHT) + RIGHT
 
     def inside(self, page: float) -> float:
-        """Width of the inside of each of its panels on a page [inch]."""
+        """Width of the axes of each of its panels on a page [inch]."""
         gutter = GUTTER if any(panel is not None and panel.legend for row in self.rows for panel in row) else 0.0
         return (page - RIGHT - gutter) / self.columns - self.left - RIGHT
 

@@ -1,4 +1,4 @@
-"""The picture of a comparison: errors by channel in groups of one unit, and the worst channel of each over time."""
+"""The picture of a comparison: errors by channel, grouped by unit, and the worst channel of each group over time."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from flexdyn.plots.views import TIME
 from flexdyn.records.units import split_name
 
 MOST_BARS = 28
-"""Channels of a unit that are drawn."""
+"""Largest number of channels of a unit that are drawn."""
 SIDE_BY_SIDE = 3
 
 
 def draw_comparison(found: Comparison) -> Picture:
-    """Errors by channel as bars, one panel a unit, and below the channel of each unit that is the furthest off.
+    """Errors by channel as bars, one panel for each unit, and below the channel with the largest error in each unit.
 
     Args:
         found: by `flexdyn.compare`.
@@ -90,7 +90,7 @@ def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
         ]
         span = (found.start, found.end)
         panel = Panel(
-            f"{short(row.channel)}, the furthest off",
+            f"{short(row.channel)}, largest error",
             TIME,
             f"value{unit}",
             tuple(curves),
@@ -124,7 +124,7 @@ def _curve(t: np.ndarray, values: np.ndarray, name: str, group: str, colour: str
 
 
 def _hue(found: Comparison, channel: str) -> str:
-    """Of the channel's joint, by its place among those of the first; ink for a channel of no joint."""
+    """Colour of the channel's joint, by its index in the first motion; black for a channel without joint."""
     parts = split_name(channel)
     joints = found.sources[0].joints
     return hue(joints.index(parts[1])) if parts else INK

@@ -1,4 +1,4 @@
-"""Energies as panels: where the energy is, what came in and went out, what is left over."""
+"""Energies as panels: stored energy, supplied and dissipated energy, and the error of the ledger."""
 
 from __future__ import annotations
 
@@ -22,47 +22,45 @@ ALL = "all of it"
 
 
 def energy_panels(scene: PlotScene, place: int, model: FlexibleJointModel | None) -> tuple[Panel, ...]:
-    """The energies of one motion: the ledger of a run in three panels, what a file tells of them in two.
+    """The energies of one motion: the ledger of a run in three panels, the energies from a file in two.
 
     Args:
-        scene: what is drawn.
-        place: of the motion.
-        model: of motions that come from files without one.
+        scene: the motions that are drawn.
+        place: index of the motion.
+        model: of motions from files without a model.
 
     Raises:
-        InputError: a file does not tell.
+        InputError: the file does not determine its energies.
     """
     source = scene.sources[place]
     name = f" of {source.name}" if len(scene.sources) > 1 else ""
     if source.run is None:
         found = file_energy(source.recording, model)
         flows = {"supplied by the motors": (found.supplied, PARTS["supplied"])}
-        flows["gone: friction, wrenches, sampling"] = (found.rest, LOSSES[0])
+        flows["lost to friction, wrenches, sampling"] = (found.rest, LOSSES[0])
         return (
             _panel(f"Energy{name}: where it is", scene, place, _stored(found)),
-            _panel(f"Energy{name}: supplied since the first sample, and what of it is gone", scene, place, flows),
+            _panel(f"Energy{name}: supplied and lost since the first sample", scene, place, flows),
         )
     energy = source.run.energy
     within = "closes" if energy.closes else "does NOT close"
     left = {"left over": (energy.residual, PARTS["residual"])}
     return (
         _panel(f"Energy{name}: where it is", scene, place, _stored(energy)),
-        _panel(f"Energy{name}: what came and went since the start", scene, place, _flows(energy)),
-        _panel(
-            f"Energy{name}: left over by the ledger, which {within} to {energy.tolerance:.2g} J", scene, place, left
-        ),
+        _panel(f"Energy{name}: supplied and dissipated since the start", scene, place, _flows(energy)),
+        _panel(f"Energy{name}: error of the ledger, which {within} to {energy.tolerance:.2g} J", scene, place, left),
     )
 
 
 def _stored(energy: Energy | FileEnergy) -> Entries:
-    """Kinetic energy, and that of springs and gravity where there are any, and all together."""
+    """Kinetic energy, energy of springs and of gravity if there are any, and the sum."""
     parts = {part: getattr(energy, part) for part in ("kinetic", "spring", "gravity")}
     shown = {part: (values, PARTS[part]) for part, values in parts.items() if part == "kinetic" or np.any(values)}
     return {ALL: (energy.mechanical, PARTS["mechanical"]), **shown}
 
 
 def _flows(energy: Energy) -> Entries:
-    """What motors and wrenches brought, and what effects took."""
+    """The energy that motors and wrenches supplied, and the energy that effects took."""
     flows = {"supplied by the motors": (energy.supplied.sum(axis=1), PARTS["supplied"])}
     if np.any(energy.external):
         flows["supplied by wrenches"] = (energy.external, PARTS["external"])

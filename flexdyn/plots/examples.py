@@ -13,8 +13,8 @@ def example_entry(kind: type[Effect], joint: str, other: str = "OTHER_JOINT") ->
 
     Args:
         kind: the effect's class.
-        joint: the name of the joint that it is to act on.
-        other: of a second joint, where it needs one.
+        joint: name of the joint that it acts on.
+        other: name of a second joint, if it needs one.
     """
     effect = kind.example(joint, other)
     if isinstance(effect, JointEffect):

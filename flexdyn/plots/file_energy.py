@@ -1,4 +1,4 @@
-"""Energies of a run that was saved: what its samples and its model still tell of them."""
+"""Energies of a saved run, as far as its samples and its model determine them."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class FileEnergy:
-    """Energies out of a saved run [J], each (samples,).
+    """Energies of a saved run [J], each (samples,).
 
-    Kinetic, spring and gravity energy follow from the state of every sample exactly; what the motors supplied is summed
-    over the samples, tau_applied held from each to the next. The rest is not in a file.
+    Kinetic, spring and gravity energy follow exactly from the state of every sample. The energy supplied by the motors
+    is a sum over the samples, with tau_applied held from each to the next. A file does not determine the rest.
 
     Attributes:
         kinetic: of links and rotors.
-        spring: held by springs.
+        spring: stored in springs.
         gravity: of the links.
         supplied: by the motors since the first sample.
     """
@@ -44,7 +44,7 @@ class FileEnergy:
 
     @property
     def rest(self) -> Array:
-        """What was supplied and is not there: lost to friction, taken by wrenches, missed by the sampling."""
+        """The supplied energy that is not stored: lost to friction, taken by wrenches, or an error of the sampling."""
         return np.asarray(self.supplied - (self.mechanical - self.mechanical[0]))
 
 
@@ -53,10 +53,10 @@ def file_energy(recording: Recording, model: FlexibleJointModel | None) -> FileE
 
     Args:
         recording: with the signals of a run.
-        model: that was simulated; None: the one that the recording holds.
+        model: that was simulated; None: the model in the recording.
 
     Raises:
-        InputError: there is no model, or its energies take more than the signals of the run.
+        InputError: there is no model, or the signals of the run do not determine its energies.
     """
     model = model if model is not None else _model_in(recording)
     true = model.resolved()

@@ -12,11 +12,11 @@ from flexdyn.errors import InputError
 from flexdyn.plots.page import BLUE, GREY, LAW_LINE_WIDTH, checked_path, dress, new_figure, save
 
 LOGARITHMIC_SPAN = 12.0
-"""A span of frequencies wider than this factor is drawn on a logarithmic axis."""
+"""A larger ratio of frequencies is drawn on a logarithmic axis [1]."""
 DEEP = 200.0
-"""No mode below the greatest frequency by more than this factor is shown: those are swings under gravity."""
+"""Modes below the largest frequency by more than this factor are not shown: they are swings under gravity [1]."""
 LABEL_DISTANCE = 0.04
-"""Least distance of two names at the right end, as a share of the axis."""
+"""Smallest distance of two names at the right end, as a share of the axis [1]."""
 
 
 def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
@@ -29,7 +29,7 @@ def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
         path: of the picture; its suffix is one of `SUFFIXES`.
 
     Raises:
-        InputError: nothing vibrates, the suffix is not known, or the file cannot be written.
+        InputError: there is no vibration, the suffix is not known, or the file cannot be written.
         MissingExtra: matplotlib is not installed.
     """
     file = checked_path(path)
@@ -62,7 +62,7 @@ def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
 
 
 def _name(axes: Any, ends: dict[int, float], shades: dict[int, Any]) -> None:
-    """The number of every mode at its right end, pushed up where two would meet."""
+    """Write the number of every mode at its right end, moved up where two would overlap."""
     to_axes = axes.transData + axes.transAxes.inverted()
     last = -1.0
     for mode, frequency in ends.items():
@@ -71,6 +71,6 @@ def _name(axes: Any, ends: dict[int, float], shades: dict[int, Any]) -> None:
 
 
 def _shade(share: float) -> tuple[float, ...]:
-    """From the darkest to the palest of the blues."""
+    """A blue from dark to pale."""
     darkest = (int(BLUE[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
     return tuple((1.0 - 0.65 * share) * c + 0.65 * share for c in darkest)

@@ -16,28 +16,28 @@ Array = NDArray[np.float64]
 VELOCITY = "velocity $u$ of the link or rotor [rad/s]"
 FRICTION = "friction torque [N m]"
 WAVES = 8.0
-"""Of a harmonic that are drawn at most: more of them in a turn are one block of colour."""
+"""Largest number of waves of a harmonic that are drawn: more of them could not be distinguished."""
 
 
 def span(effect: Effect, factor: float) -> float:
-    """How far a velocity axis goes: some times the speed that the law itself names, or 1 rad/s."""
+    """End of a velocity axis: a multiple of the law's own speed, or 1 rad/s."""
     speeds = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "rad/s"]
     return factor * max(speeds) if speeds else 1.0
 
 
 def turn(effect: Effect) -> float:
-    """How far an angle axis goes: once around, or as many waves of the law's harmonic as can be told apart [rad]."""
+    """End of an angle axis: one turn, or as many waves of the law's harmonic as can be distinguished [rad]."""
     harmonic = float(getattr(effect, "harmonic", 1.0))
     return 2.0 * math.pi * min(1.0, WAVES / max(abs(harmonic), 1e-9))
 
 
 def varies(law: Callable[[Array], Any], reach: float) -> bool:
-    """Whether a law depends on the argument that is handed to it."""
+    """Whether a law depends on an argument."""
     return bool(np.ptp(np.asarray(law(np.linspace(-reach, reach, 41)), dtype=float)) > 0.0)
 
 
 def smooth(axes: Any, effect: JointEffect) -> tuple[str, str]:
-    """Torque over velocity; where it fades with time, at several times."""
+    """Torque over velocity; if it changes with time, at several times."""
     reach = span(effect, 6.0)
     u = np.linspace(-reach, reach, 801)
     durations = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "s"]
@@ -56,7 +56,7 @@ def smooth(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 
 def dry(axes: Any, effect: JointEffect) -> tuple[str, str]:
-    """Set-valued: every torque between two ends at rest, one end in motion; over what the level depends on."""
+    """A set-valued law: at rest every torque between two ends, in motion one end; over the variable of the level."""
     if varies(lambda x: effect.torque(x, 1.0), 0.5 * turn(effect)):
         x = np.linspace(0.0, turn(effect), 801)
         _band(axes, x, effect.torque(x, 1.0), effect.torque(x, -1.0))
@@ -93,7 +93,7 @@ def _band(axes: Any, x: Array, upper: Array, lower: Array) -> None:
 
 
 def loop(axes: Any, effect: MemoryEffect) -> tuple[str, str]:
-    """Torque over a path that goes out, back and out again, and turns round once on the way."""
+    """Torque over a path that goes out, back and out again, with one additional reversal."""
     path = effect.example_path()
     torque = effect.along(path)
     rise = len(path) // 5  # the path has five legs; the first one starts from rest

@@ -33,8 +33,8 @@ _BY_STAGE: dict[str, Drawing] = {
 def draw_law(kind: type[Effect], path: str | Path) -> None:
     """Draw the law of an effect, with the parameters of its example.
 
-    Dry laws are drawn set-valued, laws with memory as loops, those of the motor over the torque asked for, its speed or
-    angle, those of sensors as measured over true.
+    Dry laws are drawn set-valued, laws with memory as loops, laws of the motor over the commanded torque, its speed or
+    angle, laws of sensors as the measured over the true value.
 
     Args:
         kind: the effect's class, flexdyn's own or a user's.
@@ -56,7 +56,7 @@ def law_figure(effect: Effect, *, prismatic: bool = False) -> Any:
 
     Args:
         effect: to be drawn.
-        prismatic: its joint slides: N m reads N and rad reads m.
+        prismatic: whether its joint is prismatic: N m becomes N and rad becomes m.
 
     Raises:
         InputError: the effect has no law to draw.

@@ -35,7 +35,7 @@ LEGEND = {"frameon": False, "borderpad": 0.0, "borderaxespad": 0.0, "handlelengt
 
 
 def write_picture(picture: Picture, file: Path) -> None:
-    """Write the picture whole, or not at all; the same picture gives the same bytes.
+    """Write the picture completely or not at all; the same picture gives the same bytes.
 
     Raises:
         InputError: the file cannot be written.
@@ -66,7 +66,7 @@ def draw(picture: Picture) -> Any:
         for panel in picture.panels:
             _panel(figure, picture, panel)
     for text in figure.findobj(Text):
-        text.set_parse_math(False)  # names of joints may hold dollars
+        text.set_parse_math(False)  # names of joints may contain dollar signs
     return figure
 
 
@@ -157,7 +157,7 @@ def _locator(bins: int) -> Any:
 
 
 def _formatter() -> Any:
-    """Numbers in full at every tick: no offset or power that stands somewhere else."""
+    """Full numbers at every tick, without an offset or power at another place."""
     from matplotlib.ticker import Formatter
 
     class Plain(Formatter):
@@ -171,11 +171,11 @@ def _formatter() -> Any:
 
 
 def tick_texts(values: Sequence[float]) -> list[str]:
-    """Evenly spaced numbers with as many digits as tell them apart, and no more."""
+    """Evenly spaced numbers with just as many digits as are needed to distinguish them."""
     steps = np.diff(values)
     step = float(np.abs(steps).min()) if len(steps) else abs(values[0]) if values else 1.0
     largest = max((abs(value) for value in values), default=0.0)
-    # A signal that hardly moves is written out too: a power of ten behind so many digits would need more room.
+    # Numbers of a nearly constant signal are written out too: with a power of ten they would need more space.
     if (step >= 1e-4 and largest < 1e6) or (step >= 1e-7 and 0.01 <= largest < 10.0):
         decimals = next((d for d in range(9) if abs(round(step, d) - step) < 1e-3 * step), 9)
         texts = [f"{value:.{decimals}f}" for value in values]

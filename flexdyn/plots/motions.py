@@ -19,13 +19,13 @@ from flexdyn.plots.thinning import MOST_CURVE_POINTS
 from flexdyn.plots.views import RESIDUAL, VIEWS, View, grid, keys_of, panel_of, residual_of, shows
 
 OVERVIEW = ("positions", "deflection", "torques", "energy")
-"""Views that are drawn where none is chosen."""
+"""Default views."""
 VIEW_NAMES = (*VIEWS, "energy")
 NO_ENERGY = "No energy"
 MOST_VIEW_ROWS = 8
-"""Joints on a page of several views."""
+"""Largest number of joints on a page of several views."""
 MOST_PANELS = 40
-"""Joints on a page of one view."""
+"""Largest number of joints on a page of one view."""
 
 
 def plot(
@@ -39,26 +39,26 @@ def plot(
 ) -> Picture:
     """Draw runs and recordings: a row of panels for each joint, the energy below.
 
-    Several are drawn over one another, what was measured in grey below what was simulated, and under every panel over
-    time stands what the others are beside the first, with its RMS (see `fd.compare` for how it is taken). Recordings
-    of more than 6000 samples are drawn by the first, last, least and greatest of 1500 slices of time: no peak is lost.
+    Several motions are drawn over one another, measured ones in grey below simulated ones. Under every panel over time
+    are the differences from the first motion, with their RMS (computed as in `fd.compare`). Of a recording with more
+    than 6000 samples, the first, last, smallest and largest of 1500 slices of time are drawn: no peak is lost.
 
     Args:
-        runs: runs, recordings, or paths of recordings; what was measured is best given first.
+        runs: runs, recordings, or paths of recordings; it is best to give a measurement first.
         path: of a file to write, if given: .png, .pdf, .svg by Matplotlib, .html (interactive, offline) by Plotly.
         views: of ``positions``, ``velocities``, ``deflection``, ``torques``, ``energy``, ``phase`` (v over q, omega
             over theta), ``loops`` (tau_s over deflection), ``temperature``. Default: positions, deflection, torques,
-            energy, as far as there are such signals.
-        joints: to be drawn; default: all, but on a page of several views no more than 8.
+            energy, if there are such signals.
+        joints: to be drawn; default: all, but not more than 8 on a page of several views.
         start: of the window of time [s]; default: the beginning.
         end: of the window of time [s]; default: the end.
-        model: that was simulated, or its file or name: for the energy of a saved run that does not hold it (CSV).
+        model: that was simulated, or its file or name: for the energy of a saved run without its model (CSV).
 
     Returns:
         The picture: ``show()`` opens it in the browser, ``save(path)`` writes it; a notebook shows it by itself.
 
     Raises:
-        InputError: nothing to draw, a joint or view that is not there, an empty window, a suffix that is not known.
+        InputError: nothing to draw, a joint or view that is not there, an empty window, an unknown suffix.
         MissingExtra: matplotlib or plotly is not installed.
 
     Example:
@@ -74,7 +74,7 @@ def plot(
     apart = [short(source.name) for source, rows in zip(scene.sources, scene.common, strict=True) if rows is None]
     if apart:
         notes.append(
-            f"No residual, there being no common time with {short(scene.sources[0].name)}: {', '.join(apart)}."
+            f"No residual, because there is no time in common with {short(scene.sources[0].name)}: {', '.join(apart)}."
         )
     blocks = _joint_blocks(scene, drawn)
     keys = _keys(scene, drawn, blocks)
@@ -107,7 +107,7 @@ def _checked_views(views: Sequence[str] | str | None) -> tuple[str, ...]:
 def _drawable(
     scene: PlotScene, wanted: Sequence[str], model: FlexibleJointModel | None, notes: list[str], *, chosen: bool
 ) -> tuple[list[View], list[Block]]:
-    """The views that there are signals for, and the energy; what there is not is noted."""
+    """The views for which there are signals, and the energy; missing ones are noted."""
     drawn, missing, energy = [], [], []
     for name in wanted:
         if name in VIEWS and shows(scene, VIEWS[name]):
@@ -117,12 +117,12 @@ def _drawable(
         else:
             energy = _energy(scene, model, notes)
     if missing and chosen:
-        notes.append(f"Not drawn, there being no such signals: {', '.join(missing)}.")
+        notes.append(f"Not drawn, because there are no such signals: {', '.join(missing)}.")
     return drawn, energy
 
 
 def _energy(scene: PlotScene, model: FlexibleJointModel | None, notes: list[str]) -> list[Block]:
-    """Energies of every motion that was simulated; why there are none of one is noted."""
+    """Energies of every simulated motion; if one has none, a note says why."""
     rows: list[tuple[Panel | None, ...]] = []
     heights: list[float] = []
     for place, source in enumerate(scene.sources):
@@ -139,7 +139,7 @@ def _energy(scene: PlotScene, model: FlexibleJointModel | None, notes: list[str]
 
 
 def _bounded(scene: PlotScene, drawn: Sequence[View], notes: list[str], *, chosen: bool) -> PlotScene:
-    """The scene with no more joints than a page has room for, unless they were asked for by name."""
+    """The scene with at most as many joints as fit on a page, unless they were chosen by name."""
     most = MOST_PANELS if len(drawn) == 1 else MOST_VIEW_ROWS
     count = len(scene.joints)
     if chosen or count <= most:
@@ -173,7 +173,7 @@ def _joint_blocks(scene: PlotScene, drawn: Sequence[View]) -> list[Block]:
 
 
 def _labelled(rows: Sequence[tuple[Panel | None, ...]]) -> tuple[tuple[Panel | None, ...], ...]:
-    """Numbers of time under the lowest panel of each column alone."""
+    """Time labels only under the lowest panel of each column."""
     lowest = {column: i for i, row in enumerate(rows) for column, panel in enumerate(row) if panel is not None}
     return tuple(
         tuple(panel and replace(panel, labelled=not panel.timed or lowest[c] == i) for c, panel in enumerate(row))
@@ -199,7 +199,7 @@ def _panels(blocks: Sequence[Block]) -> list[Panel | None]:
 
 
 def _described(scene: PlotScene, place: int) -> str:
-    """Where a motion comes from and how long it is."""
+    """The source of a motion and its length."""
     source, rows = scene.sources[place], scene.rows[place]
     t = source.recording.t[rows]
     name = f"{short(source.name)}: " if len(scene.sources) > 1 else ""

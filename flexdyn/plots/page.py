@@ -1,4 +1,4 @@
-"""What every picture shares: formats, colours, axes, saving."""
+"""Parts that all pictures share: formats, colours, axes, saving."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SUFFIXES = (".png", ".pdf", ".svg")
 """Formats of pictures."""
 BLUE, RED, GREY, PALE = "#1f4e9c", "#c23b22", "#6b7280", "#dbe4f3"
 SHADES = ("#7f1d1d", "#d97757", GREY, "#6ea0dc", BLUE)
-"""Of five curves, from the least to the greatest."""
+"""Colours of five curves, from the smallest to the largest."""
 DASHED = (0, (3, 3))
 LAW_LINE_WIDTH = 2.2
 """Width of a law's line [pt]."""
@@ -32,7 +32,7 @@ def checked_path(path: str | Path) -> Path:
 
 
 def new_figure() -> Any:
-    """An empty figure of the size of all of them.
+    """An empty figure of the common size.
 
     Raises:
         MissingExtra: matplotlib is not installed.
@@ -43,7 +43,7 @@ def new_figure() -> Any:
 
 
 def dress(axes: Any, across: str, up: str) -> None:
-    """Labels with units, a grid, and no more ink than that."""
+    """Set labels with units and a grid."""
     axes.set_xlabel(across)
     axes.set_ylabel(up)
     axes.grid(color="#e5e7eb", linewidth=0.7)
@@ -60,12 +60,12 @@ def cross(axes: Any) -> None:
 
 
 def legend(axes: Any, title: str, *, upside_down: bool = False) -> None:
-    """A legend to the right of the axes, which make room for it.
+    """A legend to the right of the axes, which become narrower.
 
     Args:
-        axes: whose labelled curves it names.
+        axes: with the labelled curves.
         title: above it.
-        upside_down: the last curve first, as it is the uppermost.
+        upside_down: whether the last curve comes first, because it is the uppermost.
     """
     handles, labels = axes.get_legend_handles_labels()
     order = slice(None, None, -1 if upside_down else 1)
@@ -74,12 +74,12 @@ def legend(axes: Any, title: str, *, upside_down: bool = False) -> None:
 
 
 def legend_above(axes: Any, columns: int) -> None:
-    """A legend of one line above the axes, which make room for it."""
+    """A legend of one line above the axes, which become lower."""
     axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 0.99), ncols=columns, fontsize=8.5, borderpad=0.1)
     axes.set_position((0.13, 0.13, 0.83, 0.63))
 
 
 def save(figure: Any, file: Path) -> None:
-    """Write the picture whole, or not at all."""
+    """Write the picture completely or not at all."""
     with replacing(file) as fresh:
         figure.savefig(fresh, format=file.suffix.lower()[1:], dpi=200)

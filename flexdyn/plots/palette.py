@@ -1,4 +1,4 @@
-"""Colours: a hue for every joint, the same in all panels; greys for what was measured."""
+"""Colours: a hue for every joint, the same in all panels; greys for measured motions."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from flexdyn.comparison.motion_sources import MotionSource
 
 HUES = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#B8860B", "#3BA3D9", "#332288", "#7A5230")
-"""Of joints, in their order and then from the start again: Okabe and Ito's, darkened where pale, and Tol's."""
+"""Colours of joints, used cyclically: those of Okabe and Ito, pale ones darkened, and of Tol."""
 GREYS = ("#9CA3AF", "#4B5563", "#C9CDD3")
-"""Of what was measured, beside a simulation."""
+"""Greys of measured motions, if there is a simulated one."""
 INK, SOFT, RULE = "#1F2937", "#6B7280", "#E5E7EB"
-"""Of text, of notes, of grids."""
+"""Colours of text, notes and grids."""
 PARTS = {
     "kinetic": "#882255",
     "spring": "#44AA99",
@@ -21,11 +21,11 @@ PARTS = {
     "external": "#66CCEE",
     "residual": "#6B7280",
 }
-"""Of entries of an energy ledger, none of them a joint's."""
+"""Colours of the entries of an energy ledger; no joint has one of them."""
 LOSSES = ("#CC6677", "#DDCC77", "#117733", "#AA4466", "#888888", "#EE8866", "#99DDFF", "#BBCC33")
-"""Of what effects dissipate."""
+"""Colours of the energies that effects dissipate."""
 DASHES = ("solid", "dashed", "dashdot", "dotted")
-"""Styles of lines, as both renderers know them."""
+"""Line styles that both renderers have."""
 _BLENDS = (
     ("#000000", 0.0),
     ("#000000", 0.55),
@@ -37,17 +37,17 @@ _BLENDS = (
 
 
 def hue(place: int) -> str:
-    """Of the joint at a place in the arm."""
+    """The colour of the joint with an index."""
     return HUES[place % len(HUES)]
 
 
 def shade(colour: str, sources: Sequence[MotionSource], place: int) -> str:
-    """Of one of several motions: a grey if it was measured and another was not, else a shade of the joint's hue.
+    """The colour of a motion: grey if it was measured and another was not, else a shade of the joint's hue.
 
     Args:
         colour: of the joint.
-        sources: all that are drawn.
-        place: of this one among them.
+        sources: all motions that are drawn.
+        place: index of this one.
     """
     measured = [source.measured for source in sources]
     alike = [i for i, entry in enumerate(measured) if entry == measured[place]]
@@ -59,6 +59,6 @@ def shade(colour: str, sources: Sequence[MotionSource], place: int) -> str:
 
 
 def blend(colour: str, towards: str, share: float) -> str:
-    """A colour on the way to another: at share 0 itself, at 1 the other."""
+    """A mixture of two colours: at share 0 the first, at 1 the other."""
     pairs = [(int(colour[i : i + 2], 16), int(towards[i : i + 2], 16)) for i in (1, 3, 5)]
     return "#" + "".join(f"{round((1.0 - share) * a + share * b):02X}" for a, b in pairs)

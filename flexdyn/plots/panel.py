@@ -1,4 +1,4 @@
-"""A panel of a picture in plain data: axes, curves, bars, the lines of a legend."""
+"""A panel of a picture as plain data: axes, curves, bars, the lines of a legend."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from flexdyn.plots.palette import INK
 
 Array = NDArray[np.float64]
 LARGEST_DRAWN, SMALLEST_DRAWN = 1e150, 1e-150
-"""Numbers beyond the one are not drawn, differences below the other not seen: renderers square them."""
+"""Largest number that is drawn, and smallest difference: the renderers compute squares of them."""
 LONGEST_NAME_SHOWN = 48
-"""Letters of a name that are shown."""
+"""Largest number of letters of a name that are shown."""
 
 
 @dataclass(frozen=True)
@@ -22,11 +22,11 @@ class Key:
     """A line in a legend.
 
     Attributes:
-        label: what it says.
-        colour: of its sample of a line.
-        dash: of it, one of `flexdyn.plots.palette.DASHES`.
-        width: of it [pt].
-        dots: a row of dots instead.
+        label: its text.
+        colour: of its line.
+        dash: of its line, one of `flexdyn.plots.palette.DASHES`.
+        width: of its line [pt].
+        dots: whether it shows a row of dots instead.
     """
 
     label: str
@@ -41,15 +41,15 @@ class Curve:
     """A line, or a row of dots.
 
     Attributes:
-        x: across.
-        y: up.
-        name: of what it is, such as ``q.elbow``.
+        x: horizontal values.
+        y: vertical values.
+        name: of the signal, such as ``q.elbow``.
         group: label of the line in the legend that shows and hides it.
-        colour: of it.
+        colour: of the line.
         dash: one of `flexdyn.plots.palette.DASHES`.
         width: [pt].
-        dots: dots at the samples, no line; the more there are, the smaller.
-        held: every value stays until the next: a staircase.
+        dots: whether dots are drawn at the samples instead of a line; many dots are smaller.
+        held: whether every value is held until the next (steps).
     """
 
     x: Array
@@ -75,12 +75,12 @@ class Curve:
 
 @dataclass(frozen=True)
 class Bar:
-    """A bar with a mark on its far side.
+    """A bar with a mark.
 
     Attributes:
         name: beside it.
         length: of the bar.
-        mark: where the mark sits, on the same axis.
+        mark: position of the mark on the same axis.
         colour: of the bar.
     """
 
@@ -92,7 +92,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Box:
-    """Where the inside of a panel's axes lies on the page [inch], from the lower left corner."""
+    """The place of a panel's axes on the page [inch], from the lower left corner."""
 
     left: float
     bottom: float
@@ -102,22 +102,22 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """A pair of axes and what is in it.
+    """A pair of axes with its content.
 
     Attributes:
         title: above it.
-        across: label of the axis across, with its unit.
-        up: label of the axis up, with its unit.
-        curves: in it, the lowest first.
-        bars: in it, the uppermost first; a panel has curves or bars.
-        x_range: of the axis across.
-        y_range: of the axis up; the lowest bar lies at 0.
+        across: label of the horizontal axis, with its unit.
+        up: label of the vertical axis, with its unit.
+        curves: its curves, the lowest first.
+        bars: its bars, the uppermost first; a panel has curves or bars.
+        x_range: of the horizontal axis.
+        y_range: of the vertical axis; the lowest bar is at 0.
         colour: of the title.
-        timed: the axis across is time, and all such axes move together.
-        legend: it has one of its own, on the right of it.
-        labelled: numbers and label of the axis across are shown, not those of a panel below it.
-        box: where it lies.
-        level: a horizontal line at zero.
+        timed: whether the horizontal axis is time; all such axes move together.
+        legend: whether it has its own legend, on its right.
+        labelled: whether it shows numbers and label of the horizontal axis.
+        box: its place.
+        level: whether there is a horizontal line at zero.
     """
 
     title: str
@@ -141,16 +141,16 @@ class Panel:
 
 
 def short(name: str) -> str:
-    """A name of bounded length, which keeps its end, where numbers stand."""
+    """A name of bounded length; its end is kept, because numbers are there."""
     return name if len(name) <= LONGEST_NAME_SHOWN else f"{name[:30]}…{name[31 - LONGEST_NAME_SHOWN :]}"
 
 
 def limits(*values: Array, margin: float = 0.06) -> tuple[float, float]:
-    """A range of an axis that holds all values with some air; never one so narrow that rounding errors fill it.
+    """A range of an axis that contains all values with a margin; it is never so narrow that rounding errors fill it.
 
     Args:
-        values: at least one number in each; NaN, where a curve breaks off, is passed over.
-        margin: air on both sides, as a share of the range.
+        values: at least one number in each; NaN, where a curve is interrupted, is ignored.
+        margin: on both sides, as a share of the range.
     """
     low = min(float(np.nanmin(array)) for array in values)
     high = max(float(np.nanmax(array)) for array in values)
@@ -167,10 +167,10 @@ def limits(*values: Array, margin: float = 0.06) -> tuple[float, float]:
 
 
 def check_times(first: float, last: float) -> None:
-    """Refuse a span of time that no axis can show.
+    """Refuse a span of time that an axis cannot show.
 
     Raises:
-        InputError: its ends are too great or too close for numbers between them.
+        InputError: its ends are too large, or too close for numbers between them.
     """
     size = max(abs(first), abs(last))
     if size > LARGEST_DRAWN or last - first <= max(1e-12 * size, SMALLEST_DRAWN):

@@ -1,4 +1,4 @@
-"""A page of panels in plain data: two renderers draw it, so that file and browser cannot disagree."""
+"""A page of panels as plain data: two renderers draw the same page, for files and for the browser."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from flexdyn.plots.panel import Key, Panel
 FILES = (".png", ".pdf", ".svg", ".html")
 """Formats of pictures of motions; .html is interactive."""
 LEFT, HEADLINE, LINE = 0.88, 0.46, 0.18
-"""Left of axes and texts; height of the page's title, of a line of notes [inch]."""
+"""Left margin of axes and of texts; height of the page's title, of a line of notes [inch]."""
 KEY = 0.21
 """Height of a line of the shared legend [inch]."""
 LETTER, BOLD = 0.073, 0.132
-"""Width of a letter of notes and legends, of the title [inch]."""
+"""Width of a letter in notes and legends, and in the title [inch]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -28,9 +28,9 @@ class Picture(Public):
 
     Attributes:
         title: of the page.
-        notes: under it, a sentence each: what was left out, where something comes from.
+        notes: sentences under it: what was left out, where the data come from.
         panels: with their places.
-        keys: lines of the legend that all panels without one of their own share.
+        keys: lines of the legend that all panels without their own legend share.
         width: of the page [inch].
         height: of the page [inch].
 
@@ -54,7 +54,7 @@ class Picture(Public):
 
     @property
     def headline(self) -> str:
-        """The title, cut where the page ends."""
+        """The title, shortened to the width of the page."""
         letters = int((self.width - 1.5 * LEFT) / BOLD)
         return self.title if len(self.title) <= letters else f"{self.title[: letters - 1]}…"
 
@@ -65,21 +65,21 @@ class Picture(Public):
 
     @property
     def legend_columns(self) -> int:
-        """Lines of the shared legend that stand side by side; it is filled row by row."""
+        """Number of columns of the shared legend; it is filled row by row."""
         return max(1, min(len(self.keys), int((self.width - 1.2 * LEFT) / self.key_width)))
 
     @property
     def margin(self) -> float:
-        """Where titles, notes and the legend begin [inch]."""
+        """Left end of titles, notes and the legend [inch]."""
         return LEFT
 
     @property
     def legend_at(self) -> float:
-        """How far the upper edge of the shared legend is below that of the page [inch]."""
+        """Distance from the upper edge of the page to that of the shared legend [inch]."""
         return HEADLINE + LINE * len(self.lines) + 0.08
 
     def note_at(self, line: int) -> float:
-        """How far the foot of a line of notes is below the upper edge of the page [inch]."""
+        """Distance from the upper edge of the page to the lower end of a line of notes [inch]."""
         return HEADLINE + LINE * (line + 0.75)
 
     def save(self, path: str | Path) -> None:
@@ -107,7 +107,7 @@ class Picture(Public):
         """Open it in the browser, as a page in a new folder for temporary files.
 
         Returns:
-            The page's path; where no browser can be opened, that is all.
+            The page's path; nothing else happens if no browser can be opened.
 
         Raises:
             MissingExtra: plotly is not installed.
@@ -121,7 +121,7 @@ class Picture(Public):
         return path
 
     def figure(self) -> Any:
-        """Matplotlib's figure, to be worked on.
+        """Matplotlib's figure, which can be changed.
 
         Raises:
             MissingExtra: matplotlib is not installed.
@@ -131,7 +131,7 @@ class Picture(Public):
         return draw(self)
 
     def plotly(self) -> Any:
-        """Plotly's figure, to be worked on.
+        """Plotly's figure, which can be changed.
 
         Raises:
             MissingExtra: plotly is not installed.
@@ -145,7 +145,7 @@ class Picture(Public):
         return visible(f"<Picture {self.title}: {len(self.panels)} panels; .show(), .save(path)>")
 
     def _repr_mimebundle_(self, *arguments: Any, **settings: Any) -> Any:
-        """What a notebook shows; like the pages, without a button that uploads the data."""
+        """HTML for notebooks; like the pages, without a button that uploads the data."""
         from flexdyn.plots.plotly_picture import CONFIG
 
         return self.plotly()._repr_mimebundle_(*arguments, **{"config": CONFIG, **settings})

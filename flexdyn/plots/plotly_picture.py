@@ -1,4 +1,4 @@
-"""A picture drawn by Plotly: a page that works offline and asks nobody for anything."""
+"""A picture drawn by Plotly: a page that works offline and loads nothing."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from flexdyn.plots.picture import KEY, Picture
 
 DASHES = {"solid": "solid", "dashed": "6px,3px", "dashdot": "7px,2px,2px,2px", "dotted": "2px,2px"}
 DOT = 96.0
-"""Dots of the screen in an inch."""
+"""Pixels of the screen in an inch."""
 POINT = DOT / 72.0
 FONT = "'DejaVu Sans', Verdana, 'Segoe UI', Helvetica, Arial, sans-serif"
 TITLE = {"size": 8.5 * POINT, "color": INK}
@@ -37,7 +37,7 @@ _escaped = partial(escape, quote=False)
 
 
 def write_page(picture: Picture, file: Path) -> None:
-    """Write the picture as one HTML file with plotly.js in it, whole or not at all.
+    """Write the picture as one HTML file that contains plotly.js, completely or not at all.
 
     Raises:
         InputError: the file cannot be written.
@@ -83,7 +83,7 @@ def draw(picture: Picture) -> Any:
 
 
 def _legends(picture: Picture) -> dict[str, Any]:
-    """Of every line of the shared legend one of its own: Plotly would put them where it likes."""
+    """A separate legend for every line of the shared legend: Plotly would choose other places for them."""
     found = {}
     for i in range(len(picture.keys)):
         row, column = divmod(i, picture.legend_columns)
@@ -104,7 +104,7 @@ def _head(picture: Picture) -> list[dict[str, Any]]:
 
 
 def _text(picture: Picture, left: float, down: float, text: str, size: float, colour: str) -> dict[str, Any]:
-    """A text whose upper left corner is so many inches from that of the page."""
+    """A text at a distance from the upper left corner of the page [inch]."""
     place = {"x": left / picture.width, "y": 1.0 - down / picture.height, "xref": "paper", "yref": "paper"}
     anchors = {"xanchor": "left", "yanchor": "top", "showarrow": False, "align": "left"}
     return {**place, **anchors, "text": text, "font": {"size": size, "color": colour}, "borderpad": 0}
@@ -150,14 +150,14 @@ def _axes(layout: dict[str, Any], picture: Picture, panel: Panel, number: int) -
 
 
 def _beside(picture: Picture, panel: Panel) -> dict[str, Any]:
-    """Where a panel's own legend stands: on the right of it."""
+    """The place of a panel's own legend: on its right."""
     box = panel.box
     left, up = box.left + box.width + 0.06, box.bottom + box.height + 0.1
     return {"x": left / picture.width, "y": up / picture.height, **LEGEND}
 
 
 def _content(panel: Panel, number: int, legends: Mapping[str, str], own: str) -> list[dict[str, Any]]:
-    """Traces of a panel; its own legend names them, or a line of the shared one shows and hides them."""
+    """Traces of a panel; they belong to its own legend or to lines of the shared one."""
     place = {"xaxis": f"x{number}", "yaxis": f"y{number}"}
     if panel.bars:
         return _bars(panel, place)
@@ -198,7 +198,7 @@ def _bars(panel: Panel, place: dict[str, str]) -> list[dict[str, Any]]:
 
 
 def _sample(key: Key, legend: str) -> dict[str, Any]:
-    """A line of the legend: an empty trace that the real ones are grouped with."""
+    """A line of the legend: an empty trace in the same group as the real ones."""
     empty = Curve(
         np.array([np.nan]), np.array([np.nan]), key.label, key.label, key.colour, key.dash, key.width, key.dots
     )

@@ -1,4 +1,4 @@
-"""What is to be drawn: motions, their joints with their colours, a window of time."""
+"""The content of a picture: motions, their joints with their colours, a window of time."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 MOST_DOTS = 150
 """A measured curve of up to this many samples is drawn as dots."""
 DEFLECTION = "deflection"
-"""Theta - q as a signal."""
+"""Name of the signal theta - q."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class PlotScene:
     """Motions in a window of time.
 
     Attributes:
-        sources: the motions; those with rotor and link positions have their difference as a signal as well.
+        sources: the motions; those with rotor and link positions have the deflection as an additional signal.
         joints: to be drawn.
         start: of the window [s].
         end: of the window [s].
@@ -62,7 +62,7 @@ class PlotScene:
 
     @cached_property
     def every_joint(self) -> tuple[str, ...]:
-        """Of all motions, in order of first appearance: a joint's place gives its colour."""
+        """Joints of all motions, in order of first appearance: the index of a joint gives its colour."""
         return tuple(dict.fromkeys(joint for source in self.sources for joint in source.joints))
 
     @cached_property
@@ -80,7 +80,7 @@ class PlotScene:
 
     @cached_property
     def common(self) -> tuple[slice | None, ...]:
-        """Samples of the first motion in the time that each of the motions covers too; None: there are none."""
+        """Samples of the first motion within the time of each other motion; None if there are none."""
         return tuple(self._common(source) for source in self.sources)
 
     def _common(self, source: MotionSource) -> slice | None:
@@ -105,14 +105,14 @@ class PlotScene:
         return hue(self.every_joint.index(joint))
 
     def dotted(self, place: int) -> bool:
-        """Whether a motion is drawn as dots: one that was measured, beside one that was not, with few samples."""
+        """Whether a motion is drawn as dots: it was measured, another one was not, and it has few samples."""
         grey = self.sources[place].measured and not all(source.measured for source in self.sources)
         return grey and len(self.rows[place]) <= MOST_DOTS
 
     def has(self, place: int, signal: str, joint: str) -> bool:
-        """Whether a motion has a signal of a joint, one that tells something of its own in some motion.
+        """Whether a motion has a signal of a joint that differs from other signals in some motion.
 
-        A rotor that is one with its link, and an actuator that does what it is asked, do not.
+        The rotor of a rigid joint and the torque of an actuator without effects do not.
         """
         name, twin = f"{signal}.{joint}", f"{_TWINS.get(signal)}.{joint}"
         if name not in self.sources[place].recording:
@@ -126,7 +126,7 @@ class PlotScene:
         return unit_in([source for source in self.sources if name in source.recording], name)
 
     def curve(self, place: int, trace: SignalTrace, joint: str) -> Curve:
-        """One signal of one joint of one motion, thinned."""
+        """One signal of one joint of one motion, with fewer points."""
         source, rows = self.sources[place], self.rows[place]
         t, up = source.recording.t[rows], source.recording[f"{trace.up}.{joint}"][rows]
         x = source.recording[f"{trace.across}.{joint}"][rows] if trace.across else t
@@ -153,7 +153,7 @@ _TWINS = {"theta": "q", "omega": "v", "tau_applied": "tau"}
 
 
 def make_scene(given: Sequence[Any], joints: Sequence[str] | None, start: float | None, end: float | None) -> PlotScene:
-    """What is to be drawn.
+    """Make the content of a picture.
 
     Args:
         given: runs, recordings, paths.
@@ -162,7 +162,7 @@ def make_scene(given: Sequence[Any], joints: Sequence[str] | None, start: float 
         end: of the window [s]; None: the end.
 
     Raises:
-        InputError: nothing given, a joint that none of them has, an empty window.
+        InputError: no motions, a joint that no motion has, an empty window.
     """
     if not given:
         raise InputError("there is nothing to draw", key="runs", remedy="give a run or a recording")
@@ -181,7 +181,7 @@ def make_scene(given: Sequence[Any], joints: Sequence[str] | None, start: float 
 
 
 def _with_deflection(source: MotionSource) -> MotionSource:
-    """The same motion with theta - q of every joint that has both as one more signal."""
+    """The motion with the additional signal theta - q of every joint that has both."""
     recording = source.recording
     columns = {"t": recording.t, **recording.channels}
     for joint in recording.joints:

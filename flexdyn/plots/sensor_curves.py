@@ -1,4 +1,4 @@
-"""Curves of what comes late and what is measured wrongly."""
+"""Curves of delays and of sensor errors."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from flexdyn.plots.friction_curves import turn
 from flexdyn.plots.page import BLUE, DASHED, GREY, LAW_LINE_WIDTH, cross, legend_above
 
 VISIBLE = 0.02
-"""Errors smaller than this share of what is measured are drawn by themselves."""
+"""Smaller errors, relative to the measured value, are drawn separately [1]."""
 
 
 def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
-    """The response to a step of the torque asked for."""
+    """The response to a step of the commanded torque."""
     end = 4.0 * effect.delay
     asked, given = [-0.5 * end, 0.0, end], [-0.5 * end, effect.delay, end]
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
@@ -28,7 +28,7 @@ def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
 
 
 def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
-    """Measured over true; only the error where that is too small to see; over time where it is late."""
+    """Measured over true value; only the error if it is too small to see; over time for a delay."""
     if isinstance(effect, ChannelLag):
         return _late(axes, effect)
     lengths = [abs(getattr(effect, field.name)) for field in effect.parameters() if field.metadata["unit"] != "1"]
@@ -47,7 +47,7 @@ def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
 
 
 def _late(axes: Any, effect: ChannelLag) -> tuple[str, str]:
-    """A position that swings, and how the sensor reports it."""
+    """An oscillating position, and the reading of the sensor."""
     t = np.linspace(0.0, 20.0 * effect.delay, 1201)
     true = np.sin(2.0 * math.pi * t / (10.0 * effect.delay))
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)

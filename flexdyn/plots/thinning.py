@@ -1,4 +1,4 @@
-"""Fewer points for the eye: of a long recording only those that its curve's outline needs."""
+"""Fewer points for drawing: of a long recording only those that the outline of its curve needs."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ Array = NDArray[np.float64]
 MOST_CURVE_POINTS = 6000
 """Curves of up to this many samples are drawn as they are."""
 SLICES = 1500
-"""Of longer ones: slices of time, each narrower than a dot of the picture, of which the extremes are kept."""
+"""Number of slices of time for longer curves, each narrower than a dot of the picture; their extremes are kept."""
 FINE, COARSE = 800, 240
-"""Cells across and up, of a plane in which a curve is drawn: those of its line, those of its dots."""
+"""Cells in each direction of a plane in which a curve is drawn: for a line, and for dots."""
 MOST_AVERAGES, DOTS_IN_AN_AVERAGE = 80, 20
-"""Averages through a cloud of dots at most, and dots in each of them at least."""
+"""Largest number of averages through a cloud of dots, and smallest number of dots in each."""
 MOST_PLANE_POINTS = 24000
-"""Points of a curve in a plane; one that needs more is drawn as dots."""
+"""Largest number of points of a line in a plane; a curve that needs more is drawn as dots."""
 
 
 def outline(t: Array, *signals: Array, slices: int = SLICES) -> NDArray[np.intp]:
-    """Which samples to draw so that the curve looks as if all of them were drawn.
+    """Samples to draw so that the curve looks as if all of them were drawn.
 
-    Of every slice of time the first and last sample are kept, and where each signal is least and greatest: no peak is
-    lost, and no line is drawn to where the curve never was. A curve of up to four samples a slice keeps all.
+    Of every slice of time the first, last, smallest and largest sample of each signal are kept: no peak is lost, and no
+    line goes where the curve never was. A curve with up to four samples in a slice keeps all.
 
     Args:
         t: times, increasing (samples,).
@@ -47,12 +47,12 @@ def outline(t: Array, *signals: Array, slices: int = SLICES) -> NDArray[np.intp]
 
 
 def broken(t: Array, values: Array, kept: NDArray[np.intp]) -> tuple[Array, Array]:
-    """The samples kept of a curve over time, which breaks off at gaps: a NaN stands in each.
+    """The kept samples of a curve over time, with a NaN in each gap, where the curve is interrupted.
 
     Args:
         t: times of all samples.
         values: of all samples.
-        kept: which are drawn, increasing.
+        kept: indices of the samples that are drawn, increasing.
     """
     rows = gap_rows(t)
     if not len(rows):
@@ -64,14 +64,14 @@ def broken(t: Array, values: Array, kept: NDArray[np.intp]) -> tuple[Array, Arra
 
 
 def outline_in_plane(x: Array, y: Array) -> tuple[NDArray[np.intp], bool]:
-    """Which samples to draw of a long curve in a plane, such as position and velocity.
+    """Samples to draw of a long curve in a plane, such as position and velocity.
 
-    Of the samples in a row that lie in one of 800 by 800 cells the first is kept. Where more than `MOST_PLANE_POINTS`
-    remain, one sample of every cell of a coarser grid, to be drawn as a dot: the plane is all but full there.
+    Of consecutive samples in the same one of 800 by 800 cells, the first is kept. If more than `MOST_PLANE_POINTS`
+    remain, one sample of every cell of a coarser grid is drawn as a dot: the plane is almost full there.
 
     Args:
-        x: across (samples,).
-        y: up (samples,).
+        x: horizontal values (samples,).
+        y: vertical values (samples,).
 
     Returns:
         Indices, increasing; whether they are dots rather than a line.
@@ -95,13 +95,13 @@ def _cells(values: Array, count: int) -> NDArray[np.intp]:
 
 
 def averages(columns: Array) -> Array:
-    """Averages of neighbours in the first column, as many in each; rows that are not finite are left out.
+    """Averages of equal numbers of neighbours in the first column; rows that are not finite are left out.
 
     Args:
-        columns: what is drawn over what (points, columns).
+        columns: the horizontal and the vertical values (points, columns).
 
     Returns:
-        In the order of the first column (averages, columns); none where there are too few points.
+        Averages in the order of the first column (averages, columns); empty if there are too few points.
     """
     finite = columns[np.isfinite(columns).all(axis=1)]
     count = min(MOST_AVERAGES, len(finite) // DOTS_IN_AN_AVERAGE)

@@ -15,13 +15,13 @@ from flexdyn.plots.page import BLUE, DASHED, GREY, LAW_LINE_WIDTH, RED, SHADES, 
 
 Array = NDArray[np.float64]
 ASKED = (-1.2, -0.6, 0.0, 0.6, 1.2)
-"""Torques asked for in the pictures of actuator effects [N m]."""
+"""Commanded torques in the pictures of actuator effects [N m]."""
 DEFLECTION = 0.01
-"""How far springs are wound in the pictures [rad]."""
+"""Deflection of springs in the pictures [rad]."""
 
 
 def spring(axes: Any, effect: JointEffect) -> tuple[str, str]:
-    """Torque over the deflection or its rate, whichever the law is of."""
+    """Torque over the deflection or its rate."""
     cross(axes)
     if varies(lambda x: effect.torque(x, 0.0), DEFLECTION):
         delta = np.linspace(-DEFLECTION, DEFLECTION, 801)
@@ -33,7 +33,7 @@ def spring(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 
 def deflection(axes: Any, effect: DeflectionEffect) -> tuple[str, str]:
-    """The deflection that springs see: over the true one, or what the rotor's angle adds to it."""
+    """The deflection that the springs receive over the true one, or its change over the rotor's angle."""
     cross(axes)
     if varies(lambda theta: effect.deflection(0.0, theta), 0.5 * turn(effect)):
         theta = np.linspace(0.0, turn(effect), 1201)
@@ -64,7 +64,7 @@ def link(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 
 def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
-    """tau_applied over the rotor's speed or angle for several torques asked for, else over the torque asked for."""
+    """tau_applied over the rotor's speed or angle for several commanded torques, else over the commanded torque."""
     over_speed = any(varies(partial(effect.torque, 0.0, tau=tau), span(effect, 1.3)) for tau in ASKED)
     over_angle = any(varies(partial(effect.torque, u=0.0, tau=tau), 0.5 * turn(effect)) for tau in ASKED)
     up = r"$\tau_\mathrm{applied}$ [N m]"
@@ -81,11 +81,11 @@ def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
     axes.plot(tau, tau, color=GREY, linewidth=1.0, linestyle=DASHED, label="without")
     axes.plot(tau, effect.torque(0.0, 0.0, tau=tau), color=BLUE, linewidth=LAW_LINE_WIDTH, label="with it")
     axes.legend(frameon=False, loc="upper left")
-    return r"torque asked for $\tau$ [N m]", up
+    return r"commanded torque $\tau$ [N m]", up
 
 
 def _family(axes: Any, effect: JointEffect, across: Array, state: tuple[Any, Any]) -> None:
-    """One curve for each torque asked for, which is dashed beside it."""
+    """One curve for each commanded torque, which is drawn dashed."""
     cross(axes)
     for tau, shade in zip(ASKED, SHADES, strict=True):
         axes.axhline(tau, color=shade, linewidth=0.8, linestyle=DASHED)

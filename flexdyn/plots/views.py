@@ -1,4 +1,4 @@
-"""Views of a motion: which signals stand in which panel, joint by joint."""
+"""Views of a motion: the signals in each panel, joint by joint."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class View:
 
     Attributes:
         title: of the view.
-        up: what the axis up shows.
+        up: quantity of the vertical axis.
         traces: the signals in it.
-        across: what the axis across shows; empty: time.
+        across: quantity of the horizontal axis; empty: time.
     """
 
     title: str
@@ -52,7 +52,7 @@ VIEWS: dict[str, View] = {
         "Torques",
         "torque",
         (
-            SignalTrace("tau", "tau: asked of the motor"),
+            SignalTrace("tau", "tau: commanded"),
             SignalTrace("tau_applied", "tau_applied: after the actuator's effects", "dotted"),
             SignalTrace("tau_s", "tau_s: in the transmission", "dashed"),
         ),
@@ -78,12 +78,12 @@ VIEWS: dict[str, View] = {
 
 
 def shows(scene: PlotScene, view: View) -> bool:
-    """Whether any joint of any motion has something to show in it."""
+    """Whether any joint of any motion has a signal for it."""
     return any(panel_of(scene, view, joint) is not None for joint in scene.joints)
 
 
 def panel_of(scene: PlotScene, view: View, joint: str) -> Panel | None:
-    """One view of one joint; None where no motion has the signals."""
+    """One view of one joint; None if no motion has the signals."""
     found = [
         (place, trace)
         for place in range(len(scene.sources))
@@ -92,7 +92,7 @@ def panel_of(scene: PlotScene, view: View, joint: str) -> Panel | None:
     ]
     if not found:
         return None
-    # What was measured lies lowest, so that the thin lines of simulations stay to be seen.
+    # Measured curves are lowest, so that the thin lines of simulations stay visible.
     found.sort(key=lambda entry: not scene.sources[entry[0]].measured)
     curves = tuple(scene.curve(place, trace, joint) for place, trace in found)
     first = found[0][1]
@@ -112,7 +112,7 @@ def panel_of(scene: PlotScene, view: View, joint: str) -> Panel | None:
 
 
 def residual_of(scene: PlotScene, view: View, joint: str) -> Panel | None:
-    """What the other motions are beside the first, over time; None where there is nothing to subtract."""
+    """The differences of the other motions from the first over time; None if there is nothing to subtract."""
     curves, said, unit = [], [], ""
     for trace in view.traces:
         name = f"{trace.up}.{joint}"
@@ -142,7 +142,7 @@ def residual_of(scene: PlotScene, view: View, joint: str) -> Panel | None:
 
 
 def keys_of(scene: PlotScene, views: Sequence[View], panels: Sequence[Panel | None]) -> tuple[Key, ...]:
-    """The legend that these panels share: a line for each kind of signal that occurs, then one for each motion."""
+    """The legend of these panels: a line for each kind of signal, then one for each motion."""
     drawn = {curve.name.partition(".")[0] for panel in panels if panel is not None for curve in panel.curves}
     traces = [trace for view in views for trace in view.traces if trace.up in drawn]
     return tuple(dict.fromkeys(Key(trace.label, INK, trace.dash) for trace in traces)) + scene.source_keys
@@ -158,7 +158,7 @@ def grid(panels: Sequence[Panel], columns: int, width: float, height: float) -> 
 
 
 def _in_few(rms: Sequence[float]) -> str:
-    """One number, or from the least to the greatest."""
+    """One number, or a range from the smallest to the largest."""
     least, greatest = f"{min(rms):.4g}", f"{max(rms):.4g}"
     return least if least == greatest else f"{least} to {greatest}"
 

@@ -18,12 +18,12 @@ _PART = re.compile(r"(?P<array>.+?)\s*\[\s*(?P<row>:|[0-9]{1,9})\s*,\s*(?P<colum
 
 @dataclass(frozen=True)
 class RequestedColumn:
-    """One column that is asked for.
+    """One requested column.
 
     Attributes:
-        key: as it was asked for.
+        key: as it was requested.
         array: name of the array.
-        axis: that the index counts along; None: the array is one column itself.
+        axis: along which the index counts; None: the array itself is one column.
         index: from 0.
     """
 
@@ -51,14 +51,14 @@ class RequestedColumn:
         check_numbers(dtype, (shape[1 - self.axis],), self.key)
 
     def of(self, array: Any) -> npt.NDArray[Any]:
-        """The column; of an array on disk nothing else is read."""
+        """The column; nothing else of an array on disk is read."""
         if self.axis is None:
             return np.asarray(array[()])
         return np.array(array[self.index, :] if self.axis == 0 else array[:, self.index])
 
 
 def parts_of(keys: Iterable[str | int], arrays: Collection[str]) -> list[RequestedColumn]:
-    """The columns asked for, in the order of the arrays.
+    """The requested columns, in the order of the arrays.
 
     Args:
         keys: names of arrays, or ``name[:,k]`` and ``name[k,:]``.

@@ -1,27 +1,27 @@
-"""What any recording may hold and take, whatever its format; `docs/limits.md` lists these with those of each reader."""
+"""Limits of recordings in any format; `docs/limits.md` lists them together with those of each reader."""
 
 from __future__ import annotations
 
 from flexdyn.errors import InputError
 
 MOST_FILE = 2**40
-"""Bytes of a file."""
+"""Largest file [bytes]."""
 MOST_BYTES = 16 * 2**30
-"""Bytes of all arrays that are read."""
+"""Largest size of all arrays that are read [bytes]."""
 MOST_EXPANSION = 1100
-"""Deflate shrinks at most 1032 times: what declares more than this times its file's size is no honest file."""
+"""Largest ratio of unpacked to packed size [1]: deflate compresses at most by a factor of 1032."""
 SMALL = 2**28
-"""Bytes up to which a file may unpack to `MOST_EXPANSION` times its size."""
+"""Up to this unpacked size a file may unpack to `MOST_EXPANSION` times its size [bytes]."""
 USUAL_EXPANSION = 64
-"""Times its size to which a file may unpack beyond `SMALL`."""
+"""Largest ratio of unpacked to packed size for more than `SMALL` bytes [1]."""
 MOST_COLUMNS = 10_000
-"""Channels, columns, arrays, variables or datasets of a file."""
+"""Largest number of channels, columns, arrays, variables or datasets of a file."""
 MOST_SAMPLES = 2**31 - 1
-"""Samples of a channel."""
+"""Largest number of samples of a channel."""
 
 
 def most_bytes(on_disk: int) -> int:
-    """Bytes that the arrays of a file may have.
+    """Largest size of the arrays of a file [bytes].
 
     Args:
         on_disk: bytes of the file.
@@ -30,7 +30,7 @@ def most_bytes(on_disk: int) -> int:
 
 
 def check_size(declared: int, on_disk: int) -> None:
-    """Refuse a file that announces more than it can honestly hold, before any of it is unpacked.
+    """Refuse a file that declares more data than it can contain, before any of it is unpacked.
 
     Args:
         declared: bytes of all arrays as the file's headers give them.
@@ -40,13 +40,13 @@ def check_size(declared: int, on_disk: int) -> None:
         InputError: more than `most_bytes`.
     """
     if declared > most_bytes(on_disk):
-        problem = f"the file of {on_disk} bytes announces {declared} bytes of arrays"
+        problem = f"the file of {on_disk} bytes declares {declared} bytes of arrays"
         usual = f"{USUAL_EXPANSION} times the file's size, up to 256 MiB {MOST_EXPANSION} times"
         raise InputError(problem, remedy=f"the limits are 16 GiB and {usual}")
 
 
 def check_count(columns: int) -> None:
-    """Refuse a file of more columns than any robot has.
+    """Refuse a file with more columns than any robot has.
 
     Raises:
         InputError: more than `MOST_COLUMNS`.

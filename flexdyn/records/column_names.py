@@ -11,10 +11,10 @@ _WITH_UNIT = re.compile(r"(?P<bare>.*?\S)(?P<gap>\s*)(?:\[(?P<square>[^\[\]]*)\]
 
 
 def split_unit(name: str) -> tuple[str, str]:
-    """Name and unit of a column's name; the unit is empty where the name states none.
+    """Name and unit of a column's name; the unit is empty if the name has none.
 
-    What stands in brackets at the end is a unit if it is a known one; behind a space, square brackets hold a unit in
-    any case but that of a number, which counts something.
+    A text in brackets at the end is a unit if it is a known one. After a space, a text in square brackets is always a
+    unit, unless it is a number, which is an index.
     """
     match = _WITH_UNIT.fullmatch(name)
     if match is None:

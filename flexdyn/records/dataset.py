@@ -1,9 +1,10 @@
 """Recordings as xarray datasets, and back without loss.
 
-A signal that every joint has becomes one variable over ``(t, joint)``; a signal that only some have stays as variables
-over ``t`` named ``q.elbow``, so that no NaN is invented. Other channels are variables over ``t``. Every variable has
-``units`` and ``long_name``. Where a joint is prismatic, the coordinate ``joint_type`` says which, and ``units`` of a
-variable with joints of both kinds names both. The attributes ``channels`` and ``meta`` keep order and meta as JSON.
+A signal that every joint has becomes one variable over ``(t, joint)``. A signal that only some joints have becomes
+variables over ``t`` named ``q.elbow``, so that no NaN is needed. Other channels are variables over ``t``. Every
+variable has ``units`` and ``long_name``. Where a joint is prismatic, the coordinate ``joint_type`` says which, and
+``units`` of a variable with joints of both kinds names both. The attributes ``channels`` and ``meta`` keep order and
+meta as JSON.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ LONG_NAMES = {
     "v": "link velocity",
     "theta": "rotor position, reflected",
     "omega": "rotor velocity, reflected",
-    "tau": "motor torque asked for, reflected",
+    "tau": "commanded motor torque, reflected",
     "tau_applied": "motor torque after actuator effects, reflected",
     "tau_s": "torque in the transmission",
     "temperature": "temperature",
@@ -68,7 +69,8 @@ def table_of(dataset: Any) -> Table:
     """The raw table of a dataset: variables over ``t``, or over ``t`` and one labelled dimension such as ``joint``.
 
     Args:
-        dataset: from `to_dataset`, maybe cut or reordered since, or by other hands; the coordinate ``t`` is in seconds.
+        dataset: from `to_dataset`, possibly trimmed or reordered, or from another source; the coordinate ``t`` is in
+            [s].
 
     Returns:
         Columns by channel: those that ``channels`` names first and in its order.
@@ -112,7 +114,7 @@ def _is_prismatic(rec: Recording, signal: str, joint: str) -> bool:
 
 
 def _stacks(rec: Recording, signal: str, prismatic: Any) -> bool:
-    """Whether one variable can hold the signal of every joint, with units that the joints' types tell."""
+    """Whether one variable can hold the signal of every joint, with units that the joints' types determine."""
     if signal in rec or "joint" in rec or "joint_type" in rec:
         return False
     return all(
@@ -176,7 +178,7 @@ def _order(dataset: Any) -> list[str]:
 
 
 def _forget_units(table: Table) -> None:
-    """Leave out what meta says of channels that the dataset has lost since."""
+    """Leave out meta data of channels that the dataset does not have any more."""
     units = table.meta.get("units")
     if isinstance(units, dict):
         table.meta["units"] = {name: unit for name, unit in units.items() if name in table.columns}

@@ -85,12 +85,12 @@ def read_recording(
       effort tau; of a controller's state, feedback gives q and v, output tau. ``meta["notes"]`` says what was assumed,
       ``meta["start_ns"]`` from when stamps of the time of day are counted.
 
-    With a map the file may have any columns; two-dimensional arrays are taken as ``q[:,0]`` (NPZ, HDF5) or
-    ``rec.pos(1,:)`` (MAT), fields of messages as ``position.elbow``, other topics as ``/left/states.position.elbow``.
+    With a map the file may have any columns; columns of two-dimensional arrays are named ``q[:,0]`` (NPZ, HDF5) or
+    ``rec.pos(1,:)`` (MAT), fields of messages ``position.elbow``, other topics ``/left/states.position.elbow``.
 
-    Units that a file states and that are not SI are refused, unless a map says what to make of them. What is wrong
-    with the samples (numbers that are not finite, times that do not increase) is refused too, unless a repair is asked
-    for. Nothing in a file is executed and no other file is opened.
+    Units in a file that are not SI are refused, unless a map converts them. Faults of the samples (numbers that are not
+    finite, times that do not increase) are refused too, unless a repair is requested. Nothing in a file is executed and
+    no other file is opened.
 
     Args:
         path: the file, or the folder of a ROS 2 bag.
@@ -98,20 +98,19 @@ def read_recording(
             gears, signs, couplings and clocks of the raw columns; ``rec.meta["map"]`` keeps it.
         repair: repairs to make, in order: ``sort_time``, ``drop_duplicate_times``, ``drop_backwards``, ``drop_nan``,
             ``fill_nan`` (gaps up to 0.1 s, else ``{"fill_nan": {"longest": 0.5}}``); those of the map come first.
-            ``rec.meta["repairs"]`` tells how many rows each touched.
-        name: label of the recording; the file's name without suffix if left out.
-        progress: called now and then with the share of the file that has been read, from 0 to 1.
+            ``rec.meta["repairs"]`` gives the number of rows that each changed.
+        name: label of the recording; default: the file's name without suffix.
+        progress: called from time to time with the share of the file that has been read, from 0 to 1.
 
     Returns:
-        The recording; what `write_recording` wrote comes back bit for bit without map and repair.
+        The recording; without map and repair, a file of `write_recording` is read back bit for bit.
 
     Warns:
-        RecordingWarning: something was guessed, which ``rec.meta["notes"]`` keeps; the data have gaps
-            (`Recording.gaps`); or no channel is a signal of a joint, but some look meant to be.
+        RecordingWarning: something was guessed, which is in ``rec.meta["notes"]``; the data have gaps
+            (`Recording.gaps`); or no channel is a signal of a joint although some names are similar.
 
     Raises:
-        InputError: anything wrong with the file, the map or a repair, in one line with row (the line, in CSV) and
-            channel.
+        InputError: a fault of the file, the map or a repair, in one line with row (in CSV: line) and channel.
         MissingExtra: the suffix needs a library that is not installed.
 
     Example:
@@ -154,11 +153,11 @@ def is_recording(path: str | os.PathLike[str]) -> bool:
 
 
 def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
-    """Write a recording; whatever goes wrong, the path holds the old file or the whole new one.
+    """Write a recording; after an error the path has either the old file or the complete new one.
 
-    Every double is kept bit for bit, and `meta` too but in CSV, which is a plain table.
+    Every double is kept bit for bit, and also `meta`, except in CSV, which is a plain table.
 
-    * CSV: the shortest digits that give every double back; .tsv with tabs.
+    * CSV: the shortest digits that determine every double; .tsv with tabs.
     * NPZ, HDF5, Parquet: one array, dataset or column per channel; HDF5 and Parquet carry units.
     * MAT: a struct per signal with a field per joint; version 5, or 7.3 where a variable has 2 GB.
     * Bags (.bag, .mcap, .db3): JointState on ``/joint_states`` (q, v, tau), ``/motor_states`` (theta, omega,
@@ -167,11 +166,11 @@ def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
 
     Args:
         rec: the recording.
-        path: where to; the suffix chooses the format.
+        path: of the file; the suffix chooses the format.
 
     Raises:
-        InputError: unknown suffix, no such folder, it cannot be written there, or for a bag two samples within one
-            nanosecond.
+        InputError: an unknown suffix, no such folder, a place that cannot be written to, or, for a bag, two samples
+            within one nanosecond.
         MissingExtra: the suffix needs a library that is not installed.
 
     Example:

@@ -34,10 +34,10 @@ def to_frame(rec: Recording) -> Any:
 
 
 def table_of_frame(frame: Any) -> tuple[Table, str]:
-    """The raw table that a frame holds, and its name.
+    """The raw table of a frame, and its name.
 
     Raises:
-        InputError: it is no frame, or a column holds no numbers.
+        InputError: it is no frame, or a column has no numbers.
     """
     if type(frame).__name__ != "DataFrame" or not hasattr(frame, "columns"):
         raise InputError("a pandas.DataFrame is needed", key="frame", value=type(frame).__name__)
@@ -81,7 +81,7 @@ def _times(values: Any, table: Table) -> npt.NDArray[Any]:
 
 
 def _numbers(values: Any, name: str) -> npt.NDArray[Any]:
-    """A column as doubles, NaN where pandas has nothing."""
+    """A column as doubles, NaN where pandas has no value."""
     try:
         return np.array(values.to_numpy(dtype=np.float64, na_value=np.nan))
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Whatever a user may give where a recording is needed, as a recording."""
+"""Convert anything that a user may give as a recording."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from flexdyn.records.recording import Recording
 
 
 def as_recording(given: Any, key: str | None = None, *, signals: bool = False) -> Recording:
-    """A recording, a run, the path of a recording, a pandas.DataFrame or an xarray.Dataset as a recording.
+    """Convert a recording, a run, the path of a recording, a pandas.DataFrame or an xarray.Dataset to a recording.
 
     Args:
         given: one of them.
-        key: that errors call it by.
-        signals: refuse channels of which none is a signal of a joint though some look meant to be.
+        key: its name in errors.
+        signals: whether to refuse channels of which none is a signal of a joint although some names are similar.
 
     Raises:
         InputError: something else, a file that cannot be read, or channels that are refused.
@@ -30,7 +30,7 @@ def as_recording(given: Any, key: str | None = None, *, signals: bool = False) -
 
 
 def as_recordings(given: Any, key: str = "recordings") -> tuple[Recording, ...]:
-    """One of what `as_recording` takes, or several of them, with signals of joints.
+    """Convert one or several objects that `as_recording` accepts; they must have signals of joints.
 
     Raises:
         InputError: likewise.
@@ -57,7 +57,7 @@ def _made(given: Any, key: str | None) -> Recording:
 
 
 def _library(given: Any) -> str:
-    """Library of a table; empty for anything else. Neither library need be there for that."""
+    """Library of a table; empty for anything else. The libraries need not be installed for that."""
     kind = type(given)
     known = {("pandas", "DataFrame"), ("xarray", "Dataset")}
     library = kind.__module__.partition(".")[0]

@@ -1,4 +1,4 @@
-"""What is known about a recording beside its samples: plain JSON, locked."""
+"""Meta data of a recording: plain JSON, read-only."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
         The copy.
 
     Raises:
-        InputError: it is no mapping, holds something that JSON lacks (NaN included), or is longer than 16 MiB.
+        InputError: it is no mapping, contains something that JSON does not have (such as NaN), or is longer than 16
+            MiB.
     """
     if meta is not None and not isinstance(meta, Mapping):
         raise InputError("meta is not a mapping", key="meta", value=meta)
@@ -38,7 +39,7 @@ def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
 
 
 def as_json(meta: Mapping[str, Any]) -> str:
-    """JSON text of what `locked` takes and returns, in ASCII."""
+    """JSON text, in ASCII, of data that `locked` accepts or returns."""
     text = json.dumps(meta, default=_plain, allow_nan=False)
     if len(text) > _LONGEST_META:
         raise InputError("meta is longer than 16 MiB", key="meta", remedy="keep long data in channels")
@@ -52,7 +53,7 @@ def as_plain(meta: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def from_json(text: str) -> dict[str, Any]:
-    """Meta as stored in a file.
+    """Read meta data from a file's text.
 
     Raises:
         InputError: the text is not JSON, or not a mapping.

@@ -13,7 +13,7 @@ MOST_NEAR_NAMES = 3
 
 
 def nearly_signals(channels: Iterable[str]) -> dict[str, str]:
-    """What channels may have been meant to be called, by the names that they have; none where one is called right."""
+    """Probable correct names of channels, by their present names; empty if one channel has a correct name."""
     channels = list(channels)
     found: dict[str, str] = {}
     if any(map(split_name, channels)):
@@ -26,7 +26,7 @@ def nearly_signals(channels: Iterable[str]) -> dict[str, str]:
 
 
 def asked_back(channels: Iterable[str], signal: str = "") -> str:
-    """The question whether such channels were meant, as a remedy; empty where there are none.
+    """The question "did you mean ...?" for such channels, as a remedy; empty if there are none.
 
     Args:
         channels: of a recording.

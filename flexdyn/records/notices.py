@@ -1,10 +1,10 @@
-"""What is told about a recording while it is read, and does not stop it."""
+"""Warnings about a recording that is read."""
 
 from __future__ import annotations
 
 
 class RecordingWarning(UserWarning):
-    r"""Something about a file was guessed, or is worth knowing: its letters, its decimal sign, gaps in time.
+    r"""Something about a file was guessed, or the user should know it: encoding, decimal sign, gaps in time.
 
     Example:
         >>> import pathlib, warnings

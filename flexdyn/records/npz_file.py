@@ -32,19 +32,19 @@ def write(rec: Recording, path: Path) -> None:
         arrays[RESERVED] = np.array(as_json(rec.meta))
     with zipfile.ZipFile(path, "x", zipfile.ZIP_STORED) as archive:
         for name, array in arrays.items():
-            # savez refuses some names ("file") and stamps the clock; a ZipInfo of its own does neither.
+            # savez refuses some names ("file") and writes the time; our own ZipInfo does neither.
             with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, array, version=(1, 0), allow_pickle=False)
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read arrays after checking what the headers announce; a map may take ``q[:,0]``, a column of an array.
+    """Read arrays after checking their headers; a map may use ``q[:,0]``, a column of an array.
 
     Raises:
-        InputError: not an NPZ file, cut, objects inside, or sizes that the file cannot honestly have.
+        InputError: not an NPZ file, truncated, objects inside, or impossible sizes.
     """
     table = Table()
-    with damage_named("not an NPZ file, or cut"):
+    with damage_named("not an NPZ file, or truncated"):
         _check_directory(path)
         archive = zipfile.ZipFile(path)
     with archive:
@@ -71,7 +71,7 @@ def read(path: Path, request: Request) -> Table:
 def _check_directory(path: Path) -> None:
     """Refuse a table of contents that is too long, before zipfile makes objects of it."""
     with open(path, "rb") as stream:
-        end = zipfile._EndRecData(stream)  # type: ignore[attr-defined]  # what zipfile itself goes by
+        end = zipfile._EndRecData(stream)  # type: ignore[attr-defined]  # the number that zipfile itself uses
     if end is not None and end[_DIRECTORY_SIZE] > MOST_COLUMNS * _LONGEST_ENTRY:
         check_count(end[_DIRECTORY_SIZE] // _LONGEST_ENTRY)
 

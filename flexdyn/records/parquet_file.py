@@ -46,18 +46,18 @@ def write(rec: Recording, path: Path) -> None:
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read column by column and row group by row group, which holds the numbers once and a row group of one column.
+    """Read column by column and row group by row group; memory holds the numbers once, and a row group of one column.
 
-    Labels of rows that pandas wrote beside the columns (``__index_level_0__``) are left out unless asked for.
+    Labels of rows from pandas (``__index_level_0__``) are left out unless requested.
 
     Raises:
-        InputError: not a Parquet file, cut, types other than numbers, missing values, sizes that cannot be.
+        InputError: not a Parquet file, truncated, types other than numbers, missing values, impossible sizes.
         MissingExtra: pyarrow is not installed.
     """
     pa, pq = _library()
     table = Table()
     with open(path, "rb") as stream:
-        with damage_named("not a Parquet file, or cut"):
+        with damage_named("not a Parquet file, or truncated"):
             file = pq.ParquetFile(stream, page_checksum_verification=True, pre_buffer=False)
             schema, rows = file.schema_arrow, _rows_in_groups(file)
         check_count(len(schema.names))
@@ -106,7 +106,7 @@ def _names(there: list[str], request: Request) -> list[str]:
 
 
 def _check_type(pa: Any, kind: Any, name: str) -> None:
-    """Refuse what is not one column of numbers, before any of it is read."""
+    """Refuse a column that has no numbers, before it is read."""
     if pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind):
         return
     remedy = "give real numbers"
@@ -123,7 +123,7 @@ def _column(file: Any, name: str, rows: list[int]) -> FloatArray:
     begin = 0
     for group, count in enumerate(rows):
         for chunk in file.read_row_group(group, columns=[name], use_threads=False).column(name).chunks:
-            # What is missing is no number: a repair mends it as it mends any NaN (pandas writes NaN so).
+            # A missing value is NaN, and a repair treats it like any NaN (pandas writes NaN in this way).
             known = chunk.is_valid().to_numpy(zero_copy_only=False)
             there = values[begin : begin + len(chunk)]
             there[known] = as_floats(chunk.drop_null().to_numpy(zero_copy_only=False), name, copy=False)

@@ -31,8 +31,8 @@ class Recording(Public):
     """Samples of an arm over time, measured or simulated; SI units, motor side reflected to the link side.
 
     Channels are named ``<signal>.<joint>`` with the signals q, v, theta, omega, tau, tau_applied, tau_s, temperature;
-    channels of other names are carried along. Equality is by samples (bit for bit), order of channels and meta; the
-    name is a label and takes no part in it. Rows in errors count from 0, as arrays do.
+    channels with other names are kept. Two recordings are equal if samples (bit for bit), order of channels and meta
+    are equal; the name is only a label. Rows in errors count from 0, as in arrays.
 
     Args:
         t: time [s], (samples,), strictly increasing, two samples or more.
@@ -43,7 +43,7 @@ class Recording(Public):
         name: a label for plots and messages.
 
     Raises:
-        InputError: NaN, ragged columns, time that does not increase, bad names, units that are not SI.
+        InputError: NaN, columns of different lengths, time that does not increase, bad names, units that are not SI.
 
     Example:
         >>> rec = fd.Recording([0.0, 0.1, 0.2], {"q.elbow": [0.0, 0.1, 0.3]})
@@ -74,17 +74,17 @@ class Recording(Public):
 
     @classmethod
     def from_table(cls, table: Table, name: str = "") -> Recording:
-        """The recording that a file's raw table makes; takes over the table's arrays instead of copying them.
+        """Make a recording from a file's raw table, using the table's arrays without copying them.
 
         Args:
-            table: columns with ``t``; nobody may write to its arrays afterwards.
+            table: columns with ``t``; its arrays must not be changed afterwards.
             name: a label.
 
         Returns:
             The recording.
 
         Raises:
-            InputError: as the constructor; rows count as the table says.
+            InputError: as the constructor; rows count as in the table.
         """
         settle_units(table)
         recording = cls.__new__(cls)
@@ -103,14 +103,14 @@ class Recording(Public):
 
     @classmethod
     def from_xarray(cls, dataset: Any) -> Recording:
-        """The recording that a dataset holds: of `to_xarray`, maybe cut since, or by other hands.
+        """Make a recording from a dataset, of `to_xarray` (possibly trimmed) or from another source.
 
         Args:
             dataset: an xarray.Dataset with the coordinate ``t`` [s] and variables over ``t``, or over ``t`` and one
-                labelled dimension: ``q`` over ``(t, joint)`` gives ``q.<joint>``. ``units``, where given, must be SI.
+                labelled dimension: ``q`` over ``(t, joint)`` gives ``q.<joint>``. ``units``, if given, must be SI.
 
         Returns:
-            The recording; one from `to_xarray` comes back bit for bit, order and meta included.
+            The recording; a dataset of `to_xarray` is converted back bit for bit, order and meta included.
 
         Raises:
             InputError: it has no ``t``, other dimensions or types, or is no recording for another reason.
@@ -124,7 +124,7 @@ class Recording(Public):
         """An xarray dataset: signals that every joint has over ``(t, joint)``, other channels over ``t``.
 
         Returns:
-            An xarray.Dataset whose variables have ``units`` and ``long_name``; nothing is lost on the way.
+            An xarray.Dataset whose variables have ``units`` and ``long_name``; the conversion loses nothing.
 
         Raises:
             MissingExtra: xarray is not installed.
@@ -137,20 +137,20 @@ class Recording(Public):
     def from_pandas(
         cls, frame: Any, *, repair: Iterable[str | Mapping[str, Any]] = (), name: str | None = None
     ) -> Recording:
-        """The recording that a data frame holds, one channel a column.
+        """Make a recording from a data frame with one column for each channel.
 
         Args:
             frame: a pandas.DataFrame with the times [s] in the column ``t`` or as its index; dates and time spans are
-                counted in seconds, dates from the first. Columns of two levels are ``(signal, joint)``; names may
-                state SI units (``q.elbow [rad]``).
-            repair: as in `read_recording`; nothing (NaN, None, NA) is a gap.
-            name: a label; by default that of the recording which the frame was made from.
+                converted to seconds, dates from the first one. Columns of two levels are ``(signal, joint)``; names may
+                contain SI units (``q.elbow [rad]``).
+            repair: as in `read_recording`; a missing value (NaN, None, NA) is a gap.
+            name: a label; default: that of the recording from which the frame was made.
 
         Returns:
-            The recording; one from `to_pandas` comes back bit for bit, meta included.
+            The recording; a frame of `to_pandas` is converted back bit for bit, meta included.
 
         Raises:
-            InputError: columns that hold no numbers, or it is no recording for another reason.
+            InputError: columns without numbers, or it is no recording for another reason.
         """
         from flexdyn.records.frame import table_of_frame
         from flexdyn.records.repairs import repaired, repairs_of
@@ -159,7 +159,7 @@ class Recording(Public):
         return cls.from_table(repaired(table, repairs_of(repair)), known if name is None else name)
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame: the index is ``t`` [s], the columns are the channels; nothing is lost on the way.
+        """A pandas.DataFrame: the index is ``t`` [s], the columns are the channels; the conversion loses nothing.
 
         Raises:
             MissingExtra: pandas is not installed.
@@ -185,10 +185,10 @@ class Recording(Public):
 
     @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
-        """Times [s] between which nothing was recorded for more than 10 median periods.
+        """Gaps: times [s] between which nothing was recorded for more than 10 median periods.
 
-        Nothing is made up there: resampling refuses to bridge them, differences leave them out, curves break off, a
-        diagnosis takes the pieces between them as recordings of their own.
+        Nothing is interpolated across a gap: resampling refuses it, differences leave it out, curves are interrupted,
+        and a diagnosis uses the pieces between gaps as separate recordings.
         """
         return gaps_of(self.t)
 
@@ -207,7 +207,7 @@ class Recording(Public):
         return len(self.t)
 
     def __iter__(self) -> Iterator[str]:
-        """Names of the channels, in order; time is no channel, it is ``rec.t``."""
+        """Iterate over the names of the channels, in order; time is no channel, it is ``rec.t``."""
         return iter(self.channels)
 
     def keys(self) -> KeysView[str]:
@@ -230,7 +230,7 @@ class Recording(Public):
         """Samples of one channel, read-only.
 
         Raises:
-            InputError: there is no such channel; the line names the near miss.
+            InputError: there is no such channel; the message names the most similar one.
         """
         try:
             return self.channels[channel]
@@ -247,7 +247,7 @@ class Recording(Public):
 
         Args:
             name: such as ``"tau"``.
-            joints: joints in the order of the columns wanted.
+            joints: joints in the order of the columns.
 
         Returns:
             A new array (samples, len(joints)).
@@ -273,7 +273,7 @@ class Recording(Public):
         return resampled(self, rate=rate, times=times, method=method, filtered=filtered, longest_gap=longest_gap)
 
     def decimate(self, factor: int) -> Recording:
-        """One sample of so many, behind a filter; see `flexdyn.records.signals.decimate.decimated`."""
+        """One of every `factor` samples, after a filter; see `flexdyn.records.signals.decimate.decimated`."""
         return decimated(self, factor)
 
     def trim(self, start: float | None = None, end: float | None = None) -> Recording:
@@ -281,19 +281,19 @@ class Recording(Public):
         return trimmed(self, start, end)
 
     def split(self, *, at: Sequence[float] | None = None, gaps: float | None = None) -> tuple[Recording, ...]:
-        """The pieces between given times [s], or between gaps longer than given [s]."""
+        """The pieces between given times [s], or between gaps longer than a given time [s]."""
         return split(self, at=at, gaps=gaps)
 
     def shifted(self, seconds: float | Mapping[str, float]) -> Recording:
-        """The recording with that much added to its time [s], or single channels moved against the rest."""
+        """The recording with an offset added to its time [s], or with single channels shifted against the others."""
         return shifted(self, seconds)
 
     def beside(self, *others: Recording, method: str = "linear") -> Recording:
-        """With the channels of other recordings, at its own times; see `flexdyn.records.signals.beside.beside`."""
+        """The recording with the channels of others, at its own times; see `flexdyn.records.signals.beside.beside`."""
         return beside(self, others, method)
 
     def smoothed(self, smoother: Smoother) -> Recording:
-        """Every channel through one filter, where it fits; see `flexdyn.records.signals.derivatives.smoothed`."""
+        """Every channel smoothed by one filter; see `flexdyn.records.signals.derivatives.smoothed`."""
         return smoothed(self, smoother)
 
     def noise(self, channel: str) -> Noise:
@@ -301,11 +301,11 @@ class Recording(Public):
         return noise_of(self, channel)
 
     def unit(self, channel: str) -> str:
-        """Unit of ``t`` or a channel, with what ``meta["units"]`` says; empty where it is not known."""
+        """Unit of ``t`` or a channel, from ``meta["units"]`` or the signal; empty if it is not known."""
         return unit_of(channel, self.meta.get("units"))
 
     def same_as(self, other: Recording) -> bool:
-        """Whether times and channels are the same, bit for bit and in order, whatever the meta (CSV drops it)."""
+        """Whether times and channels are the same, bit for bit and in order; meta is not compared (CSV drops it)."""
         if tuple(self.channels) != tuple(other.channels) or len(self) != len(other):
             return False
         pairs = [(self.t, other.t), *((self.channels[name], other.channels[name]) for name in self.channels)]
@@ -318,7 +318,7 @@ class Recording(Public):
         return self.same_as(other) and as_plain(self.meta) == as_plain(other.meta)
 
     def __hash__(self) -> int:
-        """Equal recordings hash alike; the samples between the first and the last take no part."""
+        """Hash of equal recordings; the samples between the first and the last are not used."""
         return hash((len(self.t), float(self.t[0]), float(self.t[-1]), tuple(self.channels)))
 
     def __repr__(self) -> str:
@@ -329,7 +329,7 @@ class Recording(Public):
         return f"Recording({label}joints: {joints}; signals: {signals}; {extent})"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: extent, gaps, and what each channel ranges over."""
+        """HTML for notebooks: extent, gaps, and the range of each channel."""
         facts = {
             "samples": f"{len(self)}, {self.duration:.6g} s at {self.rate:.6g} Hz",
             "gaps [s]": ", ".join(f"{start:.6g} to {end:.6g}" for start, end in self.gaps[:3]),
@@ -344,7 +344,7 @@ class Recording(Public):
         return card(f"Recording{label}", facts, table(heads, rows), notes=notes if isinstance(notes, tuple) else ())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Read-only mappings do not pickle: send plain ones and check again on arrival."""
+        """Read-only mappings cannot be pickled: send plain ones, which are checked again when they are unpickled."""
         columns = {"t": self.t, **self.channels}
         return (_rebuild, (columns, as_plain(self.meta), self.name))
 

@@ -1,4 +1,4 @@
-"""Repairs of what is wrong with a log: each happens only on request and says how many rows it touched."""
+"""Repairs of faults in a log: each is made only on request and reports how many rows it changed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.table import FloatArray, Rows, Table, as_floats, check_lengths, check_time_named
 
 LONGEST_FILLED_GAP = 0.1
-"""Gap that is filled unless a longer one is allowed [s]."""
+"""Longest gap that is filled by default [s]."""
 
 _Columns = dict[str, FloatArray]
 _Order = npt.NDArray[np.intp]
@@ -23,18 +23,18 @@ _Order = npt.NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Repair:
-    """A repair that is asked for.
+    """A requested repair.
 
     Attributes:
         name: ``sort_time``, ``drop_duplicate_times``, ``drop_backwards``, ``drop_nan`` or ``fill_nan``.
-        longest: gap that ``fill_nan`` may bridge, from the sample before it to the one after it [s].
+        longest: longest gap that ``fill_nan`` fills, from the sample before it to the one after it [s].
     """
 
     name: str
     longest: float = LONGEST_FILLED_GAP
 
     def to_plain(self) -> str | dict[str, Any]:
-        """As a map file writes it."""
+        """In the form of a map file."""
         return self.name if self.longest == LONGEST_FILLED_GAP else {self.name: {"longest": self.longest}}
 
 
@@ -54,20 +54,20 @@ def repairs_of(entries: Any) -> tuple[Repair, ...]:
 
 
 def repaired(table: Table, repairs: Iterable[Repair]) -> Table:
-    """The table after the repairs, one after the other; ``meta["repairs"]`` tells how many rows each touched.
+    """The table after the repairs, in their order; ``meta["repairs"]`` gives the number of rows that each changed.
 
-    * ``sort_time`` puts the rows in order of time; rows at one time keep theirs.
+    * ``sort_time`` sorts the rows by time; rows at one time keep their order.
     * ``drop_duplicate_times`` keeps the first of the rows at one time.
     * ``drop_backwards`` drops rows whose time lies before that of an earlier row.
     * ``drop_nan`` drops rows in which some column is no finite number.
-    * ``fill_nan`` puts the straight line through its neighbours where a channel is no finite number.
+    * ``fill_nan`` interpolates linearly where a channel is no finite number.
 
     Args:
-        table: with ``t``; its arrays are taken over.
+        table: with ``t``; its arrays are used without copying.
         repairs: in order.
 
     Returns:
-        A table whose rows still know the numbers they had in the file.
+        A table whose rows keep their numbers in the file for messages.
 
     Raises:
         InputError: a gap that is too long to be filled, or no column that could be repaired.
@@ -125,7 +125,7 @@ def _first_of_each_time(columns: _Columns) -> _Order:
 
 def _forwards(columns: _Columns) -> _Order:
     t = columns["t"]
-    return np.flatnonzero(~(t < np.fmax.accumulate(t)))  # a time that is no number lies before nothing
+    return np.flatnonzero(~(t < np.fmax.accumulate(t)))  # a time that is no number is before no other time
 
 
 def _finite(columns: _Columns) -> _Order:
@@ -150,7 +150,7 @@ def _filled(columns: _Columns, rows: Rows, longest: float) -> tuple[_Columns, in
     t = columns["t"]
     broken = ~np.isfinite(t)
     if broken.any():
-        raise rows.error("no time to fill anything in at", index=int(np.argmax(broken)), channel="t", remedy="drop_nan")
+        raise rows.error("the time itself is missing", index=int(np.argmax(broken)), channel="t", remedy="drop_nan")
     touched = np.zeros(len(t), bool)
     whole = {}
     for name, values in columns.items():
@@ -169,7 +169,7 @@ def _check_gaps(t: FloatArray, good: npt.NDArray[np.bool_], name: str, rows: Row
     if not len(known) or not good[0] or not good[-1]:
         at = 0 if not good[0] else int(known[-1]) + 1
         remedy = "drop_nan drops such rows"
-        raise rows.error("nothing to fill the gap from at the end", index=at, channel=name, remedy=remedy)
+        raise rows.error("the gap has no sample on one side", index=at, channel=name, remedy=remedy)
     gaps = np.diff(t[known])
     long = (np.diff(known) > 1) & ~(gaps <= longest) | (gaps <= 0)
     if long.any():

@@ -1,4 +1,4 @@
-"""What a reader is asked for beyond the path: which columns, how the file is laid out, where to report progress."""
+"""The request for a reader: the columns, the layout of the file, and where to report progress."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from flexdyn.errors import InputError, did_you_mean
 
 @dataclass(frozen=True)
 class Layout:
-    """How a file that follows no convention of ours is laid out; a channel map says so under ``source``.
+    """The layout of a file that does not follow our convention; a channel map gives it under ``source``.
 
     Attributes:
-        names_line: line of a text file that holds the names, from 1; None finds it.
-        first_line: line of a text file that the first sample stands on, from 1; None takes the one after the names.
+        names_line: line of the names in a text file, from 1; None finds it.
+        first_line: line of the first sample in a text file, from 1; None takes the one after the names.
         delimiter: between the cells of a text file; None finds it.
         decimal: decimal sign of a text file, ``.`` or ``,``; None finds it.
         encoding: of a text file, such as ``latin-1``; None takes UTF-8 or, where it is not that, Windows-1252.
-        topic: of a bag; None takes the only one that can be read.
-        merge: of a bag: how columns of other topics are put on common times, ``linear`` or ``hold``.
+        topic: of a bag; None takes the only readable one.
+        merge: of a bag: how columns of other topics are converted to common times, ``linear`` or ``hold``.
         clock: of a bag: ``message`` takes the stamp in the message's header, ``bag`` the time of recording.
     """
 
@@ -38,11 +38,11 @@ class Request:
     """What to read of a file.
 
     Attributes:
-        columns: names (or, in text files, numbers from 1) of the columns wanted; None takes every one.
-        layout: how the file is laid out.
-        progress: called now and then with the share of the file that has been read, from 0 to 1.
-        mapped: a channel map gives the columns their names; else they follow ``t``, ``<signal>.<joint>`` by themselves.
-        named: columns that the map names, also where every column is wanted.
+        columns: names (or, in text files, numbers from 1) of the requested columns; None takes all.
+        layout: of the file.
+        progress: called from time to time with the share of the file that has been read, from 0 to 1.
+        mapped: whether a channel map gives the names; otherwise the file has ``t`` and ``<signal>.<joint>``.
+        named: columns that the map names, also if all columns are requested.
     """
 
     columns: frozenset[str | int] | None = None
@@ -55,7 +55,7 @@ class Request:
         """The columns to be read of those that a file has, in the file's order.
 
         Raises:
-            InputError: one that is wanted is not there.
+            InputError: a requested column does not exist.
         """
         for name in sorted((self.columns or frozenset()) - set(there), key=str):
             raise InputError("no such column", key=str(name), remedy=did_you_mean(str(name), there), channel=str(name))
@@ -66,6 +66,6 @@ class Request:
         return self.columns is None or name in self.columns
 
     def report(self, share: float) -> None:
-        """Say how far the reading is."""
+        """Report the progress of the reading."""
         if self.progress is not None:
             self.progress(min(1.0, max(0.0, share)))

@@ -1,4 +1,4 @@
-"""Units that files state beside their numbers."""
+"""Units in files."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from flexdyn.records.units import UNITLESS, check_unit, unit_of, usual
 
 
 def settle_units(table: Table) -> None:
-    """Keep in meta what the stated units tell beyond the channels' names.
+    """Keep in meta the units that the channels' names do not determine.
 
     Args:
-        table: whose ``units`` are used up; a channel map has used them before, if there is one.
+        table: whose ``units`` are removed; a channel map, if there is one, has used them before.
 
     Raises:
-        InputError: a unit is not SI; the numbers would be taken for something that they are not.
+        InputError: a unit is not SI, so that the numbers would be misread.
     """
     for name, stated in table.units.items():
         if stated is None:

@@ -16,20 +16,20 @@ _WORDS = {
     "tau": r"torq|trq|moment|effort|\btau|force|kraft",
 }
 _ASKED = re.compile(r"soll|cmd|command|desired|target|ref|setpoint", re.IGNORECASE)
-"""Words of columns that were asked for and not measured."""
+"""Words in the names of columns that are commanded and not measured."""
 _PLAIN = re.compile(r"[A-Za-z_À-ÿ][\w À-ÿ./-]*")
 MOST_CHANNELS = 14
-"""Channels in the suggestion: position and torque of seven joints."""
+"""Largest number of channels in the suggestion: position and torque of seven joints."""
 MOST_JOINTS_SUGGESTED = 7
-"""Columns of a matrix that are taken to be one joint each."""
+"""Largest number of columns of a matrix that are taken as one joint each."""
 
 
 def remedy_without_time(names: Sequence[str], gaps: Collection[str] = ()) -> str:
-    """What to do about a table without a column ``t``.
+    """The remedy for a table without a column ``t``.
 
     Args:
         names: of its columns.
-        gaps: columns in which cells are empty.
+        gaps: columns with empty cells.
     """
     alike = [name for name in names if _is_time(name)]
     rename = f"did you mean '{alike[0]}'? name it t" if alike else "name the column of time [s] t"
@@ -40,11 +40,11 @@ def remedy_without_time(names: Sequence[str], gaps: Collection[str] = ()) -> str
 
 
 def suggested_map(names: Sequence[str], gaps: Collection[str] = ()) -> str:
-    """A channel map in one line of YAML, in which JOINT stands for the joint's name; empty where nothing is known.
+    """A channel map in one line of YAML, with JOINT as a placeholder for the joint's name; empty if nothing is known.
 
     Args:
         names: of the columns.
-        gaps: columns in which cells are empty: the map repairs them.
+        gaps: columns with empty cells, which the map repairs.
     """
     rest = [name for name in names if name and not _is_time(name)]
     found: dict[str, list[str]] = {}
@@ -67,9 +67,9 @@ def suggested_map(names: Sequence[str], gaps: Collection[str] = ()) -> str:
 
 
 def columns_of_arrays(shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
-    """Columns that arrays hold, as MATLAB writes them: ``rec.t`` a vector, ``rec.pos(:,1)`` part of a matrix.
+    """Columns of arrays, named as in MATLAB: ``rec.t`` is a vector, ``rec.pos(:,1)`` part of a matrix.
 
-    The longest side of the first vector, else of the first array, is that of the samples.
+    The longest side of the first vector, else of the first array, is the number of samples.
 
     Args:
         shapes: of the arrays by name.
@@ -91,7 +91,7 @@ def columns_of_arrays(shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
 
 def _is_time(name: str) -> bool:
     if split_name(name):
-        return False  # a joint may be called second
+        return False  # a joint may have the name second
     low = name.rpartition(".")[2].lower()
     return low.startswith(("time", "stamp", "sec", "zeit")) or low[:2].strip(" [(") == "t"
 
@@ -100,7 +100,7 @@ def _signal(name: str) -> str:
     bare, unit = split_unit(name)
     if unit and plain_unit(unit) in UNITS:
         return _SIGNALS.get(UNITS[plain_unit(unit)].quantity, "")
-    # The field of a struct tells more than the struct's name: force_test.pos is a position.
+    # The name of a field says more than the name of its struct: force_test.pos is a position.
     for text in (bare.rpartition(".")[2], bare):
         for signal, words in _WORDS.items():
             if re.search(words, text, re.IGNORECASE):
@@ -109,6 +109,6 @@ def _signal(name: str) -> str:
 
 
 def _quoted(name: str) -> str:
-    """The name without its unit, as YAML takes it inside braces."""
+    """The name without its unit, in a form for YAML inside braces."""
     bare = split_unit(name)[0]
     return bare if _PLAIN.fullmatch(bare) else '"' + bare.replace("\\", "\\\\").replace('"', '\\"') + '"'

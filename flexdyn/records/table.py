@@ -1,4 +1,4 @@
-"""The raw table that a file holds, and the checks that stand between it and a recording."""
+"""The raw table of a file, and the checks before it becomes a recording."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _LONGEST_NAME = 255
 
 @dataclass(frozen=True)
 class Rows:
-    """How the rows of a source are counted: arrays from row 0, text files by the line each row stands on.
+    """How the rows of a source are counted: arrays from row 0, text files by line.
 
     Attributes:
-        word: what a row is called.
-        first: number of the first.
-        kept: index that each row had in the source, where a repair moved or dropped some; None: as they are.
+        word: name of a row in messages.
+        first: number of the first row.
+        kept: index of each row in the source, if a repair moved or dropped rows; None: unchanged.
     """
 
     word: str = "row"
@@ -38,17 +38,17 @@ class Rows:
     kept: npt.NDArray[np.intp] | None = None
 
     def taken(self, order: npt.NDArray[np.intp]) -> Rows:
-        """How to count those rows, in that order."""
+        """The numbering for a selection of rows, in that order."""
         return Rows(self.word, self.first, order if self.kept is None else self.kept[order])
 
     def number(self, index: int) -> int:
-        """Number in the source of the row at an index."""
+        """Number of the row in the source, by its index."""
         return self.first + (index if self.kept is None or index >= len(self.kept) else int(self.kept[index]))
 
     def error(
         self, problem: str, *, index: int, channel: str, value: Any = None, remedy: str | None = None
     ) -> InputError:
-        """An error that names row and channel in its line and carries both as data."""
+        """An error that names row and channel in its line and has both as data."""
         row = self.number(index)
         text = f"{self.word} {row}: {problem}"
         return InputError(text, key=channel, value=value, remedy=remedy, row=row, channel=channel)
@@ -56,14 +56,14 @@ class Rows:
 
 @dataclass
 class Table:
-    """Columns as a file has them, before they are checked; the arrays belong to the table alone.
+    """Columns of a file before they are checked; nothing else uses the arrays.
 
     Attributes:
         columns: arrays by name.
-        meta: as a recording's.
-        rows: how to count rows in errors.
-        units: that the file states, by column; None where it states one in a way that is not read.
-        said: what was guessed or noticed while reading, one sentence each; the user is told.
+        meta: as in a recording.
+        rows: numbering of rows in errors.
+        units: in the file, by column; None for a unit that cannot be read.
+        said: guesses and notes of the reader, one sentence each, which are shown to the user.
     """
 
     columns: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
@@ -73,7 +73,7 @@ class Table:
     said: list[str] = field(default_factory=list)
 
     def add(self, name: str, values: npt.NDArray[Any]) -> None:
-        """Append a column; one of a name that is already there, or beyond the bounds of a file, is refused."""
+        """Append a column; a name that exists already, or a column beyond the limits of a file, is refused."""
         if name in self.columns:
             raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
         check_count(len(self.columns) + 1)
@@ -84,16 +84,16 @@ class Table:
 
 
 def check_name(name: str) -> None:
-    """Refuse a channel name that some format could not carry.
+    """Refuse a channel name that some format cannot store.
 
     Raises:
-        InputError: empty, ``t``, with a comma or a character that does not print, longer than 255, or framed by spaces.
+        InputError: empty, ``t``, with a comma or an unprintable character, longer than 255, or with a space at an end.
     """
     problem = ""
     if not isinstance(name, str) or not name:
         problem = "the channel has no name"
     elif name in ("t", RESERVED):
-        problem = "the name is taken and no channel can have it"
+        problem = "the name is reserved"
     elif not name.isprintable() or "," in name:
         problem = "the channel's name holds a comma or a character that does not print"
     elif len(name) > _LONGEST_NAME:
@@ -107,11 +107,11 @@ def check_name(name: str) -> None:
 
 
 def check_time_named(names: Collection[str], gaps: Collection[str] = ()) -> None:
-    """Refuse a table without a column ``t``, naming the column that looks like it.
+    """Refuse a table without a column ``t``; the message names the most similar column.
 
     Args:
         names: of its columns.
-        gaps: columns in which cells are empty.
+        gaps: columns with empty cells.
 
     Raises:
         InputError: there is no ``t``.
@@ -122,20 +122,20 @@ def check_time_named(names: Collection[str], gaps: Collection[str] = ()) -> None
 
 
 def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> FloatArray:
-    """One column as doubles, locked.
+    """One column as doubles, read-only.
 
     Args:
         values: real numbers, one-dimensional.
         channel: name of the column, for errors.
-        copy: False if the array was made for this recording and nobody else holds it.
+        copy: False if the array was made for this recording and nothing else uses it.
 
     Returns:
         A read-only contiguous array (samples,).
 
     Raises:
-        InputError: not numbers, not one-dimensional, or integers that no double can hold exactly.
+        InputError: not numbers, not one-dimensional, or integers that a double cannot represent exactly.
     """
-    ma = sys.modules.get("numpy.ma")  # nobody has a masked array who has not imported it, which takes a while
+    ma = sys.modules.get("numpy.ma")  # not imported: no masked arrays
     if ma is not None and isinstance(values, ma.MaskedArray):
         values = ma.filled(values.astype(np.float64), np.nan)
     try:
@@ -152,7 +152,7 @@ def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> FloatArray:
 
 
 def check_numbers(dtype: np.dtype[Any], shape: tuple[int, ...], channel: str) -> None:
-    """Refuse what is not one column of real numbers, before any of it is read.
+    """Refuse a column that is not one-dimensional with real numbers, before it is read.
 
     Raises:
         InputError: objects, text, complex or extended numbers, or not one dimension.
@@ -170,18 +170,18 @@ def check_numbers(dtype: np.dtype[Any], shape: tuple[int, ...], channel: str) ->
 def checked(
     columns: Mapping[str, npt.ArrayLike], rows: Rows, *, copy: bool
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
-    """Time and channels as a recording may hold them.
+    """Check time and channels of a recording.
 
     Args:
         columns: ``t`` and the channels.
-        rows: how to count rows in errors.
+        rows: numbering of rows in errors.
         copy: as in `as_floats`.
 
     Returns:
         Time (samples,) [s] and the channels, all read-only.
 
     Raises:
-        InputError: section 4 of the contract is broken somewhere: the line names row and channel.
+        InputError: a violation of section 4 of the contract; the line names row and channel.
     """
     for name in columns:
         if name != "t":
@@ -202,7 +202,7 @@ def check_lengths(columns: Mapping[str, FloatArray], rows: Rows) -> None:
     """Refuse columns that are shorter or longer than ``t``.
 
     Raises:
-        InputError: with the first row that one of the two lacks.
+        InputError: the message names the first missing row.
     """
     length = len(columns["t"])
     for name, values in columns.items():
@@ -213,10 +213,10 @@ def check_lengths(columns: Mapping[str, FloatArray], rows: Rows) -> None:
 
 
 def check_finite(values: FloatArray, channel: str, rows: Rows) -> None:
-    """Refuse a column that is not a finite number somewhere.
+    """Refuse a column with a number that is not finite.
 
     Raises:
-        InputError: naming the first such row and the repairs that would do.
+        InputError: the message names the first such row and possible repairs.
     """
     finite = np.isfinite(values)
     if not finite.all():
@@ -234,7 +234,7 @@ def check_time(t: FloatArray, rows: Rows) -> None:
     """Refuse times that do not increase strictly.
 
     Raises:
-        InputError: naming the row and the repair that would do.
+        InputError: the message names the row and a possible repair.
     """
     if len(t) < 2:
         raise InputError(f"{len(t)} samples are too few", key="t", remedy="give two or more", channel="t")
@@ -251,9 +251,9 @@ def check_time(t: FloatArray, rows: Rows) -> None:
 
 @contextmanager
 def damage_named(what: str) -> Iterator[None]:
-    """Turn whatever a file library raises on a damaged file into one line.
+    """Convert any exception of a file library for a damaged file to one line.
 
-    The libraries below promise no kind of exception for hostile bytes, so every kind is taken; keep the block small.
+    The libraries do not specify their exceptions for hostile bytes, so every kind is caught; keep the block small.
     """
     try:
         yield

@@ -19,13 +19,13 @@ SIGNALS: Mapping[str, str] = {
     "goal": "rad",
     "temperature": "degC",
 }
-"""Unit of each signal at a revolute joint; anything else before the dot is no signal of a joint."""
+"""Unit of each signal at a revolute joint; other names before the dot are no signals of a joint."""
 
 PRISMATIC: Mapping[str, str] = {"rad": "m", "rad/s": "m/s", "N m": "N"}
-"""What a unit of a revolute joint is at a prismatic one."""
+"""The unit at a prismatic joint for each unit at a revolute one."""
 
 UNITLESS = ("", "1", "-")
-"""How files state that a number has no unit."""
+"""Words in files for a number without unit."""
 
 _SPELLINGS = {
     "s": ("sec", "second", "seconds"),
@@ -49,14 +49,15 @@ def split_name(channel: str) -> tuple[str, str] | None:
 def unit_of(channel: str, units: Mapping[str, str] | None = None) -> str:
     """Unit of a channel.
 
-    Whether a joint is prismatic cannot be told from a channel's name, so radians are assumed unless `units` says else.
+    A channel's name does not show whether a joint is prismatic, so radians are assumed unless `units` gives another
+    unit.
 
     Args:
         channel: ``t``, ``<signal>.<joint>`` or any other channel.
-        units: units known better, by channel; a recording keeps them in ``meta["units"]``.
+        units: known units, by channel; a recording keeps them in ``meta["units"]``.
 
     Returns:
-        The SI unit, such as ``"rad/s"``; empty where it is not known.
+        The SI unit, such as ``"rad/s"``; empty if it is not known.
     """
     if units and channel in units:
         return usual(units[channel])
@@ -77,10 +78,10 @@ def check_unit(channel: str, unit: str) -> None:
 
     Args:
         channel: name of the channel.
-        unit: its unit as stated by the user or a file.
+        unit: its unit from the user or a file.
 
     Raises:
-        InputError: degrees, milliseconds and the like, which would otherwise be taken for SI in silence.
+        InputError: a unit such as degrees or milliseconds; without this check the numbers would be taken as SI.
     """
     known = unit_of(channel)
     allowed = [known] + ([PRISMATIC[known]] if known in PRISMATIC else [])

@@ -19,24 +19,23 @@ if TYPE_CHECKING:
 
 Axes = Mapping[str, Mapping[str, float]]
 SINGULAR = 1e12
-"""Condition number from which a matrix has no inverse."""
+"""A matrix with a larger condition number counts as singular [1]."""
 KEY = "robot.axes"
 
 
 def with_axes(robot: Robot, entries: Any, *, ignore_dynamics: bool = False) -> Robot:
     """A robot whose coupled joints are replaced by the axes of their drives.
 
-    With A the matrix of the axes and q_joints the positions of the joints that they name: ``p = A q_joints``, and by
-    the power that both have ``tau_joints = A^T tau``. The axes take the places of the joints in q.
+    With the matrix A of the axes and the positions q_joints of the joints that they name, ``p = A q_joints``; because
+    the power is the same, ``tau_joints = A^T tau``. The axes replace the joints in q.
 
     Args:
         robot: without axes.
         entries: axis -> {joint: coefficient}, as many axes as joints in them.
-        ignore_dynamics: whether <dynamics> of the joints that are replaced is dropped.
+        ignore_dynamics: whether <dynamics> of the replaced joints is ignored.
 
     Raises:
-        InputError: a joint that is not there, a name that is taken, a matrix that has no inverse, or <dynamics> of a
-            joint that is replaced.
+        InputError: an unknown joint, a name that exists already, a singular matrix, or <dynamics> of a replaced joint.
     """
     axes = _checked(robot, entries)
     if not axes:
@@ -100,7 +99,7 @@ def joint_row(robot: Robot, joint: str) -> NDArray[np.float64] | None:
 
 
 def _filled(values: NDArray[np.float64], places: list[int], value: float) -> NDArray[np.float64]:
-    """A copy with another value at some places."""
+    """A copy with another value at some indices."""
     copy = np.array(values)
     copy[places] = value
     return copy
@@ -112,7 +111,7 @@ def plain_axes(axes: Axes) -> dict[str, dict[str, float]]:
 
 
 def _checked(robot: Robot, entries: Any) -> Axes:
-    """Axes with finite coefficients of joints that are there, read-only."""
+    """Check the axes: finite coefficients of known joints; read-only."""
     shape = "write {left: {pitch: 1.0, roll: 1.0}, right: {pitch: 1.0, roll: -1.0}}"
     if not isinstance(entries, Mapping):
         raise InputError("axes are a mapping by name", key=KEY, value=entries, remedy=shape)
@@ -147,7 +146,7 @@ def _matrix(axes: Axes, replaced: list[str]) -> NDArray[np.float64]:
 
 
 def _check_names(robot: Robot, axes: Axes, replaced: list[str]) -> None:
-    """An axis may have the name of a joint that it replaces, and of no other."""
+    """Check the names: an axis may have the name of a joint that it replaces, but of no other joint."""
     taken = {*robot.joint_names, *robot.followers} - set(replaced)
     for axis in axes:
         if axis in taken or "." in axis or not axis:
@@ -156,7 +155,7 @@ def _check_names(robot: Robot, axes: Axes, replaced: list[str]) -> None:
 
 
 def _check_dynamics(robot: Robot, places: list[int]) -> None:
-    """Friction in bearings of coupled joints acts on all their axes at once, which no effect here does."""
+    """Refuse friction in the bearings of coupled joints: it acts on several axes at once, which no effect does."""
     for place in places:
         if robot.damping[place] > 0.0 or robot.friction[place] > 0.0:
             joint = robot.joint_names[place]

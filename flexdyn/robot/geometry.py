@@ -1,4 +1,4 @@
-"""The shapes of a robot as a pin.GeometryModel, whatever of its meshes can be read."""
+"""The shapes of a robot as a pin.GeometryModel, with all meshes that can be read."""
 
 from __future__ import annotations
 

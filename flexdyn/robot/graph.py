@@ -1,4 +1,4 @@
-"""Links and joints must form one tree: names once, ends declared, one parent each, one root, no loop."""
+"""Check that links and joints form one tree: unique names, known links, one parent each, one root, no loop."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ JointLine = tuple[str, str, str, int | None]
 
 
 def check_graph(links: Sequence[LinkLine], joints: Sequence[JointLine]) -> None:
-    """Refuse what is not one tree.
+    """Refuse links and joints that are not one tree.
 
     Args:
         links: name and line of every link.
@@ -53,7 +53,7 @@ def _refuse_repeats(what: str, named: Sequence[LinkLine]) -> None:
 
 
 def _refuse_loops(links: Sequence[LinkLine], parent_joint: dict[str, JointLine]) -> None:
-    """Walking up from a link must end at a root; a link met twice on the way is in a loop."""
+    """Find loops: the path from a link to its parents must end at a root; a link met twice is in a loop."""
     sound: set[str] = set()
     for start, _ in links:
         path: list[str] = []

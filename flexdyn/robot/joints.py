@@ -15,7 +15,7 @@ _KINDS = (*MOVING, "fixed", "floating", "planar")
 
 @dataclass(frozen=True)
 class RobotJoint:
-    """A joint of kind revolute, continuous, prismatic or fixed; limits are infinite where the file states none."""
+    """A joint of kind revolute, continuous, prismatic or fixed; limits are infinite if the file gives none."""
 
     name: str
     kind: str
@@ -41,10 +41,10 @@ def read_joint(element: Any) -> RobotJoint:
         element: the XML element.
 
     Returns:
-        The joint, its axis of unit length; limits are infinite where the file states none.
+        The joint, with an axis of unit length; limits are infinite if the file gives none.
 
     Raises:
-        InputError: anything missing, misspelt, not a number, or of a kind that a fixed-base arm does not have.
+        InputError: an entry is missing, misspelt, not a number, or of a kind that a fixed-base arm does not have.
     """
     name = name_of(element, "joint")
     key = f"joint '{name}'"
@@ -97,7 +97,7 @@ def _axis(element: Any, key: str) -> tuple[float, ...]:
 
 
 def _limits(element: Any, key: str, kind: str) -> tuple[float, float, float, float]:
-    """lower, upper, velocity, effort; a range that the file leaves out is no limit, half a range ends at 0."""
+    """lower, upper, velocity, effort; without a range there is no limit, and a missing end of a range is 0."""
     found = element.find("limit")
     if found is None or kind == "fixed":
         return -math.inf, math.inf, math.inf, math.inf

@@ -1,4 +1,4 @@
-"""Where a frame goes: forward kinematics of many positions at once."""
+"""Forward kinematics of a frame for many positions at once."""
 
 from __future__ import annotations
 
@@ -11,22 +11,23 @@ from flexdyn.robot.tree import Floats
 
 
 def frame_positions(robot: Robot, q: ArrayLike, frame: str | None = None) -> Floats:
-    """Forward kinematics of one frame over many positions.
+    """Forward kinematics of one frame for many positions.
 
-    From the frame inwards, a point x given in the frame of joint k is in that of its parent ``R_k Rot(a_k, q_k) x +
-    t_k``, where ``Rot(a, q) = a a^T + cos(q) (1 - a a^T) + sin(q) S(a)`` (Rodrigues), or ``R_k (x + q_k a_k) + t_k``
-    where the joint slides. Each position is computed as if it stood alone, to the last bit.
+    The computation goes from the frame to the base. A point x in the frame of joint k has the coordinates ``R_k
+    Rot(a_k, q_k) x + t_k`` in the frame of its parent, where ``Rot(a, q) = a a^T + cos(q) (1 - a a^T) + sin(q) S(a)``
+    (Rodrigues); for a prismatic joint it is ``R_k (x + q_k a_k) + t_k``. The result for a position does not depend on
+    the other positions, to the last bit.
 
     Args:
-        robot: whose frame it is.
+        robot: that has the frame.
         q: (..., n) [rad or m].
         frame: its name; default: the last frame of the chain.
 
     Returns:
-        its origin (..., 3) [m] in the axes of the base.
+        The origin of the frame (..., 3) [m] in the axes of the base.
 
     Raises:
-        InputError: no such frame, or none is named and the arm is branched.
+        InputError: no such frame, or no name although the arm is branched.
     """
     place, tree = robot.frame(robot.tip if frame is None else frame), robot.tree
     positions = np.asarray(q, dtype=np.float64)

@@ -22,18 +22,18 @@ class Inertial:
     moments: tuple[float, ...]
 
     def scaled(self, mass: float, com: float, inertia: float) -> Inertial:
-        """With mass, position of the centre of mass and moments multiplied, each by its factor."""
+        """A copy with mass, position of the centre of mass and moments multiplied by factors."""
         xyz, moments = tuple(com * value for value in self.xyz), tuple(inertia * value for value in self.moments)
         return Inertial(mass * self.mass, xyz, self.rpy, moments)
 
     def round(self, moment: float) -> Inertial:
-        """With the same moment of inertia about every axis through the centre of mass [kg m^2]."""
+        """A copy with the same moment of inertia about every axis through the centre of mass [kg m^2]."""
         return Inertial(self.mass, self.xyz, self.rpy, (moment, 0.0, 0.0, moment, 0.0, moment))
 
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid body: its name, inertia if it has any, and what it looks like."""
+    """A rigid body: its name, its inertia if it has one, and its shapes."""
 
     name: str
     inertial: Inertial | None
@@ -52,7 +52,7 @@ def read_link(element: Any, colors: dict[str, tuple[float, ...]]) -> Link:
         The link.
 
     Raises:
-        InputError: no name, no mass or inertia where there is an ``<inertial>``, or numbers no body can have.
+        InputError: no name, an ``<inertial>`` without mass or inertia, or impossible numbers.
     """
     name = name_of(element, "link")
     inertial = element.find("inertial")
@@ -77,7 +77,7 @@ def _inertial(element: Any, key: str) -> Inertial:
         number(inertia, name, f"{key}/inertia/{name}") for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
     )
     principal = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
-    # Published robots hold tiny links whose rounded moments miss positive by less than this.
+    # Published robots have tiny links whose rounded moments are negative by less than this.
     if principal[0] < -1e-6 * max(1.0, abs(principal[2])):
         raise fail(
             inertia,

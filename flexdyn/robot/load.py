@@ -32,8 +32,8 @@ def load_robot(
 ) -> Robot:
     """Load an arm: any URDF file, a robot known by name, or a Pinocchio model.
 
-    Revolute, continuous (one unwrapped angle), prismatic, fixed and mimic joints; branched trees. Meshes are found
-    but not read; what is not found is left out with one MeshWarning.
+    Revolute, continuous (one unwrapped angle), prismatic, fixed and mimic joints and branched trees are supported.
+    Meshes are located but not read; missing ones are left out with one MeshWarning.
 
     Args:
         source: path of a URDF, a name of robot_names(), or a pin.Model, which is copied.
@@ -45,7 +45,7 @@ def load_robot(
         The robot.
 
     Raises:
-        InputError: one line on what is wrong in the file, the name or the arguments.
+        InputError: a fault in the file, the name or the arguments, in one line.
 
     Example:
         >>> fd.load_robot("panda", lock={"panda_joint7": 0.0}).n
@@ -88,7 +88,7 @@ def _folders(package_dirs: str | Path | Iterable[str | Path]) -> tuple[Path, ...
 
 
 def _model_of(urdf: Urdf) -> Normalised:
-    """Pinocchio reads the links and joints; limits, damping and friction go in as the checked values say."""
+    """Let Pinocchio read the links and joints; limits, damping and friction are set from the checked values."""
     text = urdf_text([replace(link, visuals=()) for link in urdf.links], urdf.joints)
     try:
         model = pin.buildModelFromXML(text)
@@ -112,7 +112,7 @@ def _model_of(urdf: Urdf) -> Normalised:
 
 
 def _complaint(text: str) -> str | None:
-    """What yourdfpy finds wrong with a URDF that Pinocchio refuses without saying why."""
+    """The fault that yourdfpy finds in a URDF that Pinocchio refuses without a reason."""
     import io
 
     import yourdfpy
@@ -120,7 +120,7 @@ def _complaint(text: str) -> str | None:
     try:
         urdf = yourdfpy.URDF.load(io.BytesIO(text.encode()), build_scene_graph=False, load_meshes=False)
         return None if urdf.validate() else str(urdf.errors[0])
-    except Exception as error:  # whatever it stumbles over is what the user should hear
+    except Exception as error:  # the user should see any fault that it finds
         return _last_line(error)
 
 

@@ -1,4 +1,4 @@
-"""Where the meshes of a URDF lie: package:// addresses looked up on disk, without opening a mesh."""
+"""The files of a URDF's meshes: package:// addresses are looked up on disk, without opening a mesh."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class MeshWarning(UserWarning):
 def resolve_meshes(links: Sequence[Link], urdf: Path, package_dirs: Sequence[Path]) -> tuple[Link, ...]:
     """The links with every mesh address replaced by a path on disk; shapes that cannot be shown are left out.
 
-    One MeshWarning counts what was left out.
+    One MeshWarning gives their number.
 
     Args:
         links: the links as read.
-        urdf: the URDF file, from which relative addresses count.
+        urdf: the URDF file; relative addresses start at its folder.
         package_dirs: folders that hold packages, or are packages.
 
     Returns:
@@ -76,13 +76,13 @@ def mesh_path(address: str, urdf: Path, package_dirs: Sequence[Path]) -> Path | 
 def find_mesh(address: str, urdf: Path, roots: Iterable[tuple[Path, bool]]) -> Path | None:
     """The file that a mesh address means.
 
-    ``package://name/rest`` stays inside the folder of that package; other addresses are paths, relative ones counted
-    from the URDF's folder. Nothing is fetched from a network.
+    ``package://name/rest`` stays inside the folder of that package; other addresses are paths, relative to the URDF's
+    folder. Nothing is loaded from a network.
 
     Args:
         address: as the URDF writes it.
         urdf: the URDF file.
-        roots: folders to look in, each with whether it may be the package itself whatever its own name is.
+        roots: folders to search, each with a flag: whether it may be the package itself under any name.
 
     Returns:
         The path of an existing mesh file, or None.
@@ -104,7 +104,7 @@ def find_mesh(address: str, urdf: Path, roots: Iterable[tuple[Path, bool]]) -> P
             folders.append(root)
         for folder in folders:
             path = Path(os.path.normpath(folder / inside))
-            # By name, not by link target: workspaces link the files of a package to its sources.
+            # By name, not by link target: in workspaces the files of a package are links to its sources.
             if path.is_relative_to(folder) and (mesh := _existing(path)):
                 return mesh
     return None

@@ -1,4 +1,4 @@
-"""Followers of a mechanism: chains of mimics resolved to the one joint that leads, locked leaders to a value."""
+"""Mimic joints: chains are resolved to the one joint that leads, and locked leaders to a value."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Mimic = tuple[str, float, float]
 def resolve_mimics(
     mimics: Mapping[str, Mimic], held: Mapping[str, float], moving: Sequence[str]
 ) -> tuple[dict[str, Mimic], dict[str, float]]:
-    """Refer every follower to a joint that moves of itself.
+    """Refer every follower to an independent joint.
 
     Args:
-        mimics: what each follower mimics, as written; a leader may itself be a follower.
+        mimics: the joint that each follower mimics, as written; it may be a follower too.
         held: positions [rad or m] of joints that do not move: fixed ones (0) and locked ones.
         moving: names of all other joints, followers included.
 
@@ -67,7 +67,7 @@ def check_lock(
     Args:
         lock: position [rad or m] by joint name.
         moving: names of the joints that move, followers included.
-        mimics: what each follower mimics.
+        mimics: the joint that each follower mimics.
         fixed: names of the fixed joints.
 
     Returns:

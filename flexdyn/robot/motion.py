@@ -1,4 +1,4 @@
-"""How one joint of a pin.Model moves: one rotation or one translation about an axis, or it is refused."""
+"""The motion of one joint of a pin.Model: one rotation or one translation about an axis; others are refused."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SKEW = {
 
 @dataclass(frozen=True)
 class JointMotion:
-    """How one joint moves: "revolute" or "prismatic" along a unit axis, whether unbounded, and what it mimics."""
+    """The motion of one joint: "revolute" or "prismatic", its unit axis, whether it is unbounded, what it mimics."""
 
     kind: str
     axis: np.ndarray
@@ -66,7 +66,7 @@ def motion_of(model: pin.Model, index: int) -> JointMotion:
 
 
 def _subspace(model: pin.Model, index: int) -> np.ndarray:
-    """Linear and angular velocity per unit of joint velocity; not every joint type shows its axis to Python."""
+    """Linear and angular velocity per unit of joint velocity; Python cannot read the axis of some joint types."""
     joint = model.joints[index]
     data = joint.createData()
     joint.calc(data, pin.neutral(model))
@@ -74,7 +74,7 @@ def _subspace(model: pin.Model, index: int) -> np.ndarray:
 
 
 def _mimic_motion(model: pin.Model, index: int) -> JointMotion:
-    """Python sees no type of a mimic joint, but its motion subspace: scaling times the axis."""
+    """The motion of a mimic joint, from its motion subspace (scaling times axis): Python does not know its type."""
     joint = model.joints[index]
     scaling, offset = float(joint.extract().scaling), float(joint.extract().offset)
     subspace = _subspace(model, index)

@@ -49,7 +49,7 @@ EXAMPLES = {
 
 
 def shipped_dir() -> Path:
-    """The folder of the robots that flexdyn ships: inside the package when installed, beside it in a checkout."""
+    """The folder of the shipped robots: inside the installed package, or next to the package in a checkout."""
     package = Path(__file__).resolve().parents[1]
     inside = package / "robots"
     return inside if inside.is_dir() else package.parent / "robots"
@@ -59,7 +59,7 @@ def shipped_dir() -> Path:
 def example_data_dir() -> Path | None:
     """The folder ``share/example-robot-data`` of the installed data, or None.
 
-    Pinocchio and the data come in one prefix; where Pinocchio came another way, the prefix is looked for on sys.path.
+    Usually Pinocchio and the data have the same prefix; otherwise the prefix is searched on sys.path.
     """
     below = Path("share", "example-robot-data")
     prefixes = [Path(pin.__file__).resolve().parents[4], Path(sys.prefix)]
@@ -82,8 +82,8 @@ def find_robot(source: str | Path) -> tuple[Path, str | None]:
     """The URDF file that a path or a name means.
 
     Args:
-        source: a path, or a name of robot_names(). A file beats nothing but an unknown name: ``panda`` is the robot
-            even where a folder of that name lies here; ``./panda`` is the folder.
+        source: a path, or a name of robot_names(). A known name has priority over a file: ``panda`` is the robot even
+            if there is a folder of that name; ``./panda`` is the folder.
 
     Returns:
         The absolute path, and the name if it was one.
@@ -104,7 +104,7 @@ def find_robot(source: str | Path) -> tuple[Path, str | None]:
     if source in _shipped():
         return shipped_dir() / source / "robot.urdf", source
     path = _absolute(Path(source))
-    # Only what cannot be meant as a path is an unknown name.
+    # Only a text that cannot be a path is an unknown name.
     if not source.strip() or (Path(source).name == source and not Path(source).suffix and not _exists(path)):
         remedy = did_you_mean(source.lower(), robot_names())
         raise InputError("neither a file nor a known robot", key="robot", value=source, remedy=remedy)

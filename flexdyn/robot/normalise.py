@@ -1,4 +1,4 @@
-"""Any fixed-base pin.Model as one in which every joint is one number: nq = nv = joints."""
+"""Convert any fixed-base pin.Model to one in which every joint is one number: nq = nv = joints."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _UNLIMITED = 1e300
 
 @dataclass(frozen=True)
 class Normalised:
-    """A tree of one-number joints, and what Pinocchio's joint types said beside it."""
+    """A tree of one-number joints, and additional information from Pinocchio's joint types."""
 
     model: pin.Model
     continuous: frozenset[str]
@@ -38,8 +38,8 @@ def normalise(model: pin.Model) -> Normalised:
         The new model.
 
     Raises:
-        InputError: a joint of another kind (free-flyer, spherical, planar, helical, composite, ...), a body whose
-            mass or inertia no body can have, or branches whose joints are not together.
+        InputError: a joint of another kind (free-flyer, spherical, planar, helical, composite, ...), a body with an
+            impossible mass or inertia, or branches whose joints are not numbered one after the other.
     """
     for name in model.names:
         if problem := unfit_name(name):
@@ -56,7 +56,7 @@ def normalise(model: pin.Model) -> Normalised:
         new.appendBodyToJoint(joint, model.inertias[index], pin.SE3.Identity())
     new.inertias[0] = model.inertias[0]
     for frame in list(model.frames)[1:]:
-        # Their inertias are in those of the joints already.
+        # The inertias of the joints contain theirs already.
         new.addFrame(frame, False)
     for index in range(1, new.njoints):
         if not new.existFrame(new.names[index], pin.FrameType.JOINT):
@@ -72,9 +72,9 @@ def normalise(model: pin.Model) -> Normalised:
 
 
 def _check_order(model: pin.Model) -> None:
-    """Pinocchio's M(q) and its derivatives need every subtree in one piece, and are wrong without a word elsewhere.
+    """Refuse subtrees whose joints are not numbered one after the other: Pinocchio's M(q) is wrong for them.
 
-    Source: github.com/stack-of-tasks/pinocchio/issues/1897. What Pinocchio reads from a URDF is in that order.
+    Source: github.com/stack-of-tasks/pinocchio/issues/1897. A model that Pinocchio reads from a URDF has this order.
     """
     for index in range(2, model.njoints):
         parent, ancestor = model.parents[index], index - 1
@@ -87,7 +87,7 @@ def _check_order(model: pin.Model) -> None:
 
 
 def _check_body(model: pin.Model, index: int) -> None:
-    """Rigidly joined links count as one body here, so that a rounded tiny link on a large one passes."""
+    """Check inertias; rigidly joined links count as one body, so that rounded tiny links are accepted."""
     body, key = model.inertias[index], f"joint '{model.names[index]}'"
     if not np.all(np.isfinite(model.jointPlacements[index].homogeneous)):
         raise InputError("its placement is not finite", key=key, remedy="check the pose that it was added with")

@@ -1,4 +1,4 @@
-"""A URDF file with numbers of its links and joints corrected; everything else in it stays as it is."""
+"""A URDF file with corrected numbers of its links and joints; everything else stays as it is."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def corrected_urdf(robot: Robot, links: Factors, joints: Factors, folder: Path) 
     Args:
         robot: loaded from a URDF, or known by name.
         links: factors of ``mass``, ``com``, ``inertia`` by link.
-        joints: factors of ``damping``, ``friction`` of <dynamics> by joint; those that mimic it have them too.
-        folder: that the text is to be saved in: meshes are named relative to it.
+        joints: factors of ``damping``, ``friction`` of <dynamics> by joint; they also apply to joints that mimic it.
+        folder: in which the text will be saved: meshes are named relative to it.
 
     Raises:
-        InputError: the robot has no URDF, or the file is not there any more.
+        InputError: the robot has no URDF, or the file does not exist any more.
     """
     if robot.source is None:
         raise InputError("the robot has no URDF", key="robot", remedy="load it from one")
@@ -62,7 +62,7 @@ def _correct_link(element: Any, given: Inertial, factors: Mapping[str, float]) -
 
 
 def _move_meshes(root: Any, urdf: Path, package_dirs: Sequence[Path], folder: Path) -> None:
-    """Addresses that count from the old file's place count from the new one's."""
+    """Convert addresses relative to the old file's folder to addresses relative to the new one."""
     for mesh in root.iter("mesh"):
         found = mesh_path(mesh.get("filename") or "", urdf, package_dirs)
         if found is None:

@@ -1,4 +1,4 @@
-"""A fixed-base arm as flexdyn sees it: named joints, limits, frames, and the tree that the core computes with."""
+"""A fixed-base arm: named joints, limits, frames, and the kinematic tree for the core."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _FRAME_ORDER = (
 class Robot(Locked, Public):
     """An arm of n independent joints, each one number: an unwrapped angle [rad] or a displacement [m].
 
-    Made by load_robot. Immutable; its arrays are locked, and it pickles.
+    Made by load_robot. It is immutable, its arrays are read-only, and it can be pickled.
 
     Attributes:
         name: the robot's name.
@@ -44,7 +44,7 @@ class Robot(Locked, Public):
         lock: positions [rad or m] of the joints locked by the user, as given.
         joint_names: the independent joints in Pinocchio's order.
         kinds: "revolute" or "prismatic" for each.
-        continuous: whether each may turn without end.
+        continuous: whether each can turn without limit.
         lower: least position, shape (n,) [rad or m]; -inf where unlimited.
         upper: largest position, shape (n,) [rad or m]; inf where unlimited.
         velocity_limit: shape (n,) [rad/s or m/s]; inf where unlimited.
@@ -84,7 +84,7 @@ class Robot(Locked, Public):
     coupled_limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Copy and lock arrays and tables."""
+        """Copy arrays and tables and make them read-only."""
         for name in _ARRAYS:
             object.__setattr__(self, name, locked_copy(getattr(self, name)))
         for name in ("lock", "followers", "coupled_limits"):
@@ -95,7 +95,7 @@ class Robot(Locked, Public):
         return visible(f"<Robot {self.name}: {self.n} joints {', '.join(self.joint_names)}>")
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: joints and their limits."""
+        """HTML for notebooks: joints and their limits."""
         rows = (
             (
                 name,
@@ -141,10 +141,10 @@ class Robot(Locked, Public):
         raise InputError(f"robot {self.name} is branched and has no one end", key="frame", remedy=remedy)
 
     def joint_index(self, joint: str | int) -> int:
-        """Place of an independent joint in q.
+        """Index of an independent joint in q.
 
         Args:
-            joint: its name, or its place already.
+            joint: its name, or its index already.
 
         Returns:
             An index from 0 to n - 1.
@@ -170,11 +170,11 @@ class Robot(Locked, Public):
         return "rad" if self.kinds[self.joint_index(joint)] == "revolute" else "m"
 
     def torque_unit(self, joint: str | int) -> str:
-        """Unit of what drives a joint: "N m" or "N"."""
+        """Unit of a joint's torque or force: "N m" or "N"."""
         return "N m" if self.kinds[self.joint_index(joint)] == "revolute" else "N"
 
     def frame(self, name: str) -> FramePlacement:
-        """Where a frame sits: a link, where link and joint share a name.
+        """The joint and placement of a frame; if a link and a joint have the same name, it is the link.
 
         Args:
             name: a link, joint or other frame of the robot.
@@ -197,7 +197,7 @@ class Robot(Locked, Public):
 
     @cached_property
     def _placements(self) -> dict[str, FramePlacement]:
-        """Frames that were asked for already."""
+        """Frames that were computed before."""
         return {}
 
     def expand(self, q: Any) -> Floats:
@@ -221,13 +221,13 @@ class Robot(Locked, Public):
     def with_axes(self, axes: Axes, *, ignore_dynamics: bool = False) -> Robot:
         """The robot in the coordinates of drives that move several joints together.
 
-        Every axis takes the place of a joint: ``p = A q``, and the torques of the joints are ``A^T tau``. Gears,
-        rotors, springs, friction and ripple of a drive act on its axis. `expand` gives positions of the joints again.
+        Every axis replaces a joint: ``p = A q``, and the torques of the joints are ``A^T tau``. Gears, rotors, springs,
+        friction and ripple of a drive act on its axis. `expand` converts back to positions of the joints.
 
         Args:
             axes: axis -> {joint: coefficient}, as many axes as joints in them; coefficients of mixed kinds are in
                 rad/m or m/rad.
-            ignore_dynamics: drop <dynamics> of the joints that are replaced, which is refused otherwise.
+            ignore_dynamics: ignore <dynamics> of the replaced joints, which is refused otherwise.
 
         Raises:
             InputError: axes that are not invertible or do not fit.
@@ -262,7 +262,7 @@ class Robot(Locked, Public):
 
         Args:
             link: its name.
-            moment: in place of what its <inertial> says [kg m^2].
+            moment: replaces the inertia of its <inertial> [kg m^2].
 
         Returns:
             A new robot; only the link's inertia differs, and its source is None: no file describes it.
@@ -273,7 +273,7 @@ class Robot(Locked, Public):
         return self._with_inertial(link, lambda given: given.round(moment))
 
     def link_size(self, link: str) -> tuple[float, float]:
-        """Mass of a link [kg], and its length: to its centre of mass or to its farthest joint, whichever is more [m].
+        """Mass of a link [kg], and its length: to its centre of mass or its farthest joint, whichever is larger [m].
 
         Args:
             link: its name.
@@ -281,14 +281,14 @@ class Robot(Locked, Public):
         Raises:
             InputError: no such link, one without mass, or one that stands still.
         """
-        self._with_inertial(link, lambda given: given)  # refuses what has no size
+        self._with_inertial(link, lambda given: given)  # refuses a link without size
         given = next(entry.inertial for entry in self._links if entry.name == link)
         points = [joint.xyz for joint in self._joints if joint.parent == link]
         xyz, mass = ((0.0, 0.0, 0.0), 0.0) if given is None else (given.xyz, given.mass)
         return mass, max(float(np.linalg.norm(point)) for point in (xyz, *points))
 
     def visual_model(self) -> pin.GeometryModel:
-        """The shapes of the robot on the joints of pin_model; meshes are read now. Empty for a pin.Model source."""
+        """The shapes of the robot on the joints of pin_model; this reads the meshes. Empty for a pin.Model source."""
         from flexdyn.robot.geometry import visual_model
 
         return visual_model(self._model, self._links, self._joints)
@@ -302,7 +302,7 @@ class Robot(Locked, Public):
         given = self._links[place].inertial
         frame = self.frame(link)
         if given is None or given.mass == 0.0 or frame.joint < 0:
-            problem = "the link has no mass" if frame.joint >= 0 else "the link stands still: its mass moves nothing"
+            problem = "the link has no mass" if frame.joint >= 0 else "the link does not move: its mass has no effect"
             raise InputError(problem, key="link", value=link)
         true = change(given)
         mounted = pin.SE3(frame.rotation, frame.translation)

@@ -1,4 +1,4 @@
-"""What a link looks like: boxes, cylinders, spheres and meshes with a pose and a colour."""
+"""The shapes of a link: boxes, cylinders, spheres and meshes with a pose and a colour."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Visual:
     """One shape on a link.
 
     Attributes:
-        shape: "box", "cylinder", "sphere", "mesh", or what else the file names.
+        shape: "box", "cylinder", "sphere", "mesh", or another name from the file.
         size: box edges, or radius and length, or radius [m]; the scale of a mesh [1].
         mesh: the address of the mesh as the file writes it, else empty.
         xyz: position in the link frame [m].
@@ -32,7 +32,7 @@ class Visual:
 
 
 def read_colors(root: Any) -> dict[str, tuple[float, ...]]:
-    """Colours by material name, as stated anywhere in the file (a visual may use one that another defines)."""
+    """Colours by material name, from anywhere in the file (a visual may use a material that another one defines)."""
     colors: dict[str, tuple[float, ...]] = {}
     for material in root.iter("material"):
         color = material.find("color")
@@ -46,7 +46,7 @@ def read_visuals(link: Any, key: str, colors: dict[str, tuple[float, ...]]) -> t
 
     Args:
         link: the element ``<link>``.
-        key: its place, for errors.
+        key: its path in the file, for errors.
         colors: colours by material name.
 
     Returns:

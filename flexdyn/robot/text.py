@@ -1,7 +1,7 @@
-"""URDF text that Pinocchio's reader takes without complaint, written from checked values.
+"""URDF text for Pinocchio's reader, written from checked values.
 
-Its reader prints to stderr and stops at what many published files do: commas, tabs, a missing <limit>, an
-unknown shape. It never sees the user's text, only this.
+Pinocchio's reader prints to stderr and fails on features of many published files: commas, tabs, a missing <limit>, an
+unknown shape. It never reads the user's text, only this one.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from flexdyn.robot.shapes import Visual
 def urdf_text(links: Sequence[Link], joints: Sequence[RobotJoint]) -> str:
     """A whole URDF.
 
-    Limits, damping, friction and mimics are left out: they do not enter the kinematics, and come from the values.
+    Limits, damping, friction and mimics are left out: they do not enter the kinematics and are set from the values.
 
     Args:
         links: links whose meshes are paths on disk.

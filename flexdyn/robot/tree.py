@@ -1,4 +1,4 @@
-"""The kinematic tree as plain locked arrays, from which the compiled core rebuilds its model."""
+"""The kinematic tree as plain read-only arrays, from which the compiled core rebuilds its model."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 
 def spatial(mass: float, com: Floats, inertia: Floats) -> pin.Inertia:
-    """A spatial inertia; a point mass' is off zero by rounding, which Pinocchio's own constructor refuses."""
+    """A spatial inertia; Pinocchio's constructor refuses that of a point mass, which differs from zero by rounding."""
     body = pin.Inertia.Zero()
     body.mass, body.lever, body.inertia = mass, np.array(com), np.array(inertia)
     return body
@@ -51,7 +51,7 @@ class FramePlacement(Locked):
 class Tree(Locked):
     """m one-number joints, each with the body it moves, and how the n independent ones drive them.
 
-    q_tree = gain q + offset, v_tree = gain v. Joints stand after their parents.
+    q_tree = gain q + offset, v_tree = gain v. Every joint comes after its parent.
 
     Attributes:
         parent: index of the parent joint, -1 for the base, shape (m,).
@@ -80,14 +80,14 @@ class Tree(Locked):
     offset: Floats
 
     def __post_init__(self) -> None:
-        """Copy and lock the arrays."""
+        """Copy the arrays and make them read-only."""
         kinds = {"parent": np.int32, "prismatic": np.bool_}
         for field in fields(self):
             value = locked_copy(getattr(self, field.name), kinds.get(field.name, np.float64))
             object.__setattr__(self, field.name, value)
 
     def __repr__(self) -> str:
-        """How many joints there are, in a line."""
+        """The number of joints, in one line."""
         return f"<Tree of {self.m} joints, {self.n} of them independent>"
 
     @property
@@ -102,7 +102,7 @@ class Tree(Locked):
 
     @property
     def inertial_parameters(self) -> Floats:
-        """What torques are linear in, of every joint (m, 11).
+        """The numbers of every joint in which torques are linear (m, 11).
 
         Mass, first moment m c, inertia about the joint's origin ``I + m S(c)`` as xx, xy, yy, xz, yz, zz, and armature.
         """
@@ -118,7 +118,7 @@ class Tree(Locked):
         With c' = (m c + M p)/(m + M):  I' = I + m S(c - c') + M S(p - c'),  S(d) = (d.d) 1 - d d^T.
 
         Args:
-            frame: where it sits, from Robot.frame().
+            frame: position of the mass, from Robot.frame().
             mass: M [kg], 0 or more.
 
         Returns:
@@ -131,7 +131,7 @@ class Tree(Locked):
             raise InputError("not a mass", key="mass", value=mass, remedy="give it in kg, 0 or more")
         if frame.joint < 0:
             remedy = "name a frame that a joint moves"
-            raise InputError("a mass on the base moves nothing", key="frame", value=frame.name, remedy=remedy)
+            raise InputError("a mass on the base has no effect", key="frame", value=frame.name, remedy=remedy)
         if mass == 0.0:
             return self
         j, point = frame.joint, frame.translation
@@ -143,9 +143,10 @@ class Tree(Locked):
         return replace(self, mass=masses, com=coms, inertia=inertias)
 
     def with_rotor(self, joint: int, *, prismatic: bool) -> Tree:
-        """The tree with a joint more, on the base, that has no body: it follows an independent joint as it is.
+        """The tree with an additional joint without a body, on the base, which follows an independent joint.
 
-        Armature on it is inertia of that joint alone. An axis of coupled drives has no joint of its own in the tree.
+        Its armature is inertia of that joint alone. It is needed because an axis of coupled drives has no joint of its
+        own in the tree.
 
         Args:
             joint: the independent one.
@@ -175,14 +176,14 @@ class Tree(Locked):
         )
 
     def with_body_changed(self, joint: int, given: pin.Inertia, true: pin.Inertia) -> Tree:
-        """The tree with one of the parts of a body exchanged.
+        """The tree with one part of a body replaced.
 
         Mass, first moment and inertia about the joint's origin add up over the parts: ``body + true - given``.
 
         Args:
             joint: that carries the body.
-            given: the part as it is, in the joint frame.
-            true: as it is to be.
+            given: the present part, in the joint frame.
+            true: the new part.
 
         Returns:
             A new tree.

@@ -1,4 +1,4 @@
-"""What a URDF file says, checked: links and joints that form one tree."""
+"""The checked content of a URDF file: links and joints that form one tree."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from flexdyn.robot.values import LONGEST_NAME
 from flexdyn.robot.xmlfile import read_xml
 
 MAX_JOINTS = 200
-"""That move: far more than any arm has. Second derivatives of the motion take n^3 numbers."""
+"""Largest number of moving joints, far more than in any arm. Second derivatives of the motion take n^3 numbers."""
 MAX_LINKS = 1000
-"""Far more than any arm; readers of URDF descend from link to link, and a chain of thousands exhausts their stack."""
+"""Largest number of links, far more than in any arm; readers of URDF are recursive, and thousands exhaust the stack."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def read_urdf(path: Path) -> Urdf:
         Its links and joints, in file order; every number finite, every name known, one tree.
 
     Raises:
-        InputError: one line with file, key, value and remedy; its data carry ``line`` where known.
+        InputError: one line with file, key, value and remedy; its data have ``line`` if it is known.
     """
     try:
         root = read_xml(path)

@@ -1,4 +1,4 @@
-"""Numbers in XML attributes, and the error that says where one is wrong."""
+"""Numbers in XML attributes, and the error for a wrong one."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import Any
 from flexdyn.errors import InputError
 
 LARGEST = 1e15
-"""No length, mass or moment of a robot is larger; squares of such numbers stay finite."""
+"""Largest length, mass or moment of a robot; squares of such numbers are finite."""
 
 
 LONGEST_NAME = 200
-"""Letters of a name; channels, which put a signal's name in front, have up to 255."""
+"""Largest number of letters in a name; names of channels, with the signal in front, have up to 255."""
 
 
 def unfit_name(name: str) -> str:
-    """Why a joint, link or frame cannot be called so; empty if it can."""
+    """Why a joint, link or frame cannot have this name; empty if it can."""
     if not name.isprintable():
         return "the name holds characters that do not print"
     return f"the name is longer than {LONGEST_NAME} characters" if len(name) > LONGEST_NAME else ""
@@ -27,10 +27,10 @@ def fail(element: Any, key: str, problem: str, value: Any = None, remedy: str | 
 
     Args:
         element: the XML element where it was found.
-        key: its place: ``joint 'elbow'/axis``.
-        problem: what is wrong.
-        value: what was given.
-        remedy: what would be right.
+        key: its path: ``joint 'elbow'/axis``.
+        problem: the fault.
+        value: the given value.
+        remedy: what the user can do.
 
     Returns:
         An InputError to raise.
@@ -48,9 +48,9 @@ def numbers(
     Args:
         element: the XML element.
         attribute: the attribute's name.
-        key: its place, for the error.
-        count: how many there must be.
-        default: taken where the attribute is missing; None makes it required.
+        key: its path, for the error.
+        count: required number of values.
+        default: used if the attribute is missing; None makes it required.
         finite: whether infinity is refused too (NaN always is).
 
     Returns:
@@ -80,12 +80,12 @@ def numbers(
 
 
 def number(element: Any, attribute: str, key: str, default: float | None = None, *, finite: bool = True) -> float:
-    """One number of an attribute; arguments and errors as in numbers()."""
+    """The single number of an attribute; arguments and errors as in numbers()."""
     return numbers(element, attribute, key, 1, None if default is None else (default,), finite=finite)[0]
 
 
 def name_of(element: Any, what: str) -> str:
-    """The name of a link or joint element; an InputError where it is missing, blank, or no name for a channel."""
+    """The name of a link or joint element; InputError if it is missing, blank, or not usable for a channel."""
     name = str(element.get("name") or "").strip()
     if not name:
         raise fail(element, what, "has no name", remedy=f"write <{what} name=...>")

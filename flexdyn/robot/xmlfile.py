@@ -1,4 +1,4 @@
-"""From a path to a well-formed XML tree: bounded, without entities, network or DOCTYPE; the only user of lxml."""
+"""Read a well-formed XML tree: bounded, without entities, network or DOCTYPE; the only module that uses lxml."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any
 from flexdyn.errors import InputError, did_you_mean
 
 MAX_URDF_BYTES = 5_000_000
-"""A URDF is text of some 100 kB; meshes are files of their own."""
+"""Largest size of a URDF [bytes]: usual ones have about 100 kB; meshes are in files of their own."""
 
 MAX_ATTRIBUTES = 1000
-"""Of an element; a URDF has no more than six."""
+"""Largest number of attributes of an element; a URDF has no more than six."""
 
 _ENCODING = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _OTHER_ROOTS = {"sdf": "an SDF file", "mujoco": "a MuJoCo file", "COLLADA": "a mesh", "gazebo": "a Gazebo file"}
@@ -88,7 +88,7 @@ def _decoded(data: bytes) -> str:
 
 
 def _prolog_has_doctype(text: str) -> bool:
-    """A DOCTYPE can stand only before the root; blanks, comments and instructions may precede it."""
+    """Refuse a DOCTYPE, which can be only before the root; blanks, comments and instructions may precede it."""
     at = 0
     while True:
         while at < len(text) and text[at].isspace():
@@ -107,7 +107,7 @@ def _prolog_has_doctype(text: str) -> bool:
 def _parsed(text: str) -> Any:
     from lxml import etree
 
-    # The declaration may name another encoding than the UTF-8 that the bytes are in now.
+    # The declaration may name another encoding, but the bytes are UTF-8 now.
     body = re.sub(r"^\s*<\?xml.*?\?>", "", text, count=1, flags=re.DOTALL).encode()
     skipped = text.count("\n") - body.count(b"\n")
     body = b"\n" * skipped + body
@@ -122,7 +122,7 @@ def _parsed(text: str) -> Any:
     try:
         return etree.fromstring(body, parser)
     except etree.XMLSyntaxError as error:
-        # Old simulator tags have prefixes that nobody declared (<sensor:camera>); URDF readers take them.
+        # Old simulator tags have undeclared prefixes (<sensor:camera>); URDF readers accept them.
         if {entry.type_name for entry in parser.error_log} == {"NS_ERR_UNDEFINED_NAMESPACE"}:
             return etree.fromstring(body, etree.XMLParser(recover=True, **options))
         reason, line = re.sub(r", line \d+, column \d+.*$", "", error.msg or "not XML", flags=re.DOTALL), error.lineno
@@ -149,7 +149,7 @@ def _refuse_xacro(root: Any, path: Path) -> None:
 
 
 def xml_text(root: Any) -> str:
-    """Text of a tree that `read_xml` gave, to be saved as UTF-8."""
+    """Text of a tree from `read_xml`, to be saved as UTF-8."""
     from lxml import etree
 
     return f'<?xml version="1.0" encoding="utf-8"?>\n{etree.tostring(root, encoding="unicode")}\n'

@@ -1,4 +1,4 @@
-"""What motors under voltage were asked for, as torque: of recorded volts, duties, or goals of a servo's firmware."""
+"""The commanded torque of motors under voltage, from recorded volts, duties, or goals of a servo's firmware."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
 ASKED = ("voltage", "duty", "goal")
-"""Signals that say what a motor under voltage is asked for; the first that was recorded holds."""
+"""Signals that command a motor under voltage; the first that was recorded is used."""
 
 
 def with_asked_torque(model: FlexibleJointModel, recording: Recording) -> Recording:
-    """The recording with ``tau`` of every joint whose motor is under voltage: the torque of that voltage at standstill.
+    """Add ``tau`` of every joint whose motor is under voltage: the torque of that voltage at standstill.
 
-    A goal becomes a duty by the firmware's law along the measured positions, computed at the firmware's rate between
-    the samples; each sample gets the mean until the next one, which has the same impulse.
+    The firmware's law turns a goal into a duty along the measured positions. It is computed at the firmware's rate
+    between the samples. Each sample gets the mean until the next one, which has the same impulse.
 
     Args:
         model: that has the actuators.
@@ -46,13 +46,13 @@ def with_asked_torque(model: FlexibleJointModel, recording: Recording) -> Record
 
 
 def is_of_goals(model: FlexibleJointModel, recording: Recording) -> bool:
-    """Whether a recording says what the model's servos were to do and not what their motors were given."""
+    """Whether a recording has goals of the model's servos and not the voltages of their motors."""
     driven = [name for name, joint in model.joints.items() if joint.actuator is not None and joint.actuator.firmware]
     return bool(driven) and all(_asked(recording, name) == "goal" for name in driven)
 
 
 def firmware_duty(firmware: Firmware, goal: Array, position: Array) -> Array:
-    """Duty at each tick (ticks,) [1], from rest.
+    """Duty at each tick (ticks,) [1]; the controller starts at rest.
 
     Args:
         firmware: its settings.
@@ -70,7 +70,7 @@ def _asked(recording: Recording, joint: str) -> str | None:
 
 
 def _volts(actuator: Actuator, recording: Recording, joint: str) -> Array:
-    """Volts asked for (samples,)."""
+    """Commanded voltage (samples,) [V]."""
     signal = _asked(recording, joint)
     if signal is None:
         remedy = (

@@ -1,4 +1,4 @@
-"""From what a user gives as command (torques, a controller, a recording, a file) to what the core runs."""
+"""Prepare a user's command (torques, a controller, a recording, a file) for the core."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
 
 Array = NDArray[np.float64]
 RECORDED: Interpolation = "monotone"
-"""How a recorded reference is followed unless told otherwise: through its samples, never beyond two neighbours."""
+"""Default interpolation of a recorded reference: through its samples, never outside the range of two neighbours."""
 
 
 @dataclass(frozen=True)
 class Drive:
-    """A command made ready for one model.
+    """A command prepared for one model.
 
     Attributes:
         command: for the core.
-        duration: of the command [s]; None where it has no end of its own.
+        duration: of the command [s]; None if it has no end.
         initial: first state that a recording measured: signal -> joint -> value.
-        samples: what an open-loop command plays, one column a joint; None for controllers and for no torque.
-        notes: what the user should know of it, one sentence each.
-        controller: that closes the loop; None for torques over time.
+        samples: torques of an open-loop command, one column for each joint; None for controllers and for no torque.
+        notes: what the user should know about it, one sentence each.
+        controller: the controller that closes the loop; None for torques over time.
     """
 
     command: _core.Command
@@ -51,14 +51,14 @@ class Drive:
 
 
 def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) -> Drive:
-    """Make a command ready.
+    """Prepare a command for a model.
 
     Args:
         model: whose joints it drives.
         command: None (no torque), `Samples`, `PD`, `Servo`, `Controller`, a `Recording` (its tau columns, held), the
             path of a recording or of a YAML file with ``pd:`` or ``torques:``, a mapping of such a file's keys with
-            points (see `flexdyn.control.points`), or n torques that do not change.
-        duration: of the run if it is known: how long unchanging torques last [s].
+            points (see `flexdyn.control.points`), or n constant torques.
+        duration: of the run, if it is known [s]; constant torques last so long.
 
     Raises:
         InputError: a command that does not fit the model.
@@ -89,16 +89,16 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
 def _open_loop(
     samples: Samples, model: FlexibleJointModel, duration: float | None, initial: Mapping[str, Mapping[str, float]]
 ) -> Drive:
-    """Torques over time; they start with the run, whatever their first time is."""
+    """Torques over time, shifted so that they start with the run."""
     whole = Samples(samples.t - samples.t[0], samples.columns(model.joint_names), samples.interpolation)
     return Drive(_core.open_loop(_signal(whole, model.joint_names)), duration, initial, whole)
 
 
 def check_command(command: Any) -> None:
-    """Refuse what looks like a command and needs something around it.
+    """Refuse objects that are similar to a command, with the remedy.
 
     Raises:
-        InputError: a function, which is told about `Controller`; a robot or model, which stand elsewhere.
+        InputError: a function, with a hint to `Controller`; a robot or model, which belong to another argument.
     """
     if isinstance(command, type):
         remedy = f"give one that is made: {command.__name__}(...)"
@@ -115,7 +115,7 @@ def _called(function: Any) -> str:
 
 
 def resolve_command(command: Any) -> Any:
-    """A path as what it holds; anything else as it is."""
+    """Read a path; return anything else as it is."""
     if type(command).__name__ in ("DataFrame", "Dataset"):
         return as_recording(command, "command")
     if isinstance(command, Mapping) and not command.keys().isdisjoint(COMMAND_KEYS):
@@ -128,10 +128,10 @@ def resolve_command(command: Any) -> Any:
 
 
 def read_command_file(path: Path) -> PD | Samples:
-    """A YAML file with ``pd:`` or ``torques:``, see `flexdyn.control.points`; paths in it are relative to the file.
+    """Read a YAML file with ``pd:`` or ``torques:``, see `flexdyn.control.points`; its paths are relative to the file.
 
     Raises:
-        InputError: no such file, or a key that is not there.
+        InputError: no such file, or an unknown key.
     """
     content = read_yaml(path)
     try:
@@ -158,7 +158,7 @@ def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> S
 
 
 def first_state(recording: Recording, model: FlexibleJointModel) -> dict[str, dict[str, float]]:
-    """The first measured state; a joint with only one encoder has q and theta start alike.
+    """The first measured state; for a joint with one encoder, q and theta start with the same value.
 
     A rigid joint has one position: q, or theta where only that was measured.
     """
@@ -176,10 +176,10 @@ def first_state(recording: Recording, model: FlexibleJointModel) -> dict[str, di
 
 
 def lower_wrenches(model: FlexibleJointModel, external: Any, duration: float) -> list[_core.ExternalWrench]:
-    """External wrenches for the core.
+    """Prepare external wrenches for the core.
 
     Raises:
-        InputError: something that is no FrameWrench, or a frame that the robot does not have.
+        InputError: an object that is no FrameWrench, or a frame that the robot does not have.
     """
     if external is None:
         return []
@@ -226,7 +226,7 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
 
 
 def _gaps(what: str, recording: Recording, done: str) -> tuple[str, ...]:
-    """A sentence on each gap of what drives the arm."""
+    """A sentence for each gap in the recording that drives the arm."""
     return tuple(
         f"the {what} has a gap of {end - start:.4g} s from t = {start:.6g} s on, over which {done}"
         for start, end in recording.gaps
@@ -234,7 +234,7 @@ def _gaps(what: str, recording: Recording, done: str) -> tuple[str, ...]:
 
 
 def followed(reference: Recording, interpolation: Interpolation | None, joint_names: Sequence[str]) -> Samples:
-    """A recorded reference as it is followed: its link positions, else its rotor positions.
+    """A recorded reference as samples: its link positions, else its rotor positions.
 
     Args:
         reference: as recorded.
@@ -262,7 +262,7 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
 
 
 def _firmware(model: FlexibleJointModel, servo: Servo, reference: Samples) -> _core.Command:
-    """The firmware of every joint, its duty as the torque of that voltage at standstill."""
+    """The firmware of every joint; its duty is expressed as the torque of that voltage at standstill."""
     each = servo.firmware if isinstance(servo.firmware, Mapping) else dict.fromkeys(model.joint_names, servo.firmware)
     settings, torques = np.zeros((model.n, len(CORE_ORDER))), np.zeros(model.n)
     for j, (name, joint) in enumerate(model.joints.items()):
@@ -306,7 +306,7 @@ def _caller(controller: Controller) -> Any:
         tau = np.atleast_1d(np.asarray(controller.law(t, State(q, v, theta, omega)), dtype=float))
         if tau.shape != q.shape or not np.isfinite(tau).all():
             remedy = f"it must return {len(q)} finite torques"
-            raise InputError("the controller's torque is no use", key=f"t = {t:g} s", value=tau, remedy=remedy)
+            raise InputError("the controller returned no valid torque", key=f"t = {t:g} s", value=tau, remedy=remedy)
         return np.ascontiguousarray(tau)
 
     return call

@@ -19,7 +19,7 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Electrical:
-    """Of every joint's motor at the samples (samples, n); NaN where the joint has no DC motor.
+    """Electrical quantities of every joint's motor at the samples (samples, n); NaN where a joint has no DC motor.
 
     Attributes:
         voltage: at the motor's terminals [V]: as asked for, but where the supply or the current's limit cuts it; with
@@ -44,11 +44,11 @@ class Electrical:
 
 
 def asked_voltage(model: FlexibleJointModel, tau: Array) -> Array:
-    """Volts that the torques asked for stand for (samples, n), cut at the supply; NaN without a motor.
+    """Voltages of the commanded torques (samples, n) [V], limited to the supply; NaN without a motor.
 
     Args:
-        model: whose actuators.
-        tau: torques asked for (samples, n).
+        model: that has the actuators.
+        tau: commanded torques (samples, n) [N m or N].
     """
     volts = np.full_like(tau, np.nan)
     for j, joint in enumerate(model.joints.values()):
@@ -62,8 +62,8 @@ def electrical(model: FlexibleJointModel, tau: Array, omega: Array, z: Array) ->
     """Of motors that are asked for torques while they turn.
 
     Args:
-        model: whose actuators.
-        tau: torques asked for (samples, n) [N m or N].
+        model: that has the actuators.
+        tau: commanded torques (samples, n) [N m or N].
         omega: rotor speeds, reflected (samples, n).
         z: internal states of the plant (samples, number of them): of currents with inductance among them.
     """

@@ -1,4 +1,4 @@
-"""The energy ledger of a run: where the energy is, what came in, what each effect took out."""
+"""The energy ledger of a run: stored energy, supplied energy, and the energy that each effect took."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 class EnergyWarning(UserWarning):
-    """A run's energy ledger does not close to its solver's tolerance.
+    """The energy ledger of a run does not close to the tolerance of its solver.
 
     Example:
         >>> issubclass(fd.EnergyWarning, UserWarning)
@@ -61,19 +61,19 @@ class Energy(Locked, Public):
     magnetic: Array
 
     def __repr__(self) -> str:
-        """What went where over the whole run [J], in a line."""
+        """Supplied and dissipated energy of the whole run [J], in one line."""
         spent = sum(float(each[-1]) for each in self.dissipated.values())
         given = float(self.supplied[-1].sum())
         return f"<Energy: supplied {given:.4g} J, dissipated {spent:.4g} J, {len(self.kinetic)} samples>"
 
     @property
     def mechanical(self) -> Array:
-        """Kinetic, spring and gravity energy together: constant where nothing drives or brakes."""
+        """The sum of kinetic, spring and gravity energy: constant if nothing drives or brakes."""
         return self.kinetic + self.spring + self.gravity
 
     @property
     def residual(self) -> Array:
-        """What the ledger leaves unexplained: the integration's error."""
+        """The error of the ledger, which is the error of the integration."""
         came = self.supplied.sum(axis=1) + self.external
         went = np.sum(list(self.dissipated.values()), axis=0) if self.dissipated else 0.0
         return np.asarray(self.mechanical + self.magnetic - self.initial - came + went)

@@ -1,4 +1,4 @@
-"""Making a run's energy ledger: through the motion once more, with every power integrated on the way."""
+"""Compute the energy ledger of a run: the motion is integrated once more, together with every power."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ Array = NDArray[np.float64]
 
 
 class Moved(Protocol):
-    """What the ledger needs of a run."""
+    """The parts of a run that the ledger needs."""
 
     @property
     def model(self) -> FlexibleJointModel:
-        """That moved."""
+        """The model that moved."""
 
     @property
     def solver(self) -> Solver:
-        """That integrated it."""
+        """The solver that integrated it."""
 
     @property
     def inputs(self) -> Inputs:
-        """What it was made of."""
+        """The inputs of the run."""
 
     @property
     def t(self) -> Array:
@@ -77,7 +77,7 @@ class Moved(Protocol):
 
 
 def ledger(run: Moved) -> Energy:
-    """The energy ledger of a run, by going through its motion once more with every power integrated on the way.
+    """Compute the energy ledger of a run: its motion is integrated once more, together with every power.
 
     Warns:
         EnergyWarning: it does not close.
@@ -94,13 +94,13 @@ def ledger(run: Moved) -> Energy:
     command = _core.open_loop(signal)
     job = _core.job(plant, command, wrenches, inputs.x0, inputs.duration, settings, run.t, out, sums)
     report = _core.simulate(job, None)
-    if report["reason"]:  # a law in Python that is not the same the second time
-        problem = f"the motion could not be gone through again for its energy: {report['reason']}"
+    if report["reason"]:  # a law in Python that does not give the same torque again
+        problem = f"the motion could not be integrated again for its energy: {report['reason']}"
         raise SimulationError(problem, t=report["t"], state=report["x"], solver=run.solver, reason=report["reason"])
     energy = _energy(run, plant, sums)
     if not energy.closes:
         worst = float(np.abs(energy.residual).max())
-        text = f"the energy ledger of {run.model.name} leaves {worst:.3g} J of {energy.tolerance:.3g} J unexplained"
+        text = f"the energy ledger of {run.model.name} misses {worst:.3g} J, more than {energy.tolerance:.3g} J"
         warnings.warn(
             f"{text}: {type(run.solver).__name__} does not resolve the motion", EnergyWarning, stacklevel=4
         )  # beyond Run.energy and its cached_property
@@ -111,7 +111,7 @@ def _energy(run: Moved, plant: _core.Plant, sums: Array) -> Energy:
     model, n = run.model.resolved(), run.model.n
     elastic = model.elastic
     speeds = np.hstack([run.v, run.omega[:, elastic]])
-    # The first row is the start, which need not be among the samples.
+    # The first row is the start, which may not be among the samples.
     states = np.vstack([run.inputs.x0, np.hstack([run.q, run.theta[:, elastic], speeds, run.z])])
     half = speeds.shape[1]
     _, gravity = LinkSide(model).energy(states[:, :n], states[:, half : half + n])
@@ -136,7 +136,7 @@ def _energy(run: Moved, plant: _core.Plant, sums: Array) -> Energy:
 
 
 def _kinetic(plant: _core.Plant, states: Array, speeds: Array, chunk: int = 1000) -> Array:
-    """1/2 w' H(q) w over the velocities w of links and rotors; in chunks, which bounds the memory of H."""
+    """1/2 w' H(q) w with the velocities w of links and rotors, in chunks to bound the memory of H."""
     width = speeds.shape[1]
     kinetic = np.empty(len(states))
     for first in range(0, len(states), chunk):
@@ -148,7 +148,7 @@ def _kinetic(plant: _core.Plant, states: Array, speeds: Array, chunk: int = 1000
 
 
 def _has_entry(effect: Effect) -> bool:
-    """Whether an effect can take energy out; what a hardening spring takes in, it holds."""
+    """Whether an effect can take energy; a hardening spring only stores it."""
     if effect.name == "hardening_spring":
         return False
     return effect.stage in ("friction", "dry", "spring") or effect.name == "end_stop"
@@ -160,7 +160,7 @@ def _label(effect: Effect) -> str:
 
 
 def _tolerance(run: Moved, parts: list[Array], sums: Array) -> float:
-    """What integration, absolute tolerance and rounding may leave of the energy that was turned over [J]."""
+    """The error that integration, absolute tolerance and rounding may cause, from the energy that was converted [J]."""
     turnover = max(np.ptp(parts[0]), np.ptp(parts[1]), np.abs(sums).max(initial=0.0))
     steps = max(100, run.stats.get("steps", 0))
     rounding = np.finfo(float).eps * steps * max(np.abs(part).max() for part in parts)
@@ -169,9 +169,9 @@ def _tolerance(run: Moved, parts: list[Array], sums: Array) -> float:
 
 
 def _relative(solver: Solver, steps: int) -> float:
-    """Relative to what is turned over: local errors of rtol add up over the steps; a fixed step has its order."""
+    """Tolerance relative to the converted energy: local errors add up over the steps; a fixed step has its order."""
     if isinstance(solver, TimeStepping):
-        return 1e-2  # order 1: it damps a little more than the arm does
+        return 1e-2  # order 1: it adds some numerical damping
     if isinstance(solver, RungeKutta4):
         return 1e-6
     return float(getattr(solver, "rtol", 1e-6)) * steps

@@ -1,4 +1,4 @@
-"""What makes a motion fast at a point: the greatest rate there, and the spring, damper or effect it comes of."""
+"""The fastest rate of the motion at a state, and the spring, damper or effect that causes it."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import acting_effects, build_links, core_law, rotor_spin
 
 Array = NDArray[np.float64]
-WIDE = math.inf  # rad/s: dry friction smoothed so wide has no slope
+WIDE = math.inf  # rad/s: smoothed over this width, dry friction has practically no slope
 
 
 @dataclass(frozen=True)
 class Fastest:
-    """The fastest motion at a point.
+    """The fastest motion at a state.
 
     Attributes:
-        rate: largest eigenvalue of the motion linearised there, by size [1/s].
-        joint: where most of it comes from.
-        cause: the number or effect of that joint it comes of, in words.
+        rate: largest absolute eigenvalue of the linearised motion [1/s].
+        joint: joint with the largest share in it.
+        cause: the number or effect of that joint that causes it, in words.
     """
 
     rate: float
@@ -40,15 +40,15 @@ class Fastest:
 
 
 def fastest_motion(model: FlexibleJointModel, x: Array, tau: Array, t: float = 0.0) -> Fastest | None:
-    """The fastest motion at a point and what it comes of; None where slopes are not finite.
+    """Find the fastest motion at a state and its cause; None where slopes are not finite.
 
-    An eigenvalue is a sum over everything that acts, each with the share ``w' J_k v / w' v`` of its own slopes J_k, for
-    the eigenvectors v and w: the largest share is named.
+    An eigenvalue is a sum over all springs, dampers and effects. One with the Jacobian J_k contributes ``w' J_k v /
+    w' v``, where v and w are the right and left eigenvectors. The largest contribution is named.
 
     Args:
         model: that moves.
         x: state.
-        tau: torques asked for (n,) [N m or N].
+        tau: commanded torques (n,) [N m or N].
         t: time [s].
     """
     true = model.resolved()
@@ -72,14 +72,14 @@ def fastest_motion(model: FlexibleJointModel, x: Array, tau: Array, t: float = 0
 
 
 class _Parts:
-    """A plant with parts left out one by one."""
+    """A plant in which one part after the other is left out."""
 
     def __init__(self, true: FlexibleJointModel, effects: tuple[Effect, ...]) -> None:
         self.true, self.effects, self.links = true, effects, build_links(true)
         self.laws = [core_law(true, effect) for effect in effects]
 
     def slopes(self, x: Array, tau: Array, t: float, laws: list[_core.Law] | None = None, **numbers: Array) -> Array:
-        """Of the motion at a point (nx, nx)."""
+        """Jacobian of the motion at the state (nx, nx)."""
         true = self.true
         K, D = numbers.get("K", true.stiffness), numbers.get("D", true.damping)
         kept = self.laws if laws is None else laws
@@ -89,7 +89,7 @@ class _Parts:
         return out
 
     def without(self, x: Array, tau: Array, t: float) -> Iterator[tuple[str, str, Array]]:
-        """Joint, part in words, and the slopes without that part, as large as those with it."""
+        """Joint, part in words, and the Jacobian without that part, in the shape of the full one."""
         true = self.true
         for j in np.flatnonzero(true.elastic):
             name = true.joint_names[j]

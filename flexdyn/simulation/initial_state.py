@@ -1,4 +1,4 @@
-"""The first state of a run: from arguments, over a recording's first row, over the model's own."""
+"""The first state of a run: from the arguments, else from a recording's first row, else from the model."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Columns = Mapping[str, Mapping[str, Any]]
 
 
 def first_state(model: FlexibleJointModel, drive: Drive, given: Mapping[str, Any]) -> Array:
-    """X = [q, theta, v, omega] from the arguments, over the recording's first row, over the model's `initial`."""
+    """X = [q, theta, v, omega] from the arguments, else the recording's first row, else the model's `initial`."""
     checked = {signal: _checked(model, signal, value) for signal, value in given.items()}
     return np.array(_entries(model, drive, model.initial, checked, isinstance(given["theta"], str)))
 
@@ -30,17 +30,17 @@ def first_state(model: FlexibleJointModel, drive: Drive, given: Mapping[str, Any
 def first_states(
     model: FlexibleJointModel, drive: Drive, initial: Columns, given: Mapping[str, Mapping[str, Any]], runs: int
 ) -> Array:
-    """The first states of many runs (runs, 2 (n + e)), e joints elastic, each as `first_state` has it.
+    """The first states of many runs (runs, 2 (n + e)) with e elastic joints, each as from `first_state`.
 
     Args:
         model: the arm.
-        drive: the command, made ready.
-        initial: in the place of the model's own: signal -> joint -> a number, or a column of them (runs,).
-        given: likewise what `simulate` takes as q0, v0, theta0, omega0; every number is finite.
-        runs: how many.
+        drive: the prepared command.
+        initial: instead of the model's own: signal -> joint -> a number, or a column of them (runs,).
+        given: likewise the arguments q0, v0, theta0, omega0 of `simulate`; every number is finite.
+        runs: number of runs.
 
     Raises:
-        InputError: the rotor of a rigid joint starts apart from its link.
+        InputError: the rotor of a rigid joint starts at another position than its link.
     """
     placed = {
         signal: {model.index(joint): value for joint, value in given[signal].items()} if signal in given else None
@@ -53,7 +53,7 @@ def first_states(
 def _entries(
     model: FlexibleJointModel, drive: Drive, initial: Columns, given: Mapping[str, Any], balanced: bool
 ) -> list[Any]:
-    """The first state, each entry a number or a column of them; `given` is by the place of the joint."""
+    """The first state, each entry a number or a column of them; `given` is by the index of the joint."""
     links, rotors = [], []
     elastic = model.elastic.tolist()
     for link, rotor in (("q", "theta"), ("v", "omega")):
@@ -61,7 +61,7 @@ def _entries(
             _over(model, given[signal], drive.initial.get(signal, {}), initial.get(signal, {}))
             for signal in (link, rotor)
         )
-        if given[rotor] is None and given[link] is not None:  # a link put elsewhere takes its rotor along
+        if given[rotor] is None and given[link] is not None:  # the rotor starts with its link
             for j in given[link]:
                 turned[j] = None
         moved = [0.0 if x is None else x for x in moved]
@@ -80,7 +80,7 @@ def _entries(
 def _over(
     model: FlexibleJointModel, given: Mapping[int, Any] | None, measured: Mapping[str, Any], own: Mapping[str, Any]
 ) -> list[Any]:
-    """One signal of the first state (n,): what was given, over what was measured, over the model's own; else None."""
+    """One signal of the first state (n,): the given one, else the measured one, else the model's own; else None."""
     start = [measured.get(joint, own.get(joint)) for joint in model.joint_names]
     for j, value in (given or {}).items():
         start[j] = value
@@ -97,7 +97,7 @@ def equilibrium_theta(model: FlexibleJointModel, q: Array) -> Array:
 
 
 def _checked(model: FlexibleJointModel, signal: str, given: Any) -> dict[int, float] | None:
-    """What was given for one signal, by the place of the joint; None: nothing."""
+    """The given values of one signal, by the index of the joint; None if there are none."""
     key = f"{signal}0"
     if given is None:
         return None

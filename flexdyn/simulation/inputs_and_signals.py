@@ -1,4 +1,4 @@
-"""What goes into a run, and the signals that come out of it."""
+"""The inputs of a run, and its signals."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ SIGNALS = ("q", "theta", "v", "omega", "tau", "tau_applied", "tau_s")
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """What a run was made of, enough to make it again.
+    """The inputs of a run, with which it can be repeated.
 
     Attributes:
         x0: first state [q, theta, v, omega, z].
-        samples: torques over time; those a controller asked for stand here as it asked for them; None: none.
+        samples: commanded torques over time, those of a controller included; None: no torque.
         external: wrenches.
         duration: [s].
-        controller: that asked for the torques; None for torques over time. A law in Python that does not pickle, such
-            as a lambda, stays behind where a run is pickled.
+        controller: that commanded the torques; None for torques over time. If a run is pickled and its law cannot be,
+            such as a lambda, the law is left out.
     """
 
     x0: Array
@@ -36,7 +36,7 @@ class Inputs:
     controller: PD | Servo | Controller | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle without a controller that does not pickle."""
+        """Pickle without a controller that cannot be pickled."""
         controller = self.controller
         try:
             pickle.dumps(controller)

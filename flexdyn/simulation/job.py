@@ -1,4 +1,4 @@
-"""One run, made ready for the core, and the core's answer made into a Run."""
+"""Prepare one run for the core, and convert the core's answer to a Run."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ from flexdyn.simulation.stopped import stopped
 
 Array = NDArray[np.float64]
 MAX_STEPS = 1e15  # years of computing; beyond it the core's step counter would overflow
-MAX_SAMPLES = 20_000_000  # 7.8 GB for seven joints: more is a slip of the pen, and would end in a killed process
+MAX_SAMPLES = 20_000_000  # 7.8 GB for seven joints: more is a typing error, and the process would be killed
 
 
 @dataclass(frozen=True)
 class Job:
-    """A run to be made: what the core needs, and what its answer is read with."""
+    """A prepared run: the input of the core, and what is needed to read its answer."""
 
     core: _core.Job
     model: FlexibleJointModel
@@ -52,7 +52,7 @@ class Job:
     duration: float
 
     def finish(self, report: Mapping[str, Any]) -> Run:
-        """The run that the core reports.
+        """Convert the core's answer to a run.
 
         Raises:
             SimulationError: the integration could not go on.
@@ -71,7 +71,7 @@ class Job:
 
 
 class Shared:
-    """What runs of one batch have in common, made once: models and commands that are the same object, sample grids.
+    """Parts that the runs of a batch share and that are made once: equal models and commands, sample grids.
 
     Args:
         rate: of the samples [Hz].
@@ -80,12 +80,12 @@ class Shared:
 
     def __init__(self, rate: float, times: ArrayLike | None) -> None:
         self._rate, self._times = rate, times
-        self._plants: dict[int, tuple[FlexibleJointModel, _core.Plant]] = {}  # held: an id is not given again
+        self._plants: dict[int, tuple[FlexibleJointModel, _core.Plant]] = {}  # keeps the model: ids are used again
         self._drives: dict[Any, tuple[Any, Drive]] = {}
         self._grids: dict[float, Array] = {}
 
     def drive(self, model: FlexibleJointModel, command: Any, duration: Any) -> Drive:
-        """The command made ready for a model."""
+        """The command prepared for a model."""
         motors = tuple((joint.gear_ratio, joint.actuator) for joint in model.joints.values() if joint.actuator)
         key = (id(command), model.joint_names, model.elastic.tobytes(), motors, str(duration))
         if key not in self._drives:
@@ -99,7 +99,7 @@ class Shared:
         return self._plants[id(model)][1]
 
     def grid(self, span: float) -> Array:
-        """Times of the samples of a run of this duration, locked."""
+        """Times of the samples of a run of this duration, read-only."""
         if span not in self._grids:
             self._grids[span] = _grid(span, self._rate, self._times)
             self._grids[span].setflags(write=False)
@@ -117,7 +117,7 @@ def prepare(
     external: Any,
     shared: Shared | None = None,
 ) -> Job:
-    """Make a run ready; arguments as `simulate` takes them.
+    """Prepare a run; the arguments are those of `simulate`.
 
     Args:
         model: the arm.
@@ -128,10 +128,10 @@ def prepare(
         rate: of the samples [Hz].
         times: of the samples [s], or None.
         external: wrenches.
-        shared: of the batch that the run is one of; with the same rate and times.
+        shared: shared parts of the batch to which the run belongs, with the same rate and times.
 
     Raises:
-        InputError: anything that does not fit.
+        InputError: an argument that does not fit.
     """
     if not isinstance(model, FlexibleJointModel):
         raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
@@ -158,7 +158,7 @@ def prepare(
 
 
 def played(drive: Drive, report: Mapping[str, Any], n: int, duration: float) -> Samples | None:
-    """The torques of a run over time: the command's own samples, or those that a controller asked for at its ticks."""
+    """The torques of a run over time: the command's own samples, or those that a controller commanded at its ticks."""
     ticks = np.array(report["tick_times"])
     if not len(ticks):
         return drive.samples
@@ -171,7 +171,7 @@ def played(drive: Drive, report: Mapping[str, Any], n: int, duration: float) -> 
 def _duration(duration: float | None, drive: Drive) -> float:
     span = drive.duration if duration is None else duration
     if span is None:
-        raise InputError("how long to simulate is not said", key="duration", remedy="give a duration in s or a command")
+        raise InputError("the duration is missing", key="duration", remedy="give a duration in s or a command")
     number = as_number(span)
     if not 0 < number < math.inf:
         raise InputError("a time above 0 s is needed", key="duration", value=span)

@@ -1,4 +1,4 @@
-"""Limits that the URDF states (range, speed, effort): where a run goes beyond them, and models that keep them."""
+"""Limits of the URDF (range, speed, effort): where a run exceeds them, and models that enforce them."""
 
 from __future__ import annotations
 
@@ -19,17 +19,18 @@ from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 SLACK = 1e-6
-"""Part of a limit, and of a unit, that is not worth a word."""
+"""An excess below this share of a limit, or of a unit, is not reported [1]."""
 NO_LINE = 1e9
-"""Times the speed limit (or 1 rad/s) at which the torque of a motor that only saturates would be gone."""
+"""The torque-speed line of a motor that only saturates reaches zero at this multiple of the speed limit (or 1 rad/s).
+"""
 TRAVEL = 0.01
-"""How far a link that arrives at its speed limit presses an end stop in [rad or m]."""
+"""Deflection of an end stop when the link arrives at its speed limit [rad or m]."""
 STOP_DAMPING_RATIO = 0.5
 """Damping ratio of link and end stop."""
 
 
 class LimitWarning(UserWarning):
-    """A run goes beyond a limit that the URDF states.
+    """A run exceeds a limit of the URDF.
 
     Example:
         >>> import warnings
@@ -42,15 +43,15 @@ class LimitWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Exceeded:
-    """A limit that a run went beyond, as its samples show it.
+    """A limit that a run exceeded at its samples.
 
     Attributes:
         joint: its name.
         kind: ``position``, ``speed`` or ``torque``.
-        limit: that was passed [rad, rad/s, N m; prismatic: m, m/s, N].
-        by: how far at most, above 0.
-        since: first time beyond it [s].
-        at: time of the most [s].
+        limit: the limit [rad, rad/s, N m; prismatic: m, m/s, N].
+        by: largest excess, above 0.
+        since: first time of an excess [s].
+        at: time of the largest excess [s].
         unit: of limit and by.
 
     Example:
@@ -76,14 +77,14 @@ class Exceeded:
 
 
 def exceeded(robot: Robot, t: Array, q: Array, v: Array, tau: Array) -> tuple[Exceeded, ...]:
-    """Limits that a motion goes beyond, at its samples.
+    """Limits that a motion exceeds at its samples.
 
     Args:
         robot: whose limits they are.
         t: times (samples,) [s].
         q: link positions (samples, n).
         v: link velocities (samples, n).
-        tau: torques of the motors, reflected, after what limits them (samples, n).
+        tau: torques of the motors, reflected, after the effects of the actuators (samples, n).
     """
     found = []
     for j, joint in enumerate(robot.joint_names):
@@ -116,7 +117,7 @@ def _coupled_excesses(robot: Robot, t: Array, q: Array) -> Iterator[Exceeded]:
 def _excesses(
     robot: Robot, j: int, q: Array, v: Array, tau: Array, angle: str, torque: str
 ) -> Iterator[tuple[str, float, Array, str]]:
-    """Kind, limit, how far beyond it at every sample, unit; of limits that the URDF does state."""
+    """Kind, limit, excess at every sample, unit, for every limit in the URDF."""
     for limit, sign in ((float(robot.lower[j]), -1.0), (float(robot.upper[j]), 1.0)):
         if math.isfinite(limit):
             yield "position", limit, sign * (q - limit), angle
@@ -133,14 +134,13 @@ def enforce_limits(
 ) -> FlexibleJointModel:
     """The model with the limits of its URDF as effects: end stops at the ends of range, motors that saturate.
 
-    The torque is cut at the effort limit (`TorqueSpeedLimit` without a slope). Speed is not limited by anything of
-    itself; a run that is too fast is still warned about. What the model has already, an end stop or a limit of that
-    motor, stays as it is.
+    The torque is limited to the effort limit (`TorqueSpeedLimit` without a slope). The speed is not limited; a run
+    that is too fast gives a warning. An end stop or a limit of a motor that the model has already stays as it is.
 
     Args:
         model: the arm.
-        stiffness: of the end stops [N m/rad]; default: such that a link that arrives at its speed limit (1 rad/s where
-            none is stated) presses 0.01 rad in.
+        stiffness: of the end stops [N m/rad]; default: a link that arrives at its speed limit (1 rad/s if there is
+            none) deflects the stop by 0.01 rad.
         damping: of the end stops [N m s/rad]; default: half of critical.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Runs of one model that differ in numbers alone: integrated together, no model made for each of them."""
+"""Runs of one model that differ only in numbers: they are integrated together, without a model for each."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ Numbers = Mapping[Any, Mapping[str, Array]]
 
 @dataclass(frozen=True, kw_only=True)
 class VariantColumns:
-    """What differs, a column (runs,) of numbers each.
+    """The numbers that differ, each a column (runs,).
 
     Attributes:
         joints: joint -> number of its drive -> column.
-        effects: place of the effect in the model -> parameter -> column.
-        initial: signal -> joint -> a column, or a number that does not differ.
-        starts: what `simulate` takes as q0 and the like: signal -> joint -> column.
+        effects: index of the effect in the model -> parameter -> column.
+        initial: signal -> joint -> a column, or a number that is the same for all.
+        starts: the arguments q0, v0, theta0, omega0 of `simulate`: signal -> joint -> column.
     """
 
     joints: Numbers
@@ -44,11 +44,11 @@ class VariantColumns:
 
 
 class Variants:
-    """A model whose numbers are to differ from run to run.
+    """A model whose numbers differ from run to run.
 
     Args:
         model: one of the runs' models.
-        drive: the command of all runs, made ready.
+        drive: the prepared command of all runs.
         duration: of each [s].
         solver: of all.
         grid: times of the samples [s].
@@ -58,10 +58,9 @@ class Variants:
         self.model, self.drive, self.duration, self.solver, self.grid = model, drive, duration, solver, grid
 
     def covers(self, columns: VariantColumns) -> bool:
-        """Whether these numbers enter the plant just so: through springs, rotors, laws and the first state.
+        """Whether these numbers enter the plant directly: through springs, rotors, laws and the first state.
 
-        They do not where they are folded into others, change the links, or what is checked of them is more than that
-        each lies within its own bounds.
+        They do not if they change other numbers or the links, or if they need more checks than their own bounds.
         """
         model, effects = self.model, [self.model.effects[i] for i in columns.effects]
         return (
@@ -76,18 +75,18 @@ class Variants:
     def simulate(
         self, columns: VariantColumns, out: Mapping[str, Array], progress: Callable[[int], None] | None
     ) -> Flags:
-        """Integrate the runs on this thread, the interpreter's lock released; each gives what `simulate` gives.
+        """Integrate the runs on this thread, without the interpreter's lock; each result equals that of `simulate`.
 
         Args:
-            columns: that the model `covers`.
-            out: filled: signal -> (runs, samples, n).
-            progress: called with the number of runs done some ten times a second.
+            columns: numbers that the model `covers`.
+            out: filled by this function: signal -> (runs, samples, n).
+            progress: called with the number of finished runs about ten times a second.
 
         Returns:
-            (runs,) of which runs all is done; of others the rows say nothing. They fail, or look as if they might.
+            (runs,) whether a run is finished. The rows of other runs have no meaning: these runs failed or might fail.
 
         Raises:
-            InputError: the first states fit none of the runs.
+            InputError: the first states are not allowed in any run.
         """
         count = len(out["q"])
         done = np.ones(count, dtype=bool)
@@ -117,7 +116,7 @@ class Variants:
         return build_links(self.model)
 
     def _drives(self, joints: Numbers, sound: Flags) -> tuple[Array, Array, Array]:
-        """K, D and J (runs, n); `sound` stays where no number of them could be refused."""
+        """K, D and J (runs, n); `sound` is cleared where a number might be refused."""
         model, shape = self.model, (len(sound), self.model.n)
         K, D, J = (
             np.array(np.broadcast_to(base, shape)) for base in (model.stiffness, model.damping, model.rotor_inertia)
@@ -133,7 +132,7 @@ class Variants:
         return K, D, J
 
     def _parameters(self, effects: Numbers, sound: Flags) -> Array:
-        """Of every law (runs, laws, max_law_parameters); `sound` stays where none could be refused or is neutral."""
+        """Parameters of the laws (runs, laws, max_law_parameters); clears `sound` if one is refused or neutral."""
         base = np.zeros((len(self._acting), _core.max_law_parameters))
         for law, effect in enumerate(self._acting):
             base[law, : len(effect.values)] = effect.values
@@ -151,16 +150,16 @@ class Variants:
         return table
 
     def _moves(self, q: Mapping[str, Any], count: int) -> Flags:
-        """Whether every joint moves an inertia where the model's own first positions are (runs,)."""
+        """Whether every joint moves an inertia at the model's own first positions (runs,)."""
         entries = [np.broadcast_to(q.get(joint, 0.0), count) for joint in self.model.joint_names]
         return moves_inertia(self._links, np.nan_to_num(np.stack(entries, axis=1)))
 
 
 def _numbers(joint: Joint, columns: Mapping[str, Array]) -> dict[str, Any]:
-    """Of a drive, those that differ as columns."""
+    """Numbers of a drive, with columns for those that differ."""
     return {**joint.values(), **columns}
 
 
 def _is_plain(effect: Effect) -> bool:
-    """Whether nothing is checked of its numbers but each one's own bounds."""
+    """Whether its numbers are checked only against their own bounds."""
     return type(effect).__post_init__ in (Effect.__post_init__, JointEffect.__post_init__)

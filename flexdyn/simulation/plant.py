@@ -1,4 +1,4 @@
-"""From the model, which describes, to the compiled plant, which computes."""
+"""Make the compiled plant, which computes, from the model, which describes."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ from flexdyn.robot.tree import Tree
 
 Array = NDArray[np.float64]
 
-# Effects without a law in the plant: they change M and h, numbers, or what is measured.
+# Effects without a law in the plant: they change M and h, numbers of the model, or the measurement.
 OTHER_STAGES = ("inertia", "model", "sensor")
 
-# Where a law in Python may stand, and on which sides.
+# Stages that a law in Python may have, and their sides.
 PYTHON_STAGES = {"actuator": ("motor",), "spring": ("transmission",), "friction": ("link", "motor")}
 
 
 def build_plant(model: FlexibleJointModel) -> _core.Plant:
     """The compiled plant of a model; neutral effects are left out, so that they change nothing, bit for bit.
 
-    Models with the same numbers share one, whatever their first states are.
+    Models with the same numbers share a plant, even if their first states differ.
 
     Raises:
         InputError: a rigid joint that moves no inertia at all, or a number that is unknown.
@@ -49,7 +49,7 @@ def build_plant(model: FlexibleJointModel) -> _core.Plant:
     _check_inertia(true, links)
     effects = tuple(acting_effects(true))
     parts = _Parts(links, tuple(true.joints.values()), effects, true.rotor_coupling, true)
-    # A law in Python may remember what it was asked: every plant has its own.
+    # A law in Python may have a state of its own: every plant needs its own law.
     plant = _assembled(parts) if any(effect.is_python for effect in effects) else _shared(parts)
     if plant.coupled:
         _check_coupling(true, plant)
@@ -58,7 +58,7 @@ def build_plant(model: FlexibleJointModel) -> _core.Plant:
 
 @dataclass(frozen=True)
 class _Parts:
-    """All that a plant is made of; two with equal parts are the same plant."""
+    """All inputs of a plant; equal inputs give the same plant."""
 
     links: _core.LinkDynamics
     joints: tuple[Joint, ...]
@@ -80,7 +80,7 @@ _shared = lru_cache(maxsize=64)(_assembled)
 def rotor_spin(model: FlexibleJointModel) -> Array:
     """J/N of every joint (n,) [kg m^2]: times omega it is the angular momentum of a rotor about its own axis.
 
-    Zero where the model's rotor coupling is ``reduced``, which leaves out what this momentum does to the links.
+    Zero if the model's rotor coupling is ``reduced``, which leaves out the effect of this momentum on the links.
     """
     if model.rotor_coupling == "reduced":
         return np.zeros(model.n)
@@ -126,7 +126,7 @@ class LinkSide:
 
     @cached_property
     def _links(self) -> _core.LinkDynamics:
-        """Compiled when it is first needed: of some, inertias are all that is asked."""
+        """The compiled link side, made when it is first needed: for some only the inertias are needed."""
         return _links(self._tree, self._gravity)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
@@ -151,13 +151,13 @@ class LinkSide:
         return out
 
     def extra_torques(self, others: Sequence[LinkSide], q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
-        """What the same arm with other inertias needs more than this one (..., k, n) [N m].
+        """Torques that the same arm with other inertias needs in addition to those of this one (..., k, n) [N m].
 
-        ``M' a + h' - (M a + h)``, linear in masses, first moments, inertias about the joints and armature, so that one
-        pass over the motion does for all.
+        ``M' a + h' - (M a + h)`` is linear in masses, first moments, inertias about the joints and armature, so that
+        one pass over the motion is enough for all.
 
         Args:
-            others: link sides that differ in inertias alone.
+            others: link sides that differ only in inertias.
             q: positions (..., n) [rad or m].
             v: velocities (..., n) [rad/s or m/s].
             a: accelerations (..., n) [rad/s^2 or m/s^2].
@@ -170,14 +170,14 @@ class LinkSide:
         return out
 
     def acceleration(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
-        """A = M(q)^-1 (tau - h(q, v)) (..., n) [rad/s^2], tau on the links."""
+        """Accelerations M(q)^-1 (tau - h(q, v)) (..., n) [rad/s^2], with tau on the links."""
         q_, v_, tau_ = self._columns(q, v, tau)
         out = np.empty(q_.shape)
         self._links.acceleration(q_, v_, tau_, out)
         return out
 
     def energy(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
-        """Kinetic and gravitational energy (...,) [J]; the kinetic one holds rigid joints' rotors."""
+        """Kinetic and gravitational energy (...,) [J]; the kinetic one includes the rotors of rigid joints."""
         q_, v_ = self._columns(q, v)
         kinetic, potential = np.empty(q_.shape[:-1]), np.empty(q_.shape[:-1])
         self._links.energy(q_, v_, kinetic, potential)
@@ -207,7 +207,7 @@ def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tup
 
 
 def _own_row(tree: Tree, joint: int) -> int:
-    """The joint of the tree that is the independent joint itself and not one that mimics it; of an axis its rotor."""
+    """The joint of the tree that is the independent joint, not one that mimics it; for an axis its rotor."""
     unit = np.zeros(tree.gain.shape[1])
     unit[joint] = 1.0
     same = (tree.gain == unit).all(axis=1) & (tree.offset == 0.0)
@@ -222,7 +222,7 @@ def _arrays(tree: Tree) -> dict[str, Array]:
 def acting_effects(model: FlexibleJointModel) -> list[Effect]:
     """The effects of a resolved model that have a law in the plant, in the plant's order of laws.
 
-    Actuator effects stand in the order in which they act; a neutral effect does not stand there at all.
+    Actuator effects are in the order in which they act; neutral effects are left out.
     """
     acting = [effect for effect in model.all_effects if not effect.is_neutral and effect.stage not in OTHER_STAGES]
     acting = [
@@ -233,7 +233,7 @@ def acting_effects(model: FlexibleJointModel) -> list[Effect]:
 
 
 def _gains_added(effects: list[Effect]) -> list[Effect]:
-    """One torque-constant error a joint: gains add, while one law after the other would multiply."""
+    """One torque-constant error for each joint: gains add, while separate laws would multiply."""
     gains: dict[str, float] = {}
     for effect in effects:
         if isinstance(effect, TorqueConstantError):
@@ -246,7 +246,7 @@ def core_law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
     """The law of an effect for the core.
 
     Raises:
-        InputError: an effect that no plant can have.
+        InputError: an effect that a plant cannot have.
     """
     if not isinstance(effect, JointEffect):
         raise InputError("an effect in the plant acts on a joint", key=effect.name, remedy="derive it from JointEffect")
@@ -268,7 +268,7 @@ _core_law = lru_cache(maxsize=256)(_core.law)
 
 
 def _check_stage(effect: JointEffect) -> None:
-    """A law in Python must stand where the core can call it."""
+    """Refuse a law in Python at a stage where the core cannot call it."""
     if effect.stage not in PYTHON_STAGES:
         remedy = f"it is {', '.join(PYTHON_STAGES)}"
         raise InputError("no stage for a law in Python", key=f"{effect.name}.stage", value=effect.stage, remedy=remedy)
@@ -286,7 +286,7 @@ def _caller(effect: JointEffect) -> Any:
 
 
 def _check_inertia(model: FlexibleJointModel, links: _core.LinkDynamics) -> None:
-    """A joint that turns nothing has no acceleration: say so before ABA divides by zero."""
+    """Refuse a joint that moves no inertia: ABA would divide by zero."""
     known = model.initial.get("q", {})
     q = np.array([known.get(joint, 0.0) for joint in model.joint_names])
     if not moves_inertia(links, q[None])[0]:
@@ -298,14 +298,14 @@ def _check_inertia(model: FlexibleJointModel, links: _core.LinkDynamics) -> None
 
 
 def moves_inertia(links: _core.LinkDynamics, q: Array) -> NDArray[np.bool_]:
-    """Whether every joint moves an inertia, at positions q (rows, n): whether M(q) is regular (rows,)."""
+    """Whether every joint moves an inertia at positions q (rows, n), so that M(q) is regular (rows,)."""
     least = np.empty(len(q))
     links.least_inertia(q, least)
     return np.asarray(least > 1e-13)
 
 
 def _check_coupling(model: FlexibleJointModel, plant: _core.Plant) -> None:
-    """Links lighter than the rotors they carry have no positive kinetic energy: the URDF lacks the rotors' share."""
+    """Refuse links with less inertia than their rotors: the kinetic energy would not be positive."""
     x = np.zeros(plant.state_size)
     x[: model.n] = [model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names]
     size = model.n + int(model.elastic.sum())
@@ -313,4 +313,8 @@ def _check_coupling(model: FlexibleJointModel, plant: _core.Plant) -> None:
     plant.inertia(x, H)
     if np.linalg.eigvalsh(H)[0] <= 0.0:
         remedy = "the URDF's links must include the rotors they carry; or take reduced"
-        raise InputError("the links weigh less than their rotors' spin", key="robot.rotor_coupling", remedy=remedy)
+        raise InputError(
+            "the inertia of the links is smaller than that of the rotors they carry",
+            key="robot.rotor_coupling",
+            remedy=remedy,
+        )

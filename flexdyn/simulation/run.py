@@ -1,4 +1,4 @@
-"""Run: what a simulation gives back."""
+"""Run: the result of a simulation."""
 
 from __future__ import annotations
 
@@ -42,15 +42,15 @@ class Run(Locked, Public):
         theta: rotor positions, reflected (samples, n); q where the joint is rigid.
         v: link velocities (samples, n) [rad/s or m/s].
         omega: rotor velocities, reflected (samples, n).
-        tau: torques asked for (samples, n) [N m or N], right-continuous where the command jumps.
-        tau_applied: after the actuator effects (samples, n).
-        tau_s: in the transmission (samples, n); on a rigid joint what its gear carries, tau_applied - f_motor - J a.
+        tau: commanded torques (samples, n) [N m or N], right-continuous where the command jumps.
+        tau_applied: torques after the actuator effects (samples, n).
+        tau_s: torques in the transmission (samples, n); in a rigid joint tau_applied - f_motor - J a.
         model: that was simulated.
-        solver: with its settings; a choice of ``auto`` is resolved.
-        notes: what was chosen or assumed on the user's behalf, one sentence each.
+        solver: with its settings; for ``auto`` the solver that was chosen.
+        notes: choices and assumptions that the user did not make, one sentence each.
         stats: steps, rejected steps, evaluations of the equations of motion, events.
-        z: internal states of presliding and hysteresis (samples, number of them).
-        inputs: what it was made of.
+        z: internal states of presliding and hysteresis (samples, number of states).
+        inputs: inputs of the run.
 
     Example:
         >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
@@ -74,12 +74,12 @@ class Run(Locked, Public):
     inputs: Inputs
 
     def __repr__(self) -> str:
-        """What it holds, in a line."""
+        """A summary in one line."""
         steps = f"{type(self.solver).__name__}, {self.stats.get('steps', 0)} steps"
         return visible(f"<Run {self.model.name}: {self.t[-1]:g} s, {len(self.t)} samples, {steps}>")
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: solver, where joints began and ended, and how far each signal went."""
+        """HTML for notebooks: solver, first and last positions, and the range of each signal."""
         signals = (self.v, self.deflection, self.tau, self.tau_s)
         rows = (
             (name, float(self.q[0, j]), float(self.q[-1, j]), *(float(np.abs(each[:, j]).max()) for each in signals))
@@ -95,17 +95,17 @@ class Run(Locked, Public):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """In the order of the columns."""
+        """Names of the joints in the order of the columns."""
         return self.model.joint_names
 
     @property
     def exceeded(self) -> tuple[Exceeded, ...]:
-        """Limits of the URDF that it goes beyond at its samples: which joint, when, by how much."""
+        """Limits of the URDF that it exceeds at its samples: which joint, when, by how much."""
         return exceeded(self.model.robot, self.t, self.q, self.v, self.tau_applied)
 
     @property
     def deflection(self) -> Array:
-        """Delta = theta - q (samples, n) [rad or m]."""
+        """The deflection theta - q (samples, n) [rad or m]."""
         return self.theta - self.q
 
     @cached_property
@@ -117,8 +117,8 @@ class Run(Locked, Public):
     def energy(self) -> Energy:
         """The energy ledger: kinetic, spring, gravity, supplied, dissipated by effect; it closes.
 
-        It is made when first asked for, by going through the motion once more under the torques asked for then; an
-        effect written in Python must give the same torque the second time.
+        It is computed when it is first used: the motion is integrated once more under the same commanded torques. An
+        effect written in Python must give the same torque again.
 
         Warns:
             EnergyWarning: it does not close to the solver's tolerance.
@@ -126,7 +126,7 @@ class Run(Locked, Public):
         return ledger(self)
 
     def frame_positions(self, frame: str | None = None) -> Array:
-        """Where a frame goes (samples, 3) [m], in the axes of the base.
+        """Positions of a frame (samples, 3) [m], in the axes of the base.
 
         Args:
             frame: its name; default: the last frame of the chain.
@@ -136,8 +136,8 @@ class Run(Locked, Public):
     def to_recording(self) -> Recording:
         """The run as a recording: every signal of every joint, as the model's sensors report it.
 
-        The run's own arrays stay true. Its meta holds solver and notes, and the model as the text of its file, unless
-        the robot came from a pin.Model and has no URDF that a file could name.
+        The run's own arrays do not change. The meta data hold solver and notes, and the model as the text of its file.
+        The model is left out if the robot came from a pin.Model and has no URDF that a file could name.
         """
         from flexdyn.io.yaml import dump_yaml
         from flexdyn.model.model_file import model_to_dict
@@ -177,11 +177,11 @@ class Run(Locked, Public):
         return run_dataset(self.to_recording(), self.energy if energy else None)
 
     def _motors(self) -> list[tuple[str, int]]:
-        """Joints whose motor is under voltage, and their places."""
+        """Joints whose motor is under voltage, and their indices."""
         return [(name, j) for j, (name, joint) in enumerate(self.model.joints.items()) if joint.actuator is not None]
 
     def _sensors(self) -> dict[str, list[SensorEffect]]:
-        """Sensor effects that do something, by channel."""
+        """Sensor effects that are not neutral, by channel."""
         found: dict[str, list[SensorEffect]] = {}
         for effect in self.model.resolved().effects:
             if isinstance(effect, SensorEffect) and not effect.is_neutral:
@@ -189,10 +189,10 @@ class Run(Locked, Public):
         return found
 
     def save(self, path: str | Path) -> None:
-        """Write it as a recording, the format by suffix: .npz, .h5, .parquet, .mat; .csv drops model and solver.
+        """Write it as a recording; the suffix gives the format: .npz, .h5, .parquet, .mat; .csv drops model and solver.
 
         Raises:
-            InputError: a suffix or folder that is not there.
+            InputError: an unknown suffix, or a folder that does not exist.
         """
         write_recording(self.to_recording(), path)
 
@@ -211,14 +211,14 @@ class Run(Locked, Public):
         return plot(self, path=path, **choice)
 
     def show(self, compare: Any = None, **choice: Any) -> Inline:
-        """Play it within a notebook, as the last thing of a cell; `fd.play` opens the browser instead.
+        """Play it within a notebook, as the last expression of a cell; `fd.play` opens the browser instead.
 
         Args:
-            compare: what a translucent second arm does, as `fd.play` takes it, such as ``"rigid"``.
+            compare: motion of a translucent second arm, as for `fd.play`, such as ``"rigid"``.
             choice: ``command`` of the rigid arm; ``height`` of the frame [px], 560 if left out.
 
         Returns:
-            What a notebook shows.
+            An object that a notebook shows.
         """
         from flexdyn.viewer.playback import inline
 

@@ -20,7 +20,7 @@ _ENERGIES = {
 
 
 def run_dataset(rec: Recording, energy: Energy | None) -> Any:
-    """The dataset of a run's recording, with its energy ledger if that is given.
+    """Make the dataset of a run's recording, with its energy ledger if that is given.
 
     Args:
         rec: every signal of every joint.

@@ -1,4 +1,4 @@
-"""simulate: the driver that brings model, command and solver together, for one run or for many."""
+"""simulate: combines model, command and solver, for one run or for many."""
 
 from __future__ import annotations
 
@@ -42,28 +42,28 @@ def simulate(
     Args:
         model: the arm.
         command: `Samples`, `PD`, `Controller`, a recording (its tau columns, held) or its path, a YAML file with
-            ``pd:``, n torques that do not change [N m or N], or None: no torque. After its end the torque is zero.
+            ``pd:``, n constant torques [N m or N], or None: no torque. After its end the torque is zero.
         duration: [s]; default: the command's.
         solver: settings from `flexdyn.solvers`, a solver's name, or ``auto``.
-        q0: first link positions (n,) or by joint [rad or m]; over the recording's first row, over the model's own.
+        q0: first link positions (n,) or by joint [rad or m]; default: the recording's first row, else the model's own.
         v0: first link velocities, likewise.
         theta0: first rotor positions, likewise; default q0; ``"equilibrium"``: springs loaded by gravity at q0.
         omega0: first rotor velocities, likewise; default v0.
-        rate: of the samples in the run [Hz], both ends included; it changes nothing in how the run is integrated.
+        rate: of the samples in the run [Hz], both ends included; it has no influence on the integration.
         times: of the samples instead of a uniform grid (samples,) [s].
         external: forces and moments at frames of the arm.
-        progress: called with the time reached [s] some ten times a second.
+        progress: called with the time reached [s] about ten times a second.
 
     Returns:
         The run.
 
     Warns:
-        LimitWarning: it goes beyond a limit of the URDF, see `Run.exceeded`; nothing holds it back there unless the
-            model is that of `enforce_limits`.
+        LimitWarning: it exceeds a limit of the URDF, see `Run.exceeded`. Limits are enforced only in a model from
+            `enforce_limits`.
 
     Raises:
         InputError: a command, first state or setting that does not fit the model.
-        SimulationError: the integration could not go on; it carries the time, the state and the reason.
+        SimulationError: the integration could not continue; the error has the time, the state and the reason.
 
     Example:
         >>> model = fd.load_model("scara_two_link")
@@ -74,7 +74,7 @@ def simulate(
     starts = {"q": q0, "v": v0, "theta": theta0, "omega": omega0}
     job = prepare(model, command, duration, solver, starts, rate, times, external)
     run = job.finish(_core.simulate(job.core, progress))
-    # Runs that flexdyn makes on its own, such as the paper's, say it in their notes alone.
+    # Runs that flexdyn makes itself, such as those of the paper's study, only have a note.
     asked = not str(sys._getframe(1).f_globals.get("__name__", "")).startswith("flexdyn.")
     for each in run.exceeded if asked else ():
         remedy = "fd.enforce_limits(model) puts end stops and saturation there"
@@ -98,10 +98,10 @@ def simulate_many(
     threads: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> list[Run | FlexdynError]:
-    """Many runs over native threads, the interpreter's lock released; one that fails does not stop the others.
+    """Simulate many runs on native threads, without the interpreter's lock; a run that fails does not stop the others.
 
-    Every argument is as in `simulate`. A list whose entries are not numbers gives one entry a run; anything else holds
-    for all runs. All lists have the same length.
+    Every argument is as in `simulate`. A list whose entries are not numbers gives one entry for each run; anything else
+    applies to all runs. All lists have the same length.
 
     Args:
         models: one, or a list of them.
@@ -116,10 +116,10 @@ def simulate_many(
         times: of the samples [s].
         external: one wrench or a tuple of them, or a list of such.
         threads: default: the processors this process may use.
-        progress: called with the number of runs done some ten times a second.
+        progress: called with the number of finished runs about ten times a second.
 
     Returns:
-        in their order, a `Run` each, or the error that says why this one failed.
+        For each run, in the order of the lists, a `Run`, or the error that says why it failed.
 
     Raises:
         InputError: lists of different lengths, or no list at all.
@@ -143,7 +143,7 @@ def simulate_many(
 
 
 def _spread(given: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """One mapping of arguments a run."""
+    """A mapping of arguments for each run."""
     lists = {key: value for key, value in given.items() if _is_list(value)}
     lengths = {len(value) for value in lists.values()}
     if len(lengths) != 1:
@@ -159,7 +159,7 @@ def _is_list(value: Any) -> bool:
 
 
 def _prepared(each: Mapping[str, Any], rate: float, times: ArrayLike | None, shared: Shared) -> Job | FlexdynError:
-    """The job, or why there is none."""
+    """The job, or the error if it cannot be prepared."""
     starts = {key: each[key] for key in ("q", "v", "theta", "omega")}
     model = each["model"]
     try:
@@ -167,7 +167,7 @@ def _prepared(each: Mapping[str, Any], rate: float, times: ArrayLike | None, sha
         return prepare(model, command, each["duration"], solver, starts, rate, times, each["external"], shared)
     except FlexdynError as error:
         return error
-    except Exception as error:  # a user's law that fails where auto looks at it
+    except Exception as error:  # a user's law that raises an error where auto evaluates it
         return _stopped(model, error, 0.0)
 
 

@@ -1,4 +1,4 @@
-"""Which solver runs, and what is worth saying about the choice."""
+"""The choice of the solver, and notes about it."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ STEP_BUDGETS: dict[type[Solver], tuple[int, int]] = {
     Rosenbrock: (50_000, 40_000),
     DormandPrinceThenRosenbrock: (50_000, 40_000),
 }
-"""Steps that a run may try, and more for every second of it: some ten seconds of computing for seven joints."""
+"""Steps that a run may try, and additional ones for every simulated second: about ten seconds for seven joints."""
 
 
 def choose_solver(
     model: FlexibleJointModel, solver: Solver | str, plant: _core.Plant, x0: NDArray[np.float64]
 ) -> tuple[Solver, tuple[str, ...]]:
-    """The solver that will run, and notes on it.
+    """Choose the solver, and write notes about it.
 
-    ``auto`` takes `DormandPrince`, the reference, unless something decays or vibrates faster than `STIFF` where the
-    run starts: then `Rosenbrock`, whose steps need not follow it. A run that meets such a rate later changes there.
+    ``auto`` takes `DormandPrince`, the reference, unless the fastest rate at the start is above `STIFF`: then it takes
+    `Rosenbrock`, whose steps are not limited by that rate. A run that meets such a rate later changes its solver there.
 
     Args:
         model: the arm.
@@ -77,7 +77,7 @@ def _is_dry(effect: Effect) -> bool:
 
 
 def switch_notes(notes: tuple[str, ...], solver: Solver) -> tuple[str, ...]:
-    """The notes of a run, with one more where its solver changed on the way."""
+    """The notes of a run, with an additional one if its solver changed during the run."""
     if not isinstance(solver, DormandPrinceThenRosenbrock):
         return notes
     text = f"solver: Rosenbrock from t = {solver.until:.6g} s on, where a rate above {STIFF:g} 1/s was met"
@@ -85,21 +85,21 @@ def switch_notes(notes: tuple[str, ...], solver: Solver) -> tuple[str, ...]:
 
 
 def fastest_rate(plant: _core.Plant, x0: NDArray[np.float64]) -> float:
-    """The largest eigenvalue, by size, of the motion linearised at x0 [1/s]; dry friction takes no part."""
+    """The largest absolute eigenvalue of the motion linearised at x0, without dry friction [1/s]."""
     size = plant.state_size
     jacobian = np.empty((size, size))
-    plant.jacobian(0.0, x0, np.zeros(plant.n), math.inf, jacobian)  # so wide that the smoothed friction has no slope
+    plant.jacobian(0.0, x0, np.zeros(plant.n), math.inf, jacobian)  # friction smoothed so wide has no slope
     if not np.isfinite(jacobian).all():
         return 0.0
     return float(np.abs(np.linalg.eigvals(jacobian)).max())
 
 
 def budget(solver: Solver, duration: float) -> int:
-    """Steps that a run may try; 0: as many as it takes, for a fixed step always comes to an end.
+    """Steps that a run may try; 0: no limit, because fixed steps always reach the end.
 
     Args:
         solver: of the run.
-        duration: of it [s].
+        duration: of the run [s].
     """
     given = getattr(solver, "max_steps", None)
     if given is not None:
@@ -115,10 +115,10 @@ def core_settings(
     """A solver's settings for the core.
 
     Args:
-        solver: whose.
-        most: evaluations of the equations of motion after which a run has failed; 0: as many as it takes.
-        max_steps: steps tried after which it has failed, see `budget`; 0: as many as it takes.
-        stiff_rate: rate from which `DormandPrince` hands over to `Rosenbrock` [1/s].
+        solver: the solver.
+        most: largest number of evaluations of the equations of motion; 0: no limit.
+        max_steps: largest number of tried steps, see `budget`; 0: no limit.
+        stiff_rate: rate at which `Rosenbrock` replaces `DormandPrince` [1/s].
     """
     name, until = type(solver).__name__, math.inf
     if isinstance(solver, DormandPrinceThenRosenbrock):

@@ -53,7 +53,7 @@ class RungeKutta4(Solver):
 
     Args:
         step: [s].
-        smoothing: width eps of tanh(u/eps), which stands for Sgn(u) [rad/s]; without it dry friction is refused.
+        smoothing: width eps of tanh(u/eps), which replaces Sgn(u) [rad/s]; without it dry friction is refused.
     """
 
     step: float
@@ -72,8 +72,8 @@ class DormandPrince(Solver):
         max_step: [s].
         smoothing: without it dry friction sticks exactly and every switch is located as an event; with it Sgn(u) is
             smoothed to tanh(u/smoothing) [rad/s], and a loaded joint creeps.
-        max_steps: a run that tries more steps has failed, and the error says why they are so short; switches of the
-            command are counted apart. Default: 200,000 and 50,000 more for every second simulated.
+        max_steps: a run that tries more steps fails, and the error says why they are so short; switches of the command
+            do not count. Default: 200,000 and 50,000 more for every simulated second.
     """
 
     rtol: float = 1e-8
@@ -94,7 +94,7 @@ class Rosenbrock(Solver):
         atol: absolute tolerance [rad, rad/s].
         max_step: [s].
         smoothing: as in `DormandPrince`.
-        max_steps: likewise. Default: 50,000 and 40,000 more for every second simulated.
+        max_steps: likewise. Default: 50,000 and 40,000 more for every simulated second.
     """
 
     rtol: float = 1e-6
@@ -106,9 +106,9 @@ class Rosenbrock(Solver):
 
 @dataclass(frozen=True, kw_only=True)
 class DormandPrinceThenRosenbrock(Solver):
-    """`DormandPrince` first, `Rosenbrock` from a time on: what ``auto`` did in a run that became stiff on its way.
+    """`DormandPrince` first, `Rosenbrock` from a time on: the choice of ``auto`` in a run that became stiff.
 
-    Both with their default settings. With it such a run can be made again, bit for bit.
+    Both have their default settings. With this solver such a run can be repeated bit for bit.
 
     Args:
         until: Rosenbrock takes over at the first step that ends at this time or later [s].
@@ -119,10 +119,10 @@ class DormandPrinceThenRosenbrock(Solver):
 
 @dataclass(frozen=True, kw_only=True)
 class TimeStepping(Solver):
-    """A fixed step over whatever happens in it: springs and dampers implicit, sticking exact, order 1.
+    """Fixed steps without events: springs and dampers implicit, sticking exact, order 1.
 
-    Each step solves a boxed complementarity problem in the velocities; it is stable for any stiffness and damping at
-    steps that resolve the rigid arm's motion, and damps what the step does not resolve.
+    Each step solves a boxed complementarity problem in the velocities. The method is stable for any stiffness and
+    damping if the steps resolve the motion of the rigid arm; it damps vibrations that the steps do not resolve.
 
     Args:
         step: [s].
@@ -137,14 +137,14 @@ SOLVERS: dict[str, type[Solver]] = {
 
 
 def make_solver(name: str, **settings: float | None) -> Solver:
-    """A solver by name, with those of the settings that are given.
+    """Make a solver by name, with the given settings.
 
     Args:
         name: ``RungeKutta4`` or ``DormandPrince``; ``auto`` is resolved by `simulate`, which knows the model.
-        settings: None is left at its default.
+        settings: None means the default.
 
     Raises:
-        InputError: no such solver, or a setting that it does not have or needs.
+        InputError: no such solver, a setting that it does not have, or a missing one.
     """
     if name not in SOLVERS:
         raise InputError("no such solver", key="solver", value=name, remedy=did_you_mean(name, [*SOLVERS, "auto"]))

@@ -1,4 +1,4 @@
-"""Why an integration stopped, where it stood, and what would do instead."""
+"""The error of an integration that stopped: reason, time, and the solver to use instead."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from flexdyn.simulation.solvers import RungeKutta4, Solver
 from flexdyn.simulation.trial import rosenbrock_gets_through
 
 SPENT = "more steps than allowed"
-STABLE = 2.5  # step times rate up to which the classical method is stable, whatever the phase
+STABLE = 2.5  # step times rate up to which the classical method is stable at any phase
 RUNAWAY = 1e6  # rad/s or m/s: no joint is as fast
-EVENTFUL = 0.2  # events a step: the steps are short for their sake
+EVENTFUL = 0.2  # events per step: the events make the steps short
 
 
 def stopped(
     report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel, tau: NDArray[np.float64], duration: float
 ) -> SimulationError:
-    """The error of a run that could not go on.
+    """The error of a run that could not continue.
 
     Args:
         report: of the core.
@@ -41,7 +41,7 @@ def stopped(
     short = reason == SPENT or endless or "step fell below" in reason
     fastest = fastest_motion(model, state, asked, t) if short and np.isfinite(state).all() else None
     often = endless or int(report["events"]) > EVENTFUL * max(1, int(report["steps"]))
-    # At a fixed step a motion runs away because the step is too large.
+    # With a fixed step a motion diverges because the step is too large.
     runaway = "" if isinstance(solver, RungeKutta4) else _runaway(model, state)
     # Where nothing is fast, or events make the steps short, Rosenbrock has to take them too.
     stiff = name == "DormandPrince" and fastest is not None and fastest.rate > STIFF and not often and not runaway
@@ -61,7 +61,7 @@ def stopped(
 
 
 def _runaway(model: FlexibleJointModel, state: NDArray[np.float64]) -> str:
-    """What to say of a motion that no arm makes; nothing of others."""
+    """The message for a motion that no arm makes; empty for others."""
     n, elastic = model.n, np.flatnonzero(model.elastic)
     speeds = np.abs(state[n + len(elastic) : 2 * (n + len(elastic))])
     if not np.isfinite(speeds).all() or speeds.max() < RUNAWAY:

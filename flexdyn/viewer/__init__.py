@@ -1,7 +1,7 @@
-"""The viewer: a motion in the browser, drawn by meshcat, which is imported nowhere else and only when needed.
+"""The viewer: a motion in the browser, drawn by meshcat, which is imported only here and only when needed.
 
-motion, sources -> what an arm did; bodies, dials, solids -> shapes; scene, animation -> meshcat's commands; show ->
-the page's content; page -> one HTML file; server -> who serves it; playback -> what users call.
+`motion` and `sources` hold the motion of an arm, `bodies`, `dials` and `solids` its shapes; `scene` and `animation`
+make meshcat's commands, `show` the page's content, `page` one HTML file; `server` serves it; `playback` is for users.
 """
 
 from flexdyn.viewer.playback import Playback, play

@@ -1,4 +1,4 @@
-"""What the page's script needs to know beside the scene: texts, numbers of the table, ground and point of view."""
+"""Data for the page's script besides the scene: texts, numbers of the table, ground and point of view."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ GHOSTLY = {
     "color": int(VIOLET[1:], 16),
     "opacity": 0.42,
     "transparent": True,
-    # Where both arms coincide the solid one is seen, instead of a flicker of both.
+    # Where both arms coincide, the solid one is drawn in front, to avoid flicker.
     "polygonOffset": True,
     "polygonOffsetFactor": 4,
     "polygonOffsetUnits": 800,
 }
-"""The second arm's material, in three.js's words."""
+"""The second arm's material, as three.js describes it."""
 
 
 def about_it(
@@ -37,9 +37,9 @@ def about_it(
 
     Args:
         model: of the arm.
-        frames: what it does.
+        frames: its motion.
         size: of the arm [m].
-        box: that holds it all the time.
+        box: that contains it at all times.
         tips: paths of the tip, of the second arm too if there is one.
     """
     times, series = frames.arm.t, _series(frames, tips)
@@ -60,10 +60,10 @@ def about_it(
 
 
 def legend(frames: Frames, frame: str, factors: Mapping[str, float], dials: Sequence[str]) -> dict[str, Any]:
-    """What is what, each with the nodes of the scene that its box hides.
+    """The parts of the picture, each with the nodes of the scene that its check box hides.
 
     Args:
-        frames: what the arms do.
+        frames: motions of the arms.
         frame: name of the tip.
         factors: magnification by unit.
         dials: nodes of the dials.
@@ -82,7 +82,7 @@ def legend(frames: Frames, frame: str, factors: Mapping[str, float], dials: Sequ
 
 
 def _magnified(factors: Mapping[str, float]) -> str:
-    """What is magnified by how much; empty if nothing is."""
+    """The text about magnification; empty if nothing is magnified."""
     several = len(factors) > 1
     each = [f"{factor:g}\u00d7{f' [{unit}]' if several else ''}" for unit, factor in factors.items()]
     return f"\u03b8 \u2212 q magnified {' and '.join(each)}" if each else ""
@@ -100,7 +100,7 @@ def _series(frames: Frames, tips: Sequence[Array]) -> dict[str, str]:
 
 
 def _rows(model: FlexibleJointModel) -> list[str]:
-    """Names of the joints, with the unit where it is not everyone's."""
+    """Names of the joints, with the unit if the joints have different units."""
     mixed = len(set(model.robot.kinds)) > 1
     prismatic = [kind == "prismatic" for kind in model.robot.kinds]
     return [
@@ -115,14 +115,14 @@ def _head(name: str, model: FlexibleJointModel) -> str:
 
 
 def _grid(size: float, box: Extent) -> dict[str, float]:
-    """Cells of 1, 2, 5, ... of some unit, a quarter of the arm or less; on the ground, or below what hangs lower."""
+    """A grid with cells of 1, 2, 5, ..., at most a quarter of the arm; on the ground, or below the lowest part."""
     power = 10.0 ** np.floor(np.log10(size / 4.0))
     cell = max(step * power for step in (1, 2, 5) if step * power <= size / 4.0)
     return {"cell": float(cell), "height": min(0.0, float(box.low[2]))}
 
 
 def _view(box: Extent) -> list[float]:
-    """From where to look: on a motion in a plane, from before that plane."""
+    """The point of view; for a motion in a plane it is in front of that plane."""
     wide = box.high - box.low
     thin = int(np.argmin(wide))
     if wide[thin] > 0.3 * np.median(wide):

@@ -14,12 +14,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class NodeMove:
-    """How a node of the scene moves.
+    """The motion of a node of the scene.
 
     Attributes:
         path: of the node.
         axis: unit axis (3,) of its own frame.
-        prismatic: along it instead of about it.
+        prismatic: whether it moves along the axis and not about it.
         positions: (frames,) [rad or m], unwrapped.
     """
 
@@ -30,10 +30,10 @@ class NodeMove:
 
 
 def commands_of(moves: Sequence[NodeMove], rate: float) -> list[dict[str, Any]]:
-    """Commands that put every node where it is first and, of two frames or more, load the animation.
+    """Commands that put every node at its first position and, with two frames or more, load the animation.
 
     Args:
-        moves: of all nodes, each with as many frames.
+        moves: motions of all nodes, with equal numbers of frames.
         rate: frames in a second [Hz].
     """
     from meshcat.animation import Animation, AnimationClip, AnimationTrack
@@ -55,7 +55,7 @@ def commands_of(moves: Sequence[NodeMove], rate: float) -> list[dict[str, Any]]:
 
 
 def _values(move: NodeMove) -> tuple[str, str, list[list[float]]]:
-    """Name, type and values of a node's track, as three.js calls them."""
+    """Name, type and values of a node's track for three.js."""
     if move.prismatic:
         return "position", "vector3", (move.positions[:, None] * move.axis).tolist()
     half = move.positions[:, None] / 2.0

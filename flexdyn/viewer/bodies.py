@@ -1,4 +1,4 @@
-"""What each link of an arm looks like: the shapes of its URDF, or a body drawn from its inertia."""
+"""The shapes of the links of an arm: those of its URDF, or bodies drawn from its inertias."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ BODY_GREY = (0.60, 0.65, 0.73, 1.0)
 STEEL = (0.35, 0.45, 0.62, 1.0)
 SHELL = (0.45, 0.58, 0.80, 0.55)
 LARGEST_MESH = 400_000
-"""Triangles of one mesh that a page takes."""
+"""Largest number of triangles of a mesh in a page."""
 LARGEST_ARM = 1_500_000
-"""Triangles of one arm that a page takes."""
+"""Largest number of triangles of an arm in a page."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Body:
         geometry: meshcat's.
         pose: (4, 4) in the joint's frame.
         color: red, green, blue, opacity.
-        corners: of a box that holds it (8, 3), in the joint's frame [m].
+        corners: of a box that contains it (8, 3), in the joint's frame [m].
         faceted: drawn with flat faces; smooth otherwise.
     """
 
@@ -44,11 +44,11 @@ class Body:
 
 
 def bodies_of(robot: Robot, size: float) -> tuple[list[Body], tuple[str, ...]]:
-    """Every body of an arm, and what the user should know about them.
+    """Every body of an arm, and notes for the user.
 
     Args:
         robot: the arm.
-        size: its extent, from which the thickness of drawn bodies follows [m].
+        size: its extent, which determines the thickness of drawn bodies [m].
 
     Returns:
         Bodies, and notes of one sentence each.
@@ -72,7 +72,7 @@ def bodies_of(robot: Robot, size: float) -> tuple[list[Body], tuple[str, ...]]:
 
 
 def tip_of(robot: Robot, joint: int) -> Array:
-    """The end of what a joint carries (3,) [m] in its frame: its farthest frame, else the centre of mass."""
+    """The end of the body on a joint (3,) [m] in its frame: its farthest frame, else the centre of mass."""
     frames = [
         np.array(entry.placement.translation) for entry in robot.pin_model.frames if entry.parentJoint == joint + 1
     ]
@@ -80,7 +80,7 @@ def tip_of(robot: Robot, joint: int) -> Array:
 
 
 def _shapes(robot: Robot) -> tuple[list[Body], list[str]]:
-    """Pinocchio's reading of the URDF's shapes, in meshcat's words as Pinocchio's own visualizer says them."""
+    """The URDF's shapes as read by Pinocchio, converted for meshcat as in Pinocchio's own visualizer."""
     from pinocchio.visualize.meshcat_visualizer import loadMesh, loadPrimitive
 
     bodies, refused, total = [], [], 0
@@ -113,7 +113,7 @@ def _shapes(robot: Robot) -> tuple[list[Body], list[str]]:
 
 
 def _from_inertia(tree: Tree, j: int, tip: Array, size: float) -> list[Body]:
-    """The box of even density that has the inertia, and rods from the joint to the next ones or to the tip."""
+    """The box of uniform density with this inertia, and rods from the joint to the next ones or to the tip."""
     children = [tree.translation[k] for k in range(tree.m) if tree.parent[k] == j]
     bodies = [rod for end in children or [tip] if (rod := _rod(j, np.zeros(3), end, size))]
     if tree.mass[j] > 0.0:
@@ -123,13 +123,13 @@ def _from_inertia(tree: Tree, j: int, tip: Array, size: float) -> list[Body]:
 
 
 def box_of(mass: float, inertia: Array, smallest: float, largest: float) -> tuple[Array, Array]:
-    """Edges [m] and axes of the box of even density with this mass and inertia: a_i^2 = 6 (I_j + I_k - I_i) / m.
+    """Edges [m] and axes of the box of uniform density with this mass and inertia: a_i^2 = 6 (I_j + I_k - I_i) / m.
 
     Args:
         mass: [kg], more than 0.
         inertia: about the centre of mass (3, 3) [kg m^2].
-        smallest: no edge is drawn shorter [m].
-        largest: nor longer [m].
+        smallest: shortest edge that is drawn [m].
+        largest: longest edge that is drawn [m].
 
     Returns:
         Edges (3,) and a rotation (3, 3) whose columns are their directions.
@@ -167,6 +167,6 @@ def _pedestal(tree: Tree, size: float) -> list[Body]:
 
 
 def _corners(low: Array, high: Array, pose: Array) -> Array:
-    """The corners of a box along the axes of a pose, in the frame that the pose is in."""
+    """The corners of a box along the axes of a pose, in the frame in which the pose is given."""
     picks = np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, 8).T
     return np.asarray(np.where(picks == 1, high, low) @ pose[:3, :3].T + pose[:3, 3])

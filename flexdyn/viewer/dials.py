@@ -16,7 +16,7 @@ from flexdyn.viewer.solids import polygon, sector
 Array = NDArray[np.float64]
 FACE, MARK, NEEDLE = "#ffffff", "#1f2937", "#d62728"
 RADIUS = 0.055
-"""Of a dial, as a share of the arm's size."""
+"""Sizes of a dial, as shares of the arm's size [1]."""
 
 
 @dataclass(frozen=True)
@@ -24,9 +24,9 @@ class DialShape:
     """A flat shape of a dial.
 
     Attributes:
-        name: of its place in the scene.
-        geometry: meshcat's, in the plane of x and y; on the needle it moves with the rotor.
-        color: of the web.
+        name: of its node in the scene.
+        geometry: meshcat's, in the plane of x and y; that of the needle moves with the rotor.
+        color: web colour.
         opacity: 0 to 1.
         order: drawn in this order over everything else.
     """
@@ -39,10 +39,10 @@ class DialShape:
 
 
 def dial_pose(tree: Tree, j: int) -> Array:
-    """Where a joint's dial sits in the joint's moving frame (4, 4).
+    """The pose of a joint's dial in the joint's moving frame (4, 4).
 
-    Its z is the joint's axis, or, of a prismatic joint, its x is. It stands on the axis, half-way between the joint's
-    origin and the foot of the parent joint's, so that dials of joints that share an origin do not cover each other.
+    Its z axis is the joint's axis; for a prismatic joint its x axis is. It is on the axis, half-way between the joint's
+    origin and the projection of the parent joint's origin, so that dials of joints with the same origin do not overlap.
     """
     axis = tree.axis[j]
     to_parent = -tree.rotation[j].T @ tree.translation[j]
@@ -55,7 +55,7 @@ def dial_pose(tree: Tree, j: int) -> Array:
 
 
 def face(prismatic: bool, size: float) -> Iterator[DialShape]:
-    """What stands still against the link: a disc with its mark at zero, or a rail."""
+    """The part that is fixed to the link: a disc with a mark at zero, or a rail."""
     r = RADIUS * size
     if prismatic:
         rail = [(-2.2 * r, -0.12 * r), (2.2 * r, -0.12 * r), (2.2 * r, 0.12 * r), (-2.2 * r, 0.12 * r)]
@@ -68,7 +68,7 @@ def face(prismatic: bool, size: float) -> Iterator[DialShape]:
 
 
 def needle(prismatic: bool, size: float) -> DialShape:
-    """What moves with the rotor."""
+    """The part that moves with the rotor."""
     r = RADIUS * size
     corners = _bar(0.0, 0.9 * r, 0.12 * r) if prismatic else [(0.0, -0.11 * r), (0.98 * r, 0.0), (0.0, 0.11 * r)]
     return DialShape("shape", polygon(corners), NEEDLE, 0.95, 13)

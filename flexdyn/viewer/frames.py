@@ -1,4 +1,4 @@
-"""Which moments the page holds, and by how much it magnifies deflections."""
+"""The frames of a page, and the magnification of deflections."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from flexdyn.viewer.motion import PlayedMotion
 
 Array = NDArray[np.float64]
 FASTEST = 240.0
-"""Frames in a second, at most: a tenth of the speed still shows 24 of them in a second."""
+"""Largest frame rate [Hz]: at a tenth of the speed there are still 24 frames in a second."""
 MOST_FRAMES = 3600
-"""Frames in a page, at most."""
+"""Largest number of frames in a page."""
 MOST_MAGNIFIED = 1e9
-"""Largest factor of a deflection."""
+"""Largest magnification of a deflection [1]."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class Frames:
     """Motions at equally spaced times.
 
     Attributes:
-        arm: what the arm does.
-        ghost: what the second one does, if there is one.
+        arm: motion of the arm.
+        ghost: motion of the second arm, if there is one.
         rate: frames in a second [Hz].
     """
 
@@ -36,15 +36,15 @@ class Frames:
 
     @property
     def everywhere(self) -> Array:
-        """Every position that any arm takes (frames of all, n) [rad or m]."""
+        """All positions of all arms (frames of all, n) [rad or m]."""
         return self.arm.q if self.ghost is None else np.vstack([self.arm.q, self.ghost.q])
 
 
 def frames_of(motion: PlayedMotion, ghost: PlayedMotion | None) -> Frames:
-    """Motions at the times that the page shows: those of the first that moves.
+    """Motions at the times of the page, which are those of the first motion that is not at rest.
 
     Raises:
-        InputError: the second happened before or after the first.
+        InputError: the two motions have no time in common.
     """
     times = frame_times(motion if ghost is None or len(motion.t) > 1 else ghost)
     if ghost is not None:
@@ -59,9 +59,9 @@ def frames_of(motion: PlayedMotion, ghost: PlayedMotion | None) -> Frames:
 
 
 def frame_times(motion: PlayedMotion) -> Array:
-    """Equally spaced times from first to last; one if the arm stands still.
+    """Equally spaced times from first to last; one time if the arm does not move.
 
-    Never more than the samples of the motion, `MOST_FRAMES`, or `FASTEST` in a second.
+    There are not more than the samples of the motion, `MOST_FRAMES`, or `FASTEST` in a second.
     """
     first, last = motion.span
     if last == first:
@@ -71,7 +71,7 @@ def frame_times(motion: PlayedMotion) -> Array:
 
 
 def checked_factor(magnify: float) -> float:
-    """A factor that the user gives.
+    """Check a magnification from the user.
 
     Raises:
         InputError: it is none.
@@ -84,11 +84,11 @@ def checked_factor(magnify: float) -> float:
 
 
 def magnification(deflection: Array, shown: float) -> float:
-    """The factor 1, 2, 5, 10, ... with which the largest deflection comes nearest to `shown`; 1 if there is none.
+    """The factor 1, 2, 5, 10, ... with which the largest deflection is nearest to `shown`; 1 if there is no deflection.
 
     Args:
         deflection: any shape; NaN where there is none.
-        shown: to what it is to be magnified, about.
+        shown: size that the largest deflection should have.
     """
     known = np.abs(deflection[np.isfinite(deflection)])
     largest = float(known.max()) if known.size else 0.0

@@ -24,5 +24,5 @@ class Inline:
         return render("viewer/inline.html", text=self.text, height=self.height)
 
     def __repr__(self) -> str:
-        """What it is, where there is no notebook."""
+        """The text that is shown without a notebook."""
         return f"<Inline: a page of {len(self.text) / 1e6:.1f} MB for a notebook; fd.play(run) opens the browser>"

@@ -1,4 +1,4 @@
-"""Where an arm is over its motion: its size, the box that holds it, the way of its tip."""
+"""The extent of an arm over its motion: its size, the box that contains it, the path of its tip."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexdyn.viewer.bodies import Body, tip_of
 
 Array = NDArray[np.float64]
 EXTENT_SAMPLES = 60
-"""Moments that the extent is taken over."""
+"""Number of times that are used for the extent."""
 
 
 @dataclass(frozen=True)
@@ -43,19 +43,19 @@ def poses(robot: Robot, q: Array) -> Array:
 
 
 def arm_size(robot: Robot, q: Array) -> float:
-    """A length to measure everything by [m]: the diagonal of the box of all joints, masses and tips over the motion."""
+    """The size of an arm [m]: the diagonal of the box of all joints, masses and tips over the motion."""
     places = poses(robot, thinned(q))
     local = [(j, point) for j in range(robot.tree.m) for point in (np.zeros(3), robot.tree.com[j], tip_of(robot, j))]
     points = np.concatenate([_moved(places, j, point) for j, point in local] + [np.zeros((1, 3))])
     tree = robot.tree
     heavy = tree.mass > 0
-    # A lone body on its joint has no extent but that of its inertia.
+    # A single body at its joint has only the extent of its inertia.
     widths = np.sqrt(6.0 * np.trace(tree.inertia[heavy], axis1=1, axis2=2) / tree.mass[heavy]) if heavy.any() else [0.0]
     return max(float(np.linalg.norm(np.ptp(points, axis=0))), 0.3 * float(np.max(widths)), 1e-3)
 
 
 def extent(robot: Robot, q: Array, bodies: Sequence[Body]) -> Extent:
-    """The box that holds all bodies at all times."""
+    """The box that contains all bodies at all times."""
     places = poses(robot, thinned(q))
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for body in bodies:
@@ -65,7 +65,7 @@ def extent(robot: Robot, q: Array, bodies: Sequence[Body]) -> Extent:
 
 
 def tip_frame(robot: Robot) -> str:
-    """The frame whose way is drawn: the tip, or of a branched arm the last frame of its last joint."""
+    """The frame whose path is drawn: the tip, or for a branched arm the last frame of its last joint."""
     tree = robot.tree
     if np.array_equal(tree.parent, np.arange(tree.m) - 1):
         return robot.tip
@@ -75,7 +75,7 @@ def tip_frame(robot: Robot) -> str:
 
 
 def thinned(q: Array, most: int = EXTENT_SAMPLES) -> Array:
-    """At most so many rows, first and last among them."""
+    """At most so many rows, the first and the last included."""
     return np.asarray(q[np.unique(np.linspace(0, len(q) - 1, min(len(q), most)).astype(int))])
 
 

@@ -1,4 +1,4 @@
-"""What an arm did, as the viewer shows it: link positions and deflections over time, from a run or a recording."""
+"""The motion of an arm for the viewer: link positions and deflections over time, from a run or a recording."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class PlayedMotion:
     """Positions of an arm over time.
 
     Attributes:
-        label: what the page calls it.
-        t: times (samples,) [s]; one sample: the arm stands still.
+        label: its name in the page.
+        t: times (samples,) [s]; one sample: the arm does not move.
         q: link positions (samples, n) [rad or m].
         deflection: theta - q (samples, n) [rad or m]; NaN where the rotor is rigid with its link or not known.
         notes: what was assumed, one sentence each.
@@ -40,7 +40,7 @@ class PlayedMotion:
         return float(self.t[0]), float(self.t[-1])
 
     def at(self, times: Array) -> PlayedMotion:
-        """The motion at other times, linear between its samples, standing still before the first and after the last."""
+        """The motion at other times, interpolated linearly, constant before the first and after the last sample."""
         q, deflection = (
             np.column_stack([np.interp(times, self.t, column) for column in table.T])
             for table in (self.q, self.deflection)
@@ -49,7 +49,7 @@ class PlayedMotion:
 
 
 def of_run(run: Run) -> PlayedMotion:
-    """A simulated motion; joints of a finite stiffness have a rotor to show."""
+    """A simulated motion; the rotors of elastic joints are shown."""
     deflection = np.where(run.model.elastic, run.deflection, np.nan)
     label = run.model.name if run.model.elastic.any() else f"{run.model.name}, rigid"
     return PlayedMotion(label, run.t, run.q, deflection)
@@ -70,7 +70,7 @@ def of_recording(
     Args:
         recording: with q or theta of at least one joint; a joint that has theta alone is shown at theta.
         model: of the arm.
-        missing: where joints stand that the recording does not hold.
+        missing: positions of joints that the recording does not have.
         label: default: the recording's name.
 
     Raises:
@@ -92,7 +92,7 @@ def of_recording(
         q[:, j] = recording[f"q.{joint}" if joint in linked else f"theta.{joint}"]
         if joint in linked and recording.has("theta", joint):
             measured = recording[f"theta.{joint}"] - q[:, j]
-            # A rigid joint has no rotor of its own to show, unless the measurement says otherwise.
+            # The rotor of a rigid joint is not shown, unless it was measured.
             if model.elastic[j] or measured.any():
                 deflection[:, j] = measured
     notes = _notes(driven, absent)

@@ -1,4 +1,4 @@
-"""One HTML file with everything in it: meshcat's viewer, the scene, the controls. It asks for nothing else."""
+"""One HTML file with meshcat's viewer, the scene and the controls. It loads nothing else."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from flexdyn.io import html
 def page(title: str, about: Mapping[str, Any], commands: Iterable[Mapping[str, Any]]) -> str:
     """The page.
 
-    Names of any origin are safe in it: texts come as JSON and are set as text, and the browser runs only the two
-    scripts whose hashes the page's policy names.
+    Names from any source are safe in it: texts are JSON and inserted as text, and the browser runs only the two scripts
+    whose hashes are in the page's policy.
 
     Args:
         title: of the page.
-        about: what page.js needs to know.
+        about: data for page.js.
         commands: meshcat's, in order.
     """
     import meshcat
@@ -36,7 +36,7 @@ def page(title: str, about: Mapping[str, Any], commands: Iterable[Mapping[str, A
 
 
 def packed(commands: Iterable[Mapping[str, Any]]) -> str:
-    """Commands as base64 of gzip of, for each: its length (4 bytes, big-endian) and its msgpack."""
+    """Commands as base64 of a gzip file with the length (4 bytes, big-endian) and the msgpack of each command."""
     import umsgpack
 
     parts = []

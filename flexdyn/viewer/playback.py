@@ -26,7 +26,7 @@ class Playback:
     """A page that is being served, or was written.
 
     Attributes:
-        url: where a browser finds it.
+        url: its address.
 
     Example:
         >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
@@ -69,23 +69,23 @@ def play(
     open_browser: bool = True,
     block: bool | None = None,
 ) -> Playback:
-    """Show a motion in the browser: the arm, the deflection of its joints magnified, the way of its tip, a time slider.
+    """Show a motion in the browser: the arm, magnified deflections of its joints, the path of its tip, a time slider.
 
-    The page is served on 127.0.0.1 only, or written as one HTML file that works offline; it asks for nothing else.
+    The page is served on 127.0.0.1 only, or written as one HTML file that works offline; it loads nothing else.
 
     Args:
         run: a run, a recording, the path of one, or a model, which is shown at its initial position.
-        compare: what a translucent second arm does: another run of the arm, measured data, or ``"rigid"``: the arm
-            without elasticity (`FlexibleJointModel.rigid`), simulated from the same first q and v. A run's controller
-            runs on it too; else it replays the tau of the run, held from sample to sample, which the page says of a
-            recording, as a controller may have asked for that tau.
-        model: of a recording that does not hold its own (CSV never does), or its path or name.
-        command: with ``"rigid"``: what drives that arm instead, as `simulate` takes it; for a recording, the controller
-            that it was made with.
+        compare: motion of a translucent second arm: another run of the arm, measured data, or ``"rigid"``: the arm
+            without elasticity (`FlexibleJointModel.rigid`), simulated from the same first q and v. The controller of a
+            run drives this arm too. Otherwise it replays the tau of the run, held from sample to sample; for a
+            recording the page says so, because the tau may come from a controller.
+        model: of a recording that does not contain its model (CSV never does), or its path or name.
+        command: with ``"rigid"``: the command of that arm, as for `simulate`; for a recording, the controller with
+            which it was made.
         html: write the page there instead of serving it.
-        magnify: factor of theta - q on the dials; default: 1, 2, 5, 10, ..., so that the largest shows well.
+        magnify: factor of theta - q on the dials; default: one of 1, 2, 5, 10, ... that fits the largest deflection.
         open_browser: open the page in the user's browser.
-        block: return only after Ctrl-C; default: where Python is not interactive, as it would stop serving.
+        block: return only after Ctrl-C; default: True if Python is not interactive, because serving would end with it.
 
     Returns:
         The page's `url`, and `close()`.
@@ -121,10 +121,10 @@ def play(
 
 
 def inline(run: Source, compare: Source | None = None, *, command: Any = None, height: int = 560) -> Inline:
-    """The page of a motion for a notebook, which shows what a cell ends with.
+    """The page of a motion for a notebook.
 
     Args:
-        run: as `play` takes it.
+        run: as for `play`.
         compare: likewise.
         command: likewise.
         height: of the frame [px].
@@ -139,7 +139,7 @@ def inline(run: Source, compare: Source | None = None, *, command: Any = None, h
 
 
 def _has_screen() -> bool:
-    """Whether a browser would have a window; without one, Python would start a text browser in the terminal."""
+    """Whether a browser can open a window; otherwise Python would start a text browser in the terminal."""
     if sys.platform != "linux":
         return True
     return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))

@@ -1,4 +1,4 @@
-"""The arm without elasticity beside the motion that is shown: what the springs make of the same command."""
+"""The arm without elasticity under the same command, shown together with the motion."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexdyn.simulation.simulate import simulate
 from flexdyn.viewer.motion import PlayedMotion, of_run
 
 RIGID = "rigid"
-"""In place of what a motion is compared with: the same arm without elasticity."""
+"""The word for the same arm without elasticity, instead of a motion to compare with."""
 OPEN_LOOP = "the rigid arm replays the recorded torques in open loop: no controller holds it on its path"
 LAW_AGAIN = "the controller's law is called a second time, for the rigid arm: one that remembers goes on from there"
 
@@ -24,16 +24,16 @@ LAW_AGAIN = "the controller's law is called a second time, for the rigid arm: on
 def without_elasticity(
     source: Run | Recording | FlexibleJointModel, model: FlexibleJointModel, shown: PlayedMotion, command: Any = None
 ) -> PlayedMotion:
-    """What the arm does with rigid joints, from where the motion starts, as fast where that is known.
+    """The motion of the arm with rigid joints, from the same first positions and, if known, velocities.
 
-    A run's controller runs on the rigid arm as well. Where there is none, or only a recording, the torques asked for
+    A run's controller drives the rigid arm as well. Without a controller, or for a recording, the commanded torques
     drive it, each held to the next sample.
 
     Args:
         source: a run or a recording.
         model: of its arm.
         shown: its motion.
-        command: that drives the rigid arm instead, such as the controller that a recording was made with.
+        command: that drives the rigid arm instead, such as the controller with which a recording was made.
 
     Raises:
         InputError: no torque of any joint, a single sample, or a model, which does not move.
@@ -57,10 +57,10 @@ def _beside_run(source: Run, given: Any) -> tuple[PlayedMotion, tuple[str, ...]]
     command = inputs.controller if given is None else given
     notes = ("forces at frames are not applied to the rigid arm",) if inputs.external else ()
     if command is None:
-        # Torques are held from sample to sample, as a recording of the run has them.
+        # Torques are held from sample to sample, as in a recording of the run.
         held, times = Samples(source.t, source.tau), source.t - source.t[0]
         return of_run(simulate(rigid, held, q0=source.q[0], v0=source.v[0], times=times)), notes
-    n, x0 = source.model.n, inputs.x0  # the run's start, which its first sample need not be
+    n, x0 = source.model.n, inputs.x0  # the start of the run, which may be before its first sample
     first = n + int(source.model.elastic.sum())
     run = simulate(rigid, command, inputs.duration, q0=x0[:n], v0=x0[first : first + n], times=source.t)
     return _labelled(run, command), (*notes, *_again(command))
@@ -84,7 +84,7 @@ def _beside_recording(
 
 
 def _labelled(run: Run, command: Any) -> PlayedMotion:
-    """The rigid arm's motion, called by what drives it."""
+    """The rigid arm's motion; its label names the command."""
     ghost = of_run(run)
     closed = isinstance(command, PD | Servo | Controller)
     return replace(ghost, label=f"{ghost.label}, under the controller") if closed else ghost

@@ -1,4 +1,4 @@
-"""The scene in meshcat's own commands, gathered instead of being sent to a server."""
+"""The scene as meshcat commands, collected instead of being sent to a server."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from flexdyn.viewer.solids import tube
 
 Array = NDArray[np.float64]
 ARM, GHOST = "/arm", "/ghost"
-"""Where the arms stand in the scene's tree; the page makes the second out of the first."""
+"""Nodes of the arms in the scene's tree; the page makes the second arm from the first."""
 BLUE, VIOLET, SILVER = "#1f4e9c", "#9b30c9", "#99a6ba"
-"""Of what belongs to the arm, and to the second one; and of an arm whose file states no colour."""
+"""Colours of the parts of the arm and of the second arm, and of an arm whose file gives no colour."""
 
 
 class Window:
-    """Stands where meshcat has its connection to a server: takes commands and keeps them."""
+    """Replaces meshcat's connection to a server: it collects the commands."""
 
     def __init__(self) -> None:
         self.commands: list[dict[str, Any]] = []
@@ -34,7 +34,7 @@ class Window:
 
 
 class ArmScene:
-    """An arm as a tree of meshcat nodes: joints are nested, and a joint's node ``moved`` turns or slides alone.
+    """An arm as a tree of meshcat nodes: joints are nested, and only the node ``moved`` of a joint turns or slides.
 
     Args:
         robot: the arm.
@@ -57,7 +57,7 @@ class ArmScene:
 
     @property
     def commands(self) -> list[dict[str, Any]]:
-        """What makes the scene, in order."""
+        """The commands that make the scene, in order."""
         return self._window.commands
 
     def add_bodies(self, bodies: Sequence[Body]) -> None:
@@ -68,7 +68,7 @@ class ArmScene:
             node = self._view[f"{moved_path(ARM, self._tree, body.joint)}/body{k}"]
             color = "#" + "".join(f"{round(255 * part):02x}" for part in body.color[:3])
             opacity = body.color[3] if len(body.color) > 3 else 1.0
-            # Shapes of a URDF often share a plane: there the first one is seen, instead of a flicker of both.
+            # Shapes of a URDF often share a plane: there the first one is drawn in front, to avoid flicker.
             apart = {"polygonOffset": True, "polygonOffsetFactor": 0.2 * k, "polygonOffsetUnits": 16 * k}
             material = MeshPhongMaterial(
                 color=_number(color), opacity=opacity, shininess=15, flatShading=body.faceted, **apart
@@ -81,10 +81,10 @@ class ArmScene:
 
         Args:
             j: the joint.
-            shown: where its needle stands against the link's mark (frames,), magnified already [rad or m].
+            shown: magnified position of its needle relative to the link's mark (frames,) [rad or m].
 
         Returns:
-            How the needle moves.
+            The motion of the needle.
         """
         prismatic = bool(self._tree.prismatic[j])
         node = f"{moved_path(ARM, self._tree, j)}/dial"
@@ -97,7 +97,7 @@ class ArmScene:
         return NodeMove(f"{node}/needle", axis, prismatic, shown)
 
     def add_tip(self, j: int, point: Array) -> None:
-        """Mark the point whose way is drawn."""
+        """Mark the point whose path is drawn."""
         from meshcat.geometry import MeshBasicMaterial, Sphere
 
         node = self._view[f"{moved_path(ARM, self._tree, j)}/tip"]
@@ -105,7 +105,7 @@ class ArmScene:
         node.set_transform(_at(point))
 
     def add_trace(self, name: str, points: Array, color: str) -> None:
-        """Draw the way of a tip."""
+        """Draw the path of a tip."""
         from meshcat.geometry import MeshBasicMaterial
 
         line = tube(points, 0.0032 * self._size)
@@ -113,7 +113,7 @@ class ArmScene:
             self._view[f"/{name}"].set_object(line, MeshBasicMaterial(color=_number(color)))
 
     def arm_moves(self, arm: str, q_tree: Array) -> list[NodeMove]:
-        """How the joints of one of the arms move through positions of the whole tree (frames, m)."""
+        """The motions of the joints of an arm, from positions of the whole tree (frames, m)."""
         tree = self._tree
         return [
             NodeMove(moved_path(arm, tree, j), tree.axis[j], bool(tree.prismatic[j]), q_tree[:, j])
@@ -121,7 +121,7 @@ class ArmScene:
         ]
 
     def animate(self, moves: Sequence[NodeMove], rate: float) -> None:
-        """Put everything where it is first, and load what comes after that."""
+        """Put every node at its first position, and load the animation."""
         self.commands.extend(commands_of(moves, rate))
 
     def _flat(self, path: str, part: dials.DialShape) -> None:
@@ -131,17 +131,17 @@ class ArmScene:
             color=_number(part.color), opacity=part.opacity, transparent=True, depthTest=False, depthWrite=False
         )
         self._view[path].set_object(part.geometry, material)
-        # meshcat has no word for the order of drawing; three.js has.
+        # meshcat cannot set the drawing order; three.js can.
         self.commands[-1]["object"]["object"]["renderOrder"] = part.order
 
 
 def joint_path(arm: str, tree: Tree, j: int) -> str:
-    """The node at a joint's origin, as it stands in the parent's frame."""
+    """The node at a joint's origin, fixed in the parent's frame."""
     return f"{moved_path(arm, tree, int(tree.parent[j]))}/joint{j}"
 
 
 def moved_path(arm: str, tree: Tree, j: int) -> str:
-    """The node that moves with a joint; of the base (-1): the arm's own."""
+    """The node that moves with a joint; for the base (-1) the arm's own node."""
     return arm if j < 0 else f"{joint_path(arm, tree, j)}/moved"
 
 

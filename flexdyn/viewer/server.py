@@ -1,4 +1,4 @@
-"""A server of one page, for this machine alone."""
+"""A server of one page, only for this machine."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ class PageServer:
         self._thread.start()
 
     def close(self) -> None:
-        """Stop; more than once does no harm."""
+        """Stop; it may be called several times."""
         self._server.shutdown()
         self._server.server_close()
         self._thread.join()
 
 
 class _Server(ThreadingMixIn, TCPServer):
-    """TCPServer and not HTTPServer, which would ask a name server for the name of the address."""
+    """The server; HTTPServer would ask a name server for the name of the address, TCPServer does not."""
 
     daemon_threads = True
 
@@ -45,20 +45,20 @@ class _Server(ThreadingMixIn, TCPServer):
         return int(self.socket.getsockname()[1])
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A browser that went away is no news."""
+        """Ignore the error of a browser that closed the connection."""
 
 
 def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
-        """Answers with the page, and only who asked for it by the address that it has."""
+        """Sends the page, only to requests with the address of the server."""
 
         server_version, sys_version = "flexdyn", ""
         timeout = 30
 
         def do_GET(self) -> None:
-            """The page at /, nothing elsewhere."""
+            """Send the page at /, and nothing at other paths."""
             port = self.request.getsockname()[1]
-            # A foreign page whose host name was pointed at this machine sends that name: it is not to read anything.
+            # A foreign page whose host name points to this machine sends that name: it must not read anything.
             if self.headers.get("Host") not in (f"{HOST}:{port}", f"localhost:{port}"):
                 self.send_error(HTTPStatus.FORBIDDEN)
             elif self.path != "/":
@@ -85,6 +85,6 @@ def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
                 self.wfile.write(page)
 
         def log_message(self, format: str, *args: Any) -> None:
-            """A library writes nothing to the terminal."""
+            """Write no log: a library prints nothing to the terminal."""
 
     return Handler

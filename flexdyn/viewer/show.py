@@ -1,4 +1,4 @@
-"""From motions to the page: which arm is solid, which is translucent, what is magnified."""
+"""Make the page from motions: which arm is solid, which is translucent, what is magnified."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from flexdyn.viewer.scene import ARM, BLUE, GHOST, VIOLET, ArmScene
 
 Array = NDArray[np.float64]
 SHOWN_ANGLE = math.radians(25.0)
-"""What the largest deflection of a revolute joint is magnified to, about [rad]."""
+"""Approximate size of the largest magnified deflection of a revolute joint [rad]."""
 SHOWN_SHARE = 0.1
-"""The same for a prismatic joint, as a share of the arm's size."""
+"""The same for a prismatic joint, as a share of the arm's size [1]."""
 
 
 def show(
@@ -32,12 +32,12 @@ def show(
 
     Args:
         model: of the arm.
-        motion: what the arm did.
-        ghost: what a translucent second arm does.
-        magnify: factor of theta - q; default: one that suits the largest.
+        motion: of the arm.
+        ghost: motion of a translucent second arm.
+        magnify: factor of theta - q; default: one that fits the largest deflection.
 
     Raises:
-        InputError: two motions that happened at different times, or a factor that is none.
+        InputError: two motions without a common time, or a factor that is not allowed.
     """
     robot, frames = model.robot, frames_of(motion, ghost)
     size = arm_size(robot, frames.everywhere)
@@ -63,7 +63,7 @@ def show(
 
 
 def _factors(model: FlexibleJointModel, motion: PlayedMotion, size: float, magnify: float | None) -> dict[str, float]:
-    """Magnification by unit, of the units of joints whose rotor is shown."""
+    """Magnification by unit, for joints whose rotor is shown."""
     given = None if magnify is None else checked_factor(magnify)
     found = {}
     for unit, shown in (("rad", SHOWN_ANGLE), ("m", SHOWN_SHARE * size)):
@@ -80,7 +80,7 @@ def _known(motion: PlayedMotion, j: int) -> bool:
 def _moves(
     model: FlexibleJointModel, frames: Frames, dialled: list[int], factors: dict[str, float], scene: ArmScene
 ) -> list[NodeMove]:
-    """How everything moves; puts dials on the joints that get one."""
+    """The motions of all nodes; adds the dials."""
     robot = model.robot
     moves = scene.arm_moves(ARM, robot.expand(frames.arm.q))
     if frames.ghost is not None:

@@ -1,4 +1,4 @@
-"""Shapes that meshcat has no name for: a tube along a line, a dial and its needle."""
+"""Shapes that meshcat does not have: a tube along a line, a dial and its needle."""
 
 from __future__ import annotations
 

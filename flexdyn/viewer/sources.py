@@ -1,4 +1,4 @@
-"""What the user wants to see: which arm it is, and what that arm did."""
+"""The arm and the motion that the user wants to see."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class Shown:
 
     Attributes:
         model: of the arm.
-        motion: what it did.
-        source: where that comes from.
+        motion: of the arm.
+        source: of the motion.
     """
 
     model: FlexibleJointModel
@@ -40,11 +40,11 @@ class Shown:
 
 
 def first(source: Source, model: Model | None) -> Shown:
-    """What is shown.
+    """The arm and motion to be shown.
 
     Args:
         source: a run, a recording or its path, or a model.
-        model: of a recording, in place of the one that it holds.
+        model: of a recording, instead of the one that it contains.
 
     Raises:
         InputError: no model, or no positions of its joints.
@@ -58,16 +58,16 @@ def first(source: Source, model: Model | None) -> Shown:
 
 
 def second(source: Source, model: Model | None, shown: Shown, command: Any = None) -> PlayedMotion:
-    """What it is compared with.
+    """The second arm and its motion.
 
     Args:
-        source: as of `first`; or ``"rigid"``: the arm shown without elasticity, under the same command.
-        model: likewise; a recording without a model is taken to be of the arm shown.
-        shown: what it is compared with.
+        source: as for `first`; or ``"rigid"``: the shown arm without elasticity, under the same command.
+        model: likewise; a recording without a model is taken to belong to the shown arm.
+        shown: the first arm and its motion.
         command: that drives the arm without elasticity instead.
 
     Raises:
-        InputError: likewise, it is of another arm, or what is shown has no torques for a rigid one.
+        InputError: as for `first`; a motion of another arm; or no torques for a rigid arm.
         SimulationError: the rigid arm could not be simulated.
     """
     if isinstance(source, str) and source == RIGID:
@@ -85,7 +85,7 @@ def second(source: Source, model: Model | None, shown: Shown, command: Any = Non
 
 
 def same_arm(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
-    """Whether two models have the same joints in the same places, whatever their masses, springs and effects."""
+    """Whether two models have the same joints at the same places; masses, springs and effects may differ."""
     mine, its = one.robot.tree, other.robot.tree
     names = ("parent", "prismatic", "axis", "rotation", "translation", "gain", "offset")
     return one.joint_names == other.joint_names and all(
@@ -121,7 +121,7 @@ def _motion(given: Run | Recording | FlexibleJointModel, arm: FlexibleJointModel
 
 @contextmanager
 def _naming(file: Path | None, key: str | None = None) -> Iterator[None]:
-    """Errors of a file with its name; of an argument, with that before their key."""
+    """Add to an error the name of its file, or the argument before its key."""
     try:
         yield
     except InputError as error:

@@ -159,5 +159,7 @@ def test_links_lighter_than_their_rotors_at_the_pose_are_refused(tmp_path: Path)
     model = riding_model(too_light(), tmp_path)
     assert np.isfinite(fd.modes(model, [0.0, 0.0, 0.0]).frequencies).all()
     for analyse in (fd.modes, fd.linearize):
-        with pytest.raises(fd.InputError, match=r"^robot\.rotor_coupling: the links weigh less than .* at this pose;"):
+        with pytest.raises(
+            fd.InputError, match=r"^robot\.rotor_coupling: the inertia of the links is smaller than .* at this pose;"
+        ):
             analyse(model, [0.0, 1.5, 0.0])

@@ -101,7 +101,7 @@ def test_runs_that_took_no_part_may_speak_against_a_law() -> None:
     """Torque that crept up with the order of the runs looks like a drag; runs of another day know nothing of it."""
     found = fd.steady_friction(points(drag), points(plain, seed=9))[1]
     assert found.named == ()
-    assert found.trials[1].why == "runs that took no part speak against it"
+    assert found.trials[1].why == "runs that were not used in the fit contradict it"
     assert fd.steady_friction(points(drag), points(drag, seed=9))[1].named == ("quadratic_drag",)
 
 

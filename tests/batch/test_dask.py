@@ -210,7 +210,9 @@ def test_a_scheduler_that_vanishes(tmp_path: Path) -> None:
                 timer.set()
                 made.kill_scheduler()
 
-        with pytest.raises(fd.FlexdynError, match=r"^the scheduler at tcp://127\.0\.0\.1:\d+ is gone; what was done"):
+        with pytest.raises(
+            fd.FlexdynError, match=r"^the scheduler at tcp://127\.0\.0\.1:\d+ cannot be reached any more; finished"
+        ):
             run_study(study, out, scheduler=made.address, progress=kill)
     half = open_results(out).summary()
     assert 20 <= half.done < 200

@@ -110,7 +110,10 @@ def test_the_disk_refuses(tmp_path: Path) -> None:
     words = [sys.executable, "-c", LIMITED, str(path), str(tmp_path / "out.zarr"), str(largest // 2)]
     err = subprocess.run(words, capture_output=True, text=True, check=False).stderr.splitlines()[-1]
     assert err.startswith("flexdyn.errors.InputError: ")
-    assert "out.zarr: cannot be written (File too large); what is done stays; make room and go on with --resume" in err
+    assert (
+        "out.zarr: cannot be written (File too large); finished chunks are stored; make room and continue with --resume"
+        in err
+    )
     fd.run_study(path, tmp_path / "out.zarr", resume=True)
     assert tree(tmp_path / "out.zarr") == tree(tmp_path / "whole.zarr")
 
@@ -127,7 +130,9 @@ def test_a_full_disk(tmp_path: Path) -> None:
         pytest.skip("mounting is not allowed here")
     try:
         path = write_study(tmp_path, runs=200, chunk=10)
-        with pytest.raises(InputError, match=r"cannot be written \(No space left on device\); what is done stays"):
+        with pytest.raises(
+            InputError, match=r"cannot be written \(No space left on device\); finished chunks are stored"
+        ):
             fd.run_study(path, disk / "out.zarr")
         there = len(pieces(disk / "out.zarr"))
         subprocess.run(["mount", "-o", "remount,size=20m", str(disk)], check=True)
@@ -187,7 +192,7 @@ def test_control_c(tmp_path: Path) -> None:
     assert work.returncode == 130
     lines = err.splitlines()
     assert lines == [
-        f"flexdyn: what is done is stored; go on with: flexdyn batch {path} -o {out} --resume",
+        f"flexdyn: finished runs are stored; continue with: flexdyn batch {path} -o {out} --resume",
         "flexdyn: interrupted",
     ]
     assert not list(out.rglob("*.partial"))

@@ -105,7 +105,7 @@ def test_resume_where_there_is_nothing_yet(tmp_path: Path) -> None:
 def test_a_store_is_not_written_over(whole: Path) -> None:
     """Without resume what is there stays as it is."""
     before = tree(whole)
-    with pytest.raises(InputError, match="it is there already; go on with it by --resume"):
+    with pytest.raises(InputError, match="it exists already; continue it with --resume"):
         fd.run_study(whole.parent / "study.yaml", whole)
     assert tree(whole) == before
 
@@ -137,7 +137,7 @@ def test_a_urdf_that_was_changed(tmp_path: Path) -> None:
     fd.run_study(path, tmp_path / "out.zarr")
     text = (tmp_path / "robot.urdf").read_text()
     (tmp_path / "robot.urdf").write_text(text + "<!-- heavier -->\n")
-    with pytest.raises(InputError, match=r"what the file of model\.robot\.urdf holds is not the same"):
+    with pytest.raises(InputError, match=r"what the file of model\.robot\.urdf holds has changed"):
         fd.run_study(path, tmp_path / "out.zarr", resume=True)
 
 

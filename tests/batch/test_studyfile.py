@@ -39,7 +39,7 @@ MISTAKES: list[tuple[dict[str, Any], list[str]]] = [
     ({"command": {"pd": PD | {"reference": "no.csv"}}}, ["command.pd.reference", "no such file", "'no.csv'"]),
     ({"command": {"pd": PD | {"rate": 0}}}, ["command.pd.rate", "above 0 Hz"]),
     ({"duration": -1}, ["duration", "above 0 s", "got -1"]),
-    ({"duration": None, "command": None}, ["duration", "how long"]),
+    ({"duration": None, "command": None}, ["duration", "is missing"]),
     ({"rate": "fast"}, ["rate", "above 0 Hz", "'fast'"]),
     ({"rate": 1e12}, ["rate", "samples in a run"]),
     ({"solver": "TimeSteping"}, ["solver", "did you mean 'TimeStepping'?"]),
@@ -149,7 +149,7 @@ def test_files_are_compared_by_what_they_hold(tmp_path: Path) -> None:
     changed = {name: 1.01 * column for name, column in recording.channels.items()}
     fd.write_recording(fd.Recording(recording.t, changed), tmp_path / "b" / "torque.csv")
     again = study_from_dict(STUDY, tmp_path / "b")
-    assert here.difference(again) == "what the file of command holds is not the same"
+    assert here.difference(again) == "what the file of command holds has changed"
 
 
 def test_chunks_follow_from_the_study_alone(tmp_path: Path) -> None:

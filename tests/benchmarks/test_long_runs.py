@@ -13,11 +13,7 @@ import pytest
 def test_memory_stays_flat() -> None:
     """Of a run, of models made and dropped, of short runs, of pages; and the table says so."""
     import long_runs
-<<<<<<< HEAD
-    import trust_tables
-=======
     from trust_tables import long_runs_table
->>>>>>> h29
 
     first, run = long_runs.hour(400.0)
     found = [first, long_runs.models(100), long_runs.short_runs(1000), *long_runs.pages(run, 3)]
@@ -26,9 +22,5 @@ def test_memory_stays_flat() -> None:
         memory, _ = row.bounds
         assert memory.passed, str(memory)
         assert min(row.memory) > 10.0
-<<<<<<< HEAD
-    table = trust_tables.long_runs_table({"rows": [asdict(row) for row in found]})
-=======
     table = long_runs_table({"rows": [asdict(row) for row in found]})
->>>>>>> h29
     assert table.count("\n") == len(found) + 1

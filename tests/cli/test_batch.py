@@ -40,7 +40,7 @@ def test_resume(flexdyn: Runner, tmp_path: Path) -> None:
     before = tree(tmp_path / "out.zarr")
     refused = flexdyn("batch", "study.yaml", "-o", "out.zarr")
     assert refused.code == 2
-    assert refused.err.startswith("flexdyn: out.zarr: it is there already; go on with it by --resume")
+    assert refused.err.startswith("flexdyn: out.zarr: it exists already; continue it with --resume")
     assert flexdyn("batch", "study.yaml", "-o", "out.zarr", "--resume").code == 0
     assert tree(tmp_path / "out.zarr") == before
 

@@ -99,7 +99,10 @@ def test_doctor_tells_what_is_missing_or_broken(flexdyn: Runner, monkeypatch: py
     outcome = flexdyn("doctor")
     assert outcome.code == 1
     assert "RuntimeError: the core is broken" in outcome.out
-    assert "Failed: two solvers agree, energy is kept, friction as in closed form, a file comes back" in outcome.out
+    assert (
+        "Failed: two solvers agree, energy is conserved, friction as in closed form, a file is read back unchanged"
+        in outcome.out
+    )
 
 
 def test_every_extra_of_the_package_is_looked_at() -> None:

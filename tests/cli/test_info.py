@@ -86,7 +86,7 @@ def test_effects_of_the_urdf_are_marked(flexdyn: Runner) -> None:
     assert found["effects"][2]["parameters"] == {"coefficient": {"value": 0.5, "unit": "N s/m"}}
     assert found["payload"] == 1.5
     assert found["joints"][0]["inertia"] == pytest.approx(2.5 + 1.5)
-    assert "neutral: does nothing" in flexdyn("info", "arm.yaml").out
+    assert "neutral: it changes nothing" in flexdyn("info", "arm.yaml").out
 
 
 def test_branches_followers_and_locks_are_told(flexdyn: Runner) -> None:

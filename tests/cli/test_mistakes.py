@@ -73,7 +73,7 @@ ARGUMENTS = [
     (["simulate", "none.yaml", "-o", "run.csv"], ["none.yaml", "no such file"]),
     (["simulate", "broken.yaml", "-o", "run.csv"], ["broken.yaml", "line"]),
     # how to simulate
-    (["simulate", "arm.yaml", "-o", "run.csv"], ["--duration", "how long"]),
+    (["simulate", "arm.yaml", "-o", "run.csv"], ["--duration", "duration is missing"]),
     ([*SIMULATE[:-1], "long"], ["--duration", "'long'"]),
     ([*SIMULATE[:-1], "nan"], ["--duration", "nan"]),
     ([*SIMULATE[:-1], "-1"], ["--duration", "-1"]),

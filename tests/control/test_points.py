@@ -156,5 +156,5 @@ def test_yaml_has_the_key(tmp_path: Path, model: fd.FlexibleJointModel) -> None:
             np.testing.assert_array_equal(mine.q, fd.simulate(model, fd.PD(STEP, kp=40, kd=4)).q)
     with pytest.raises(fd.InputError, match=r"pd\.interpolation: no such interpolation, got 'spline'"):
         fd.PD(STEP, 1, 1, interpolation="spline")  # type: ignore[arg-type]
-    with pytest.raises(fd.InputError, match=r"pd\.interpolation: Samples bring their own"):
+    with pytest.raises(fd.InputError, match=r"pd\.interpolation: Samples have their own"):
         fd.PD(fd.Samples([0, 1], [[0, 0], [1, 1]]), 1, 1, interpolation="hold")

@@ -141,7 +141,7 @@ def test_one_law_under_two_names_is_said_to_be_one(tmp_path: Path) -> None:
     payload = question.explained(fd.effects.Payload(mass=0.4 * MASS, frame="mass"), COULOMB)
     answer = question.answered(("payload", "parameter_error"), payload, question.heavier(COULOMB))
     assert answer.plan is None
-    assert answer.experiment.startswith("no motion within what this arm has been seen to do tells payload from")
+    assert answer.experiment.startswith("no motion within the range of the recordings separates payload from")
     assert "the same law here" in answer.experiment
 
 

@@ -114,7 +114,7 @@ def test_numbers_of_the_urdf(tmp_path: Path) -> None:
         ("effects[0]", "factor", r"of: a parameter error has none itself"),
         ("effects[1]", "lvl", r"parameter: coulomb_friction has no such number, got 'lvl'; did you mean 'level'"),
         ("link9", "link_mass", r"link: no such link, got 'link9'; did you mean"),
-        ("base", "link_mass", r"link: the link stands still"),
+        ("base", "link_mass", r"link: the link does not move"),
     ],
 )
 def test_a_number_that_is_not_there(of: str, number: str, words: str) -> None:

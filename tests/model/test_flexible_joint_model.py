@@ -148,7 +148,7 @@ def test_urdf_dynamics_become_effects(tmp_path: Path) -> None:
         ({"tolerance": {"joints.elbow.stiffness": -1}}, "tolerance.joints.elbow.stiffness: a number of at least 0"),
         ({"effects": [3]}, "effects[0]: an effect is a mapping, got 3"),
         ({"effects": [Payload(mass=1.0, frame="tol")]}, "effects[0].frame: no such frame, got 'tol'"),
-        ({"effects": [Payload(mass=1.0, frame="base")]}, "effects[0].frame: a mass on the base moves nothing"),
+        ({"effects": [Payload(mass=1.0, frame="base")]}, "effects[0].frame: a mass on the base has no effect"),
         ({"effects": [Payload(mass=1.0, frame="")]}, "effects[0].frame: no such frame"),
         ({"effects": [TransmissionDamping("elbow", coefficient=1.0)]}, "effects[0].joint: transmission_damping needs"),
         ({"effects": [ViscousFriction("elbw", side="link", coefficient=1.0)]}, "effects[0].joint: no such joint"),

@@ -54,8 +54,8 @@ def test_any_real_number_is_a_number(kind: Any) -> None:
         ({"stiffness": 1 + 2j}, "stiffness: a number is needed"),
         ({"damping": -0.1}, "damping: it must be finite and at least 0"),
         ({"damping": [1.0]}, "damping: a number is needed"),
-        ({"gear_ratio": 1e200, "rotor_inertia": 1.0}, "rotor_inertia: gear_ratio^2 rotor_inertia is beyond"),
-        ({"gear_ratio": 1e-200, "rotor_inertia": 1.0}, "rotor_inertia: gear_ratio^2 rotor_inertia is beyond"),
+        ({"gear_ratio": 1e200, "rotor_inertia": 1.0}, "rotor_inertia: gear_ratio^2 rotor_inertia is too large"),
+        ({"gear_ratio": 1e-200, "rotor_inertia": 1.0}, "rotor_inertia: gear_ratio^2 rotor_inertia is too large"),
         ({"stiffness": 4000.0}, "rotor_inertia: an elastic joint needs it above 0"),
     ],
 )

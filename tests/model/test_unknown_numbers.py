@@ -115,7 +115,7 @@ def test_a_number_that_is_neither_is_refused(tmp_path: Path, joint: Any, words: 
         ({"rod": 0.1}, "links.rod: a link's inertia is needed, got 0.1; write {inertia: 0.01}"),
         ({"rod": {"inertia": 0.1, "mass": 2.0}}, "links.rod.mass: a link has no such key"),
         ({"rodd": {"inertia": 0.1}}, "links.rodd: no such link; did you mean 'rod'?"),
-        ({"base": {"inertia": 0.1}}, "links.base: the link stands still"),
+        ({"base": {"inertia": 0.1}}, "links.base: the link does not move"),
         ({"rod": {"inertia": -0.1}}, "links.rod.inertia: it must be finite and at least 0, got -0.1"),
         ({"rod": {"inertia": None}}, "links.rod.inertia: a number is needed; write unknown"),
     ],

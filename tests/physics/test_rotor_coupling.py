@@ -162,7 +162,7 @@ def test_links_lighter_than_their_rotors_are_refused() -> None:
     """J2/N2^2 above what link 1 has of its own leaves no positive kinetic energy: one line says so."""
     arm = planar(0.2)
     with pytest.raises(
-        fd.InputError, match=r"^robot\.rotor_coupling: the links weigh less than .*; the URDF"
+        fd.InputError, match=r"^robot\.rotor_coupling: the inertia of the links is smaller than .*; the URDF"
     ) as caught:
         fd.simulate(arm.model(), None, 0.1)
     assert "\n" not in str(caught.value)

@@ -86,7 +86,9 @@ def test_motions_without_common_time(run: fd.Run) -> None:
     """They are drawn, without a residual, and the page says why."""
     later = fd.Recording([5.0, 6.0], {"q.elbow": [0.0, 1.0]}, name="later")
     picture = fd.plot(run, later, views="positions")
-    assert any("No residual, there being no common time with scara_two_link: later" in note for note in picture.notes)
+    assert any(
+        "No residual, because there is no time in common with scara_two_link: later" in note for note in picture.notes
+    )
     assert not [panel for panel in picture.panels if panel.up.startswith("residual")]
 
 
@@ -118,7 +120,7 @@ def test_a_saved_run_tells_what_its_samples_hold(run: fd.Run, tmp_path: Path) ->
         supplied = ledger.supplied.sum(axis=1)
         np.testing.assert_allclose(drawn["supplied by the motors"].y, supplied, atol=1e-9)
         lost = sum(ledger.dissipated.values())
-        np.testing.assert_allclose(drawn["gone: friction, wrenches, sampling"].y, lost, atol=1e-7)
+        np.testing.assert_allclose(drawn["lost to friction, wrenches, sampling"].y, lost, atol=1e-7)
 
 
 def test_a_saved_run_without_its_energy_says_why(run: fd.Run, tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ def test_the_times_are_those_of_the_first() -> None:
     assert rec.name == "positions+currents"
     said, count = rec.meta["notes"]
     assert said.startswith("currents (250 Hz) was put on the times of positions (100 Hz), on straight lines")
-    assert "both clocks are taken to be one; its samples are 1 ms from these times in the median" in said
+    assert "both clocks are assumed to agree; its samples are 1 ms from these times in the median" in said
     assert count == f"{len(kept)} of 200 samples of positions are common"
 
 

@@ -92,7 +92,7 @@ def parquet_columns(path: Path) -> None:
     ("make", "suffix", "words"),
     [
         (promising, ".npz", "t: 0 bytes where the shape (1000000000,) needs 8000000000"),
-        (of_zeros, ".npz", "announces 536871168 bytes of arrays"),
+        (of_zeros, ".npz", "declares 536871168 bytes of arrays"),
         (of_members, ".npz", "more than 10000 columns"),
         (npz_columns, ".npz", "more than 10000 columns"),
         (csv_columns, ".csv", "more than 10000 columns"),

@@ -41,7 +41,10 @@ def test_what_is_read(channel: str, entry: object, wanted: np.ndarray) -> None:
 @pytest.mark.parametrize(
     ("entry", "said"),
     [
-        ({"from": "raw", "full_counts": 885, "factor": 2}, "channels.voltage.arm.full_counts: full_counts says it all"),
+        (
+            {"from": "raw", "full_counts": 885, "factor": 2},
+            "channels.voltage.arm.full_counts: full_counts gives the scale already",
+        ),
         ({"from": "raw", "full_counts": 885}, "channels.voltage.arm.full_scale: full_counts needs full_scale"),
         ({"from": "raw", "full_scale": 24}, "channels.voltage.arm.full_counts: full_scale needs full_counts"),
         ({"from": "raw", "full_counts": 0, "full_scale": 1}, "full_counts: a number above zero is needed"),

@@ -122,7 +122,7 @@ def test_wrong_requests_are_refused() -> None:
         rec.smoothed(Smoother(11, 2 * RATE))
     with pytest.raises(InputError, match="no position moves"):
         derivatives(Recording(T, {"q.a": 0 * T, "tau.a": T}))
-    with pytest.raises(InputError, match=r"tau\.a: the noise of the channel was not asked for"):
+    with pytest.raises(InputError, match=r"tau\.a: the noise of the channel was not requested"):
         derivatives(rec, ["q.a"], cutoff=10.0).std("tau.a")
     with pytest.raises(InputError, match=r"did you mean 'q\.a'"):
         derivatives(rec, ["q.b"])

@@ -167,13 +167,13 @@ def loose_meta(file: Any) -> None:
 @pytest.mark.parametrize(
     ("fill", "words"),
     [
-        (links_out, "links elsewhere, got 'q.a'"),
-        (links_softly, "links elsewhere, got 'q.a'"),
-        (links_deep, "links elsewhere, got 'a'"),
+        (links_out, "link leads out of the file, got 'q.a'"),
+        (links_softly, "link leads out of the file, got 'q.a'"),
+        (links_deep, "link leads out of the file, got 'a'"),
         (maps_out, "q.a: the samples lie in another file"),
         (stores_out, "q.a: the samples lie in another file"),
         (turns_round, "q.a: the channel is no dataset"),
-        (announces_much, "announces 1099511"),
+        (announces_much, "declares 1099511"),
         (chunks_much, "q.a: a chunk is larger than 1 GiB"),
         (twice, "q.a: the channel is there twice"),
         (strange_group, "the group is no signal, got 'run'"),

@@ -184,7 +184,7 @@ def test_a_recording_knows_its_channels() -> None:
     assert rec.noise("q.a") == estimate_noise(t, read, unit="rad")
     assert rec.noise("tau.a").exact
     assert rec.noise("tau.a").unit == "N m"
-    with pytest.raises(InputError, match=r"^q\.a: 50 samples are too few to tell noise; give 64 or more"):
+    with pytest.raises(InputError, match=r"^q\.a: 50 samples are too few to estimate noise; give 64 or more"):
         rec.trim(end=t[49]).noise("q.a")
 
 

@@ -136,7 +136,7 @@ def test_sizes_that_the_file_cannot_hold_are_refused(tmp_path: Path) -> None:
     entry = data.rindex(b"PK\x01\x02")
     struct.pack_into("<I", data, entry + 24, 2**31)
     path.write_bytes(data)
-    with pytest.raises(InputError, match="announces 2147"):
+    with pytest.raises(InputError, match="declares 2147"):
         read_recording(path)
 
 

@@ -148,7 +148,7 @@ def test_sizes_that_no_honest_file_has_are_refused(tmp_path: Path) -> None:
     zeros = np.zeros(5_000_000, np.int8)
     path = saved(tmp_path, {"t": zeros, "q.a": zeros}, compression="zstd")
     assert path.stat().st_size < 50_000
-    with pytest.raises(InputError, match="announces 80000000 bytes of arrays"):
+    with pytest.raises(InputError, match="declares 80000000 bytes of arrays"):
         read_recording(path)
 
 

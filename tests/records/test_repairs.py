@@ -119,14 +119,14 @@ def test_repairs_of_a_map_come_first(tmp_path: Path) -> None:
         (
             "0,0\n1,nan\n",
             ["fill_nan"],
-            "q.a: line 3: nothing to fill the gap from at the end; drop_nan drops such rows",
+            "q.a: line 3: the gap has no sample on one side; drop_nan drops such rows",
         ),
         (
             "0,nan\n1,0\n",
             ["fill_nan"],
-            "q.a: line 2: nothing to fill the gap from at the end; drop_nan drops such rows",
+            "q.a: line 2: the gap has no sample on one side; drop_nan drops such rows",
         ),
-        ("nan,0\n1,0\n", ["fill_nan"], "t: line 2: no time to fill anything in at; drop_nan"),
+        ("nan,0\n1,0\n", ["fill_nan"], "t: line 2: the time itself is missing; drop_nan"),
         ("1,0\n1,nan\n1,1\n", ["fill_nan"], "t: line 4: times do not increase; repair the times first: sort_time"),
         ("nan,0\n1,0\n1,1\n", ["drop_nan"], "t: line 4: two samples at one time, got 1.0; "),
         ("0,0\n", ["drop_nan"], "t: 1 samples are too few; give two or more"),

@@ -133,7 +133,7 @@ def test_messages_and_files_that_unpack_to_more(tmp_path: Path) -> None:
     meta.write_text(packed.replace("compression_mode: ''", "compression_mode: file"))
     refused(bag, "the file unpacks to more than 1100 times its size")
     meta.write_text(text.replace("compression_mode: ''", "compression_mode: rar"))
-    refused(bag, "a compression that is not read, got 'rar none'")
+    refused(bag, "this compression is not supported, got 'rar none'")
 
 
 def test_an_index_that_lies(tmp_path: Path) -> None:
@@ -165,7 +165,7 @@ def test_a_count_that_lies(tmp_path: Path) -> None:
         path.write_bytes(data.replace(count, struct.pack("<HQ", 1, other)))
         refused(path, words)
     path.write_bytes(data.replace(count, struct.pack("<HQ", 1, 2**50)))
-    refused(path, "announces [0-9]+ bytes of arrays")
+    refused(path, "declares [0-9]+ bytes of arrays")
 
 
 def changed(old: str, new: str) -> Callable[[str], str]:
@@ -183,7 +183,7 @@ def changed(old: str, new: str) -> Callable[[str], str]:
         (changed("- log.mcap", "- .."), "a file of the bag is missing, got '..'"),
         (changed("- log.mcap", "- ''"), "a file of the bag is missing, got ''"),
         (changed("- log.mcap", "- {a: b}"), "a file of the bag is missing"),
-        (changed("- log.mcap", "- metadata.yaml"), "a storage that is not read, got 'metadata.yaml'"),
+        (changed("- log.mcap", "- metadata.yaml"), "this storage is not supported, got 'metadata.yaml'"),
         (changed("- log.mcap", "- outside.mcap"), "a link out of its folder, got 'outside.mcap'"),
         (lambda _: "rosbag2_bagfile_information: 5", "it lists no files of a ROS 2 bag"),
         (lambda _: "rosbag2_bagfile_information: {relative_file_paths: []}", "it lists no files of a ROS 2 bag"),
@@ -206,7 +206,7 @@ def test_metadata_that_lie(tmp_path: Path, edit: Callable[[str], str], words: st
 @pytest.mark.parametrize(
     ("script", "words"),
     [
-        ("DROP TABLE messages", "not a bag, cut, or damaged"),
+        ("DROP TABLE messages", "not a bag, truncated, or damaged"),
         ("UPDATE messages SET data = 'text'", "a message is not bytes"),
         ("UPDATE messages SET data = zeroblob(20000000)", "."),
         ("UPDATE messages SET data = x'00'", "not in CDR"),

@@ -39,7 +39,7 @@ def test_joint_states_as_rosbags_reads_them(tmp_path: Path, kind: str) -> None:
     assert rec.t.tolist() == [stamp / 10**9 for stamp in stamps]
     assert rec.name == "log"
     assert rec.meta["notes"] == (
-        "effort of /joint_states was taken as tau, the torque asked for; map it to tau_s if it is measured",
+        "effort of /joint_states was taken as tau, the commanded torque; map it to tau_s if it is measured",
     )
 
 

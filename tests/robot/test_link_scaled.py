@@ -77,7 +77,7 @@ def test_links_that_have_no_such_numbers(arm: Path) -> None:
     for link, words in (
         ("uper", r"^link: no such link, got 'uper'; did you mean 'upper'"),
         ("tool", r"^link: the link has no mass, got 'tool'"),
-        ("base", r"^link: the link stands still: its mass moves nothing, got 'base'"),
+        ("base", r"^link: the link does not move: its mass has no effect, got 'base'"),
     ):
         with pytest.raises(InputError, match=words):
             robot.with_link_scaled(link, mass=2.0)

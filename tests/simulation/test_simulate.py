@@ -44,7 +44,7 @@ def test_the_first_state(model: fd.FlexibleJointModel) -> None:
         ({"q0": {"elbow": "bent"}}, "q0.elbow: a finite number is needed"),
         ({"q0": [10**400, 0]}, "q0: numbers are needed"),
         ({"q0": {"elbow": 10**400}}, "q0.elbow: a finite number is needed"),
-        ({"duration": None}, "duration: how long to simulate is not said"),
+        ({"duration": None}, "duration: the duration is missing"),
         ({"duration": 0}, "duration: a time above 0 s is needed"),
         ({"duration": -1.0}, "duration: a time above 0 s is needed"),
         ({"duration": math.inf}, "duration: a time above 0 s is needed"),

@@ -174,7 +174,7 @@ def test_exceptions_in_a_controller_come_through() -> None:
     wrong: Any
     for wrong in ([0.0], [0.0, math.nan], 1.0, [[0.0, 0.0]]):
         returning = fd.Controller(functools.partial(lambda torque, t, x: torque, wrong))
-        with pytest.raises(fd.InputError, match=r"t = 0 s: the controller's torque is no use.*2 finite torques"):
+        with pytest.raises(fd.InputError, match=r"t = 0 s: the controller returned no valid torque.*2 finite torques"):
             fd.simulate(two_link(ARM), returning, 1.0)
 
 

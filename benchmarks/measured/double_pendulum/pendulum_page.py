@@ -32,7 +32,8 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     head = (
         "# Double pendulum: the friction that was taken out of its model\n\nTwo quasi-direct drives, encoders on the "
         f"motors, 500 Hz. Fitted: {FIT[0]} (excitation, 10 s) and {FIT[1]} (full swing, 6 s); {CHECK[0]} (excitation) "
-        f"and {CHECK[1]} (swing) take no part. The start is the published model 1.0 with its friction set to zero."
+        f"and {CHECK[1]} (swing) are not used in the fit. The start is the published model 1.0 with its friction set "
+        "to zero."
     )
     parts = [head, checks, *_found(made), *_errors(made)]
     (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
@@ -49,8 +50,9 @@ def _found(made: Study) -> Iterator[str]:
     rows = [[each.of, each.parameter, f"{each.factor:.3f}", f"{each.std:.3f}"] for each in made.diagnosis.calibration]
     yield markdown_table(["number of the file", "", "factor", "std"], rows, text=2)
     yield (
-        "The published sets differ more than that from one another: m1 is 0.52, 0.76 or 0.87 kg in models 1.0, 2.0 and "
-        "3.0. Only sums of masses, lengths and inertias show in the motion, so single factors say little."
+        "The published sets differ from one another by more than that: m1 is 0.52, 0.76 or 0.87 kg in models 1.0, "
+        "2.0 and 3.0. The motion determines only sums of masses, lengths and inertias, so single factors say "
+        "little."
     )
 
 
@@ -67,14 +69,14 @@ def _errors(made: Study) -> Iterator[str]:
         rows.append([f"**{name}**" if name == "found" else name, *cells])
     yield markdown_table(header, rows)
     yield (
-        "Every window starts from the measured position and velocity (a cubic over 40 ms) and is driven by the torque "
-        "asked for, open loop. The swing passes upright, where a small error grows fast: its errors say as much about "
-        "that as about the model. Where what was found does worse there than the published friction, this is why it "
-        "may: half of the data of the fit are excitations, in which the arm hangs and masses and lengths show little, "
-        "and in the swings the torque that was asked for was not given in full (below)."
+        "Every window starts from the measured position and velocity (a cubic over 40 ms) and is driven by the "
+        "commanded torque in open loop. The swing passes the upright position, where a small error grows fast, so "
+        "its errors are not only those of the model. There the found friction may be worse than the published one "
+        "for two reasons. Half of the data of the fit are excitations, in which the arm hangs and masses and "
+        "lengths have little influence. In the swings, the motors did not reach the commanded torque (below)."
     )
     yield "![windows](windows.png)"
-    yield "## The torque asked for, and what the current says"
+    yield "## The commanded torque, and the current"
     rows = [
         [stamp, joint, f"{each.gain:.2f}", f"{1e3 * each.lag:.0f}", f"{each.left:.3f}"]
         for stamp, by in made.currents.items()
@@ -82,9 +84,10 @@ def _errors(made: Study) -> Iterator[str]:
     ]
     yield markdown_table(["record", "joint", "gain", "lag [ms]", "left [N m]"], rows, text=2)
     yield (
-        "Everything above is driven by the torque asked for. The current follows it late and, in the swings, at 0.8 to "
-        "0.9 of its size: short peaks of several N m are not given in full. A law that takes torque away from the "
-        "motor (a limit, a gain, a delay) is therefore no nonsense on the swings; the excitation needs none."
+        "Everything above is driven by the commanded torque. The current follows it with a delay and, in the "
+        "swings, with 0.8 to 0.9 of its size: the motors do not reach short peaks of several N m. A law that "
+        "reduces the torque of the motor (a limit, a gain, a delay) is therefore plausible for the swings; the "
+        "excitation needs none."
     )
 
 

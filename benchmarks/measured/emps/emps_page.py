@@ -37,8 +37,10 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     _draw_missing(made, folder / "missing.png")
     checks = "\n".join(f"- {each}" for each in held)
     head = (
-        "# EMPS: what a plain rigid axis lacks\n\nOne prismatic axis with its position controller, 24.8 s at 1 kHz a "
-        "record. DATA_EMPS is fitted; PULSES, where 5 V pulses come in behind the controller, takes no part."
+        "# EMPS: what a plain rigid axis lacks\n"
+        "\n"
+        "One prismatic axis with its position controller, 24.8 s at 1 kHz a record. DATA_EMPS is fitted; PULSES, "
+        "in which 5 V pulses are added after the controller, is not used in the fit."
     )
     parts = [head, checks, *_found(made), *_errors(made), *_loop(made)]
     (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
@@ -50,18 +52,18 @@ def _found(made: Study) -> Iterator[str]:
     rows = [[each.of, each.parameter, f"{each.factor:.4f}", f"{each.std:.4f}"] for each in made.diagnosis.calibration]
     yield markdown_table(["number of the file", "", "factor", "std"], rows, text=2)
     yield (
-        "The report's own friction: 20.4 N dry and 203.5 N s/m viscous with an offset of -3.16 N (4.08 %), or, better "
-        "(3.11 %), 20.1 N and 166.7 N s/m forwards against 20.6 N and 240.4 N s/m backwards. So the authors see dry "
-        "levels that are alike and a *viscous* part that depends on the direction."
+        "The report's own friction: 20.4 N dry and 203.5 N s/m viscous with an offset of -3.16 N (4.08 %), or, "
+        "better (3.11 %), 20.1 N and 166.7 N s/m forwards against 20.6 N and 240.4 N s/m backwards. So the authors "
+        "find nearly equal dry levels and a *viscous* part that depends on the direction."
     )
     yield "![what is missing](missing.png)"
     yield (
-        "What is left, and not named: a ripple over position of about 1 N with two cycles a turn of the screw (2.5 "
-        "mm), seen at the lowest speed; friction that is less in the first centimetres per second after a reversal "
-        "than its level, the opposite of a Stribeck effect; and in PULSES one jump of the force at 22.4 s that "
-        "nothing in the record explains. That viscous friction may depend on the direction was told beforehand "
-        "(`expect`), as the authors' second model has it; without that it stays unnamed, for other unknown laws may "
-        "look like it."
+        "Three things are left without a name. At the lowest speed there is a ripple over position of about 1 N "
+        "with two cycles per turn of the screw (2.5 mm). In the first centimetres per second after a reversal, the "
+        "friction is smaller than its level, the opposite of a Stribeck effect. In PULSES there is one jump of the "
+        "force at 22.4 s that nothing in the recording explains. The diagnosis was told (`expect`) that viscous "
+        "friction may depend on the direction, as in the authors' second model. Without that it stays unnamed, "
+        "because other unknown laws may look like it."
     )
 
 
@@ -77,8 +79,8 @@ def _errors(made: Study) -> Iterator[str]:
     header = ["error [%]", *(f"{kind}, {record}" for kind in KINDS for record in RECORDS)]
     yield markdown_table(header, rows)
     yield (
-        "Norm of the difference over the norm of what was measured. Inverse model: position behind a Butterworth "
-        "filter of fourth order at 100 Hz, forwards and backwards, central differences, one row kept of ten. Closed "
+        "Norm of the difference over the norm of the measured force. Inverse model: position after a Butterworth "
+        "filter of fourth order at 100 Hz, forwards and backwards, central differences, one row of ten. Closed "
         "loop: the raw force of every sample."
     )
     yield "![closed loop](closed_loop.png)"
@@ -89,11 +91,12 @@ def _loop(made: Study) -> Iterator[str]:
     rows = [[str(delay), *(f"{100.0 * by[record]:.3g}" for record in RECORDS)] for delay, by in made.late.items()]
     yield markdown_table(["samples that the output is late", *(f"error [%], {each}" for each in RECORDS)], rows)
     yield (
-        "The published law put along the measured positions gives the recorded voltage of the *same* row, so the loop "
-        "is simulated without the one-sample delay of the published diagram. With that delay the published model has "
-        "errors close to the printed ones; a part of those is the delay and not the friction. Runs start at the "
-        "measured position and velocity: the axis moves already when the record begins. The pulses are steps "
-        "of 5.07 V, as the edges in the voltage say, not of 5."
+        "Evaluated along the measured positions, the published control law gives the recorded voltage of the "
+        "*same* row. So the loop is simulated without the one-sample delay of the published diagram. With that "
+        "delay the published model has errors close to the printed ones; a part of those comes from the delay and "
+        "not from the friction. Runs start at the measured position and velocity, because the axis moves already "
+        "when the recording begins. The pulses are steps of 5.07 V, according to the edges of the voltage, not of "
+        "5 V."
     )
 
 

@@ -27,7 +27,11 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     made.diagnosis.save(folder / "diagnosis")
     parts = [*_torque(made), *_told(made), *_encoders(made)]
     checks = "\n".join(f"- {each}" for each in held)
-    head = "# KUKA KR 300: what the model lacks\n\nRecord A is fitted; B and C take no part (10 s each at 4 ms)."
+    head = (
+        "# KUKA KR 300: what the model lacks\n"
+        "\n"
+        "Record A is fitted; B and C are not used in the fit (10 s each at 4 ms)."
+    )
     (folder / "page.md").write_text("\n\n".join([head, checks, *parts]) + "\n", encoding="utf-8")
 
 
@@ -53,34 +57,36 @@ def _torque(made: Study) -> Iterator[str]:
         rows.append([what, *(f"{100 * each:.1f}" for pair in errors for each in pair)])
     yield _table(["torque error of axis 2 [%]", "A", "moving", "B", "moving", "C", "moving"], rows)
     yield (
-        "Root mean square of what is left over that of the torque; all samples, and those where the axis moves faster "
-        "than 5 mrad/s. The first five rows are plain least squares on A, an independent reference. Friction alone "
-        "leaves most of it. One law of position takes it away on records whose range of the axis (-2.0 to -1.3 rad) is "
-        "hardly that of the fit (-1.6 to -1.1 rad); a law with four free numbers fits A better and fails on B: that A "
-        "does not tell more than the first of them."
+        "Root mean square of the residual over that of the torque, for all samples, and for those in which the "
+        "axis moves faster than 5 mrad/s. The first five rows are plain least squares on A, an independent "
+        "reference. With friction alone most of the residual remains. One law of position removes it on B and C "
+        "too, although their range of the axis (-2.0 to -1.3 rad) differs from that of the fit (-1.6 to -1.1 rad). "
+        "A law with four free numbers fits A better and fails on B: record A does not determine more than the "
+        "first of them."
     )
     yield (
-        "Physical sense: it pulls towards a place near -pi/2, where the arm is upright, and so carries a part of the "
-        "weight that pulls it over: a gravity balancer. Spring and cosine of the angle do alike: which law the "
-        "balancer has (a gas cylinder's is neither) is not told by 0.9 rad of motion. A wrong mass is not it: by "
-        "the table the weight's own slope about upright is some 5300 N m/rad, less than what is missing, and a mass "
-        "would change the inertia as well. A ripple of the motor's torque that turns once with the joint is the same "
-        "column; no motor has one of thousands of N m. What is at hand of the authors' text names no balancer; their "
-        "model holds further terms that are not listed with the data."
+        "Physical interpretation: the torque pulls towards a position near -pi/2, where the arm is upright, and so "
+        "carries a part of the weight: a gravity balancer. A spring and a cosine of the angle fit equally well: "
+        "0.9 rad of motion does not determine the law of the balancer (that of a gas cylinder is neither). It is "
+        "not a wrong mass: the weight's own slope near upright is about 5300 N m/rad by the table, less than the "
+        "missing slope, and a mass would change the inertia too. A ripple of the motor's torque with one cycle per "
+        "turn of the joint has the same column, but no motor has a ripple of thousands of N m. The available part "
+        "of the authors' text does not name a balancer; their model has further terms that are not listed with the "
+        "data."
     )
     yield "![torque](torque.png)"
     gap = made.diagnosis.gap_test
     if gap is not None:
         yield (
-            f"The gap of simulated windows (0.5 s, B and C, in units of noise) is {gap.before:.3g} with the published "
-            f"model, {gap.calibrated:.3g} calibrated, {gap.after:.3g} with the finding, {gap.floor:.2g} for a perfect "
-            f"model: verdict `{made.diagnosis.verdict}`. What is left stands mostly where axes rest or break away; "
-            "encoders this fine (1e-6 rad and less) show any flaw of a model as many times the noise."
+            f"The gap of simulated windows (0.5 s, B and C, in units of noise) is {gap.before:.3g} with the "
+            f"published model, {gap.calibrated:.3g} calibrated, {gap.after:.3g} with the finding, {gap.floor:.2g} "
+            f"for a perfect model: verdict `{made.diagnosis.verdict}`. The rest occurs mostly where axes rest or "
+            "break away. With such fine encoders (1e-6 rad and less), any error of a model is many times the noise."
         )
 
 
 def _told(made: Study) -> Iterator[str]:
-    yield "## Which of the model's numbers record A can tell"
+    yield "## Which of the model's numbers record A determines"
     numbers = made.told.numbers
     words = {
         "told": "better than 3 % (or their own tolerance), all others unknown",
@@ -94,21 +100,22 @@ def _told(made: Study) -> Iterator[str]:
         rows.append([verdict, meaning, f"{len(found)}", ", ".join(found) or "-"])
     yield (
         f"`fd.base_parameters`: {made.told.rank} combinations of inertial numbers and friction, condition "
-        f"{made.told.condition:.0f}; noise is what the corrected model leaves, its colour counted in."
+        f"{made.told.condition:.0f}; the noise is the residual of the corrected model, including its correlations."
     )
     yield _table(["verdict", "meaning", "numbers", "which"], rows)
 
 
 def _encoders(made: Study) -> Iterator[str]:
-    yield "## What the difference of motor and link encoder is made of"
+    yield "## The parts of the difference between motor and link encoder"
     yield "![encoders](encoders.png)"
     for joint, told, wave, published in zip(JOINTS, made.accounts, made.ripples, PUBLISHED, strict=True):
         yield f"**{joint}.** " + " ".join([*_terms(told, published), *_wave(wave), *_refused(told, published)])
     yield (
-        "What cannot be told: where a zero comes from (each record has its own; encoders count from the start pose); "
-        "whether the lag is the encoder's, its converter's or the log's; the damping of the gears, which a lag hides "
-        "(a lag common to three axes of other size and load is the plainer cause); an eccentricity, which over less "
-        "than 0.9 rad is a scale and a bit of spring; the springs of axes 4 to 6, which have one encoder."
+        "The data do not determine: the cause of a zero offset (each record has its own; encoders count from the "
+        "start pose); whether the lag comes from the encoder, its converter or the log; the damping of the gears, "
+        "which a lag hides (a common lag of three axes of different size and load is the simpler cause); an "
+        "eccentricity, which over less than 0.9 rad looks like a scale and a small spring; the springs of axes 4 "
+        "to 6, which have one encoder."
     )
 
 

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from screw_result import Studied
 
 RPM = 30.0 / math.pi
-NOTES = """What this cannot tell:
+NOTES = """What the data do not determine:
 
-- Coulomb friction and load, direction by direction: both are a level. Half the sum of the two levels is what friction
-  takes, half the difference is load, gravity, an offset of the current, or asymmetric friction. Friction of these
-  drives grows with load (self-locking), so that is all of one piece, and one payload does not part it.
-- Whether a rise towards rest is of the screw, its nut or its bearings: there is the motor's side alone.
-- The velocity of a rise that is seen at the slowest two runs alone, as with the worm: only that it is of a few rpm.
+- Coulomb friction and load in one direction: both are a level. Half the sum of the two levels is friction, half the
+  difference is load, gravity, an offset of the current, or asymmetric friction. Friction of these drives grows with the
+  load (self-locking), so one payload cannot separate them.
+- Whether a rise towards rest comes from the screw, its nut or its bearings: only the motor's side was measured.
+- The velocity of a rise that only the two slowest runs show, as for the worm: it is a few rpm.
 - Anything in the first instants of motion: the start-stop files have a sample in 40 ms, of an averaged torque. Where
   the first 0.2 s do not stand out of what follows, a breakaway torque of another kind is not excluded.
 - `fd.diagnose` needs positions, and samples at 20 Hz or more; these files hold an averaged velocity at 8 to 156 Hz.
@@ -64,8 +64,11 @@ def _verdicts(made: Sequence[Studied]) -> str:
         "speeds",
     ]
     return _table(header, rows) + (
-        "\n\n*Other speeds*: drop of the squared errors, in units of noise, at the half of the speeds that was "
-        "predicted from the other half, both ways; *start-stop*: at the runs that took no part."
+        "\n"
+        "\n"
+        "*Other speeds*: decrease of the squared errors, in units of noise, at the half of the speeds that was "
+        "predicted from the other half, both ways; *start-stop*: the same at the runs that were not used in the "
+        "fit."
     )
 
 
@@ -103,8 +106,10 @@ def _starts(made: Sequence[Studied]) -> str:
     ]  # fmt: skip
     header = ["drive", "start-stop file", "rpm", "torque [mN m]", "named laws say", "Coulomb, viscous say", "start"]
     return _table(header, rows) + (
-        "\n\n*Start*: the greatest sample of the first 0.2 s of motion above the mean, in standard deviations of "
-        "single samples; the greatest of five samples of plain noise is about 1.2."
+        "\n"
+        "\n"
+        "*Start*: the largest sample of the first 0.2 s of motion above the mean, in standard deviations of single "
+        "samples; for the largest of five samples of pure noise it is about 1.2."
     )
 
 

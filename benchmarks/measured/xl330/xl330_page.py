@@ -50,10 +50,10 @@ def _errors(made: Study) -> Iterator[str]:
     rows.append(["**this study**", f"{1e3 * made.mean('fitted'):.1f}", f"{1e3 * made.unseen():.1f}"])
     yield markdown_table(["model", "these 8 logs [mrad]", "gains 200 and 800 by a fit to 100 and 400 [mrad]"], rows)
     yield (
-        "The last column is of the other eight logs as well for BAM's models, of these eight for ours. 'Less' leaves "
-        "one "
-        "effect out with all other numbers as fitted, so it says how much the model leans on it, not how well a model "
-        "without it could do. Where the motor is let go (lift_and_drop, 2 s) the arm swings on without an actuator."
+        "For BAM's models the last column includes the other eight logs, for ours only these eight. 'Less' leaves "
+        "one effect out and keeps all other numbers. So it shows how much the model depends on the effect, not how "
+        "good a fitted model without it would be. While the motor is switched off (lift_and_drop, 2 s), the arm is "
+        "simulated without an actuator."
     )
     yield "![measured and simulated](motions.png)"
 

@@ -1,1 +1,1 @@
-"""Recordings as the diagnosis takes them: on a uniform clock, filtered, errors of sensors taken off."""
+"""Recordings for the diagnosis: on a uniform clock, filtered, with sensor errors removed."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 KERNEL_REACH = 5.0
-"""Half length of a kernel in standard deviations: what is cut off is below 1e-6."""
+"""Half length of a kernel in standard deviations [1]: the neglected part is below 1e-6."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +18,7 @@ class Kernel:
     """A Gaussian smoother and its first two derivatives, sampled.
 
     ``y_k(t) = sum_m taps[k, m] x(t + m dt)``. Derivative taps sum to zero and reproduce straight lines and parabolas
-    exactly, so that no position leaks into a velocity and no velocity into an acceleration.
+    exactly, so that a position has no influence on a velocity and a velocity none on an acceleration.
 
     Attributes:
         taps: (3, 2 half + 1) [1, 1/s, 1/s^2].

@@ -1,4 +1,4 @@
-"""Recordings as the diagnosis takes them: on a uniform clock, joint by joint, with what is missing marked."""
+"""Recordings for the diagnosis: on a uniform clock, joint by joint, with flags for missing channels."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """One recording, one column a joint of the model; unmeasured columns are zero.
+    """One recording, one column for each joint of the model; unmeasured columns are zero.
 
     Attributes:
         name: of the recording.
@@ -25,7 +25,7 @@ class Measured:
         dt: between samples [s].
         q: link positions (samples, n) [rad or m].
         theta: rotor positions, reflected (samples, n).
-        tau: torques asked for, held (samples, n) [N m or N].
+        tau: commanded torques, held (samples, n) [N m or N].
         tau_s: torques measured in the transmission (samples, n).
         has_q: joints with a link encoder (n,).
         has_theta: joints with a motor encoder (n,).
@@ -55,7 +55,7 @@ class Measured:
         return {"q": self.q, "theta": self.theta, "tau": self.tau, "tau_s": self.tau_s}[signal]
 
     def part(self, first: int, last: int) -> Measured:
-        """Samples from `first` up to and without `last`; time goes on counting from the start of the run."""
+        """Samples from `first` up to, but without, `last`; times are still those since the start of the run."""
         cut = slice(first, last)
         columns = (self.q[cut], self.theta[cut], self.tau[cut], self.tau_s[cut])
         there = (self.has_q, self.has_theta, self.has_tau_s, self.forced)
@@ -63,10 +63,10 @@ class Measured:
 
 
 def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
-    """A recording made ready.
+    """Prepare a recording.
 
     Raises:
-        InputError: a joint that the model lacks, or one without torque or without any position.
+        InputError: a joint that the model does not have, or a joint without torque or without any position.
     """
     _check_joints(model, recording)
     recording = uniform(recording)
@@ -93,7 +93,7 @@ def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
             raise InputError(problem, key=joint, remedy=did_you_mean(joint, model.joint_names))
     for joint in model.joint_names:
         if not recording.has("tau", joint):
-            remedy = f"record the torque asked for as tau.{joint}, or lock the joint in the model"
+            remedy = f"record the commanded torque as tau.{joint}, or lock the joint in the model"
             raise InputError("no torque of the joint was recorded", key=f"tau.{joint}", remedy=remedy)
         if not recording.has("q", joint) and not recording.has("theta", joint):
             remedy = f"record q.{joint} or theta.{joint}"
@@ -105,7 +105,7 @@ def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
 
 
 def uniform(recording: Recording) -> Recording:
-    """The recording on a uniform clock; as it is where its own is uniform."""
+    """The recording on a uniform clock; unchanged if its own clock is uniform."""
     steps = np.diff(recording.t)
     dt = float(recording.t[-1] - recording.t[0]) / len(steps)
     grid = recording.t[0] + dt * np.arange(len(recording.t))

@@ -1,4 +1,4 @@
-"""Sampling rates: what is recorded far faster than an arm moves is decimated, what is too slow gets advice."""
+"""Sampling rates: recordings with very high rates are decimated, those with low rates get advice."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from flexdyn.records import Recording
 from flexdyn.simulation.plant import LinkSide
 
 HIGHEST_KEPT_RATE = 2500.0
-"""Rates above are decimated [Hz]: nothing that a diagnosis asks for is so fast, and its work grows with the rate."""
+"""Higher rates are decimated [Hz]: no effect needs them, and the computing time grows with the rate."""
 LEAST_KEPT_RATE = 1000.0
-"""The least rate that is left [Hz]."""
+"""Smallest rate after decimating [Hz]."""
 SLOW_RATE = 100.0
-"""Below this rate reversals and impacts lie between the samples [Hz]."""
+"""Below this rate reversals and impacts are between the samples [Hz]."""
 ADVISED_RATE = 250.0
-"""Rate that is advised [Hz]."""
+"""Recommended rate [Hz]."""
 SAMPLES_IN_A_PERIOD = 5.0
-"""Samples in a period of a vibration, below which it can hardly be seen."""
+"""With fewer samples in a period, a vibration can hardly be seen [1]."""
 
 
 def at_needed_rates(recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], tuple[str, ...]]:
-    """Recordings at 2500 Hz at most, and a sentence on each that was decimated."""
+    """Recordings with at most 2500 Hz, and a sentence for each that was decimated."""
     found: list[Recording] = []
     said: list[str] = []
     for rec in recordings:
@@ -43,7 +43,7 @@ def at_needed_rates(recordings: Sequence[Recording]) -> tuple[tuple[Recording, .
 
 
 def advice(model: FlexibleJointModel, data: Sequence[Measured]) -> Iterator[str]:
-    """What a higher rate would show, a sentence each.
+    """Sentences that recommend a higher rate, with the reason.
 
     Args:
         model: as given.

@@ -1,4 +1,4 @@
-"""Measured channels put right: what a model's sensor effects added is taken off again."""
+"""Corrected channels: the sensor effects of a model are removed from the measured channels."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 SPARE_SAMPLES = 16
-"""Samples beyond either end, as many as a spline's coefficients take notice of."""
+"""Number of samples beyond either end that have an influence on a spline's coefficients."""
 
 
 def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
-    """The true channels behind measured ones, if the model's sensor effects are right."""
+    """The true channels, if the model's sensor effects are right."""
     effects = [e for e in model.effects if isinstance(e, SensorEffect) and not e.is_neutral]
     if not effects:
         return data
@@ -41,7 +41,7 @@ def true_channel(effects: Iterable[SensorEffect], measured: Array, data: Measure
 
 
 def advanced(x: Array, delay: float, dt: float) -> Array:
-    """x(t + delay) [s] at the samples of x, by a cubic spline; beyond its ends the first and the last value hold.
+    """x(t + delay) [s] at the samples of x, by a cubic spline; beyond the ends it is the first and the last value.
 
     On a regular clock the spline is its B-spline coefficients passed through four taps (Unser et al., 1993).
     """

@@ -1,4 +1,4 @@
-"""Work in a thread beside the one that shows how far it is, so that Ctrl-C is answered whatever is computed."""
+"""Work in a second thread, while this one shows the progress, so that Ctrl-C is always answered."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexdyn.diagnose.progress import Course, following
 Progress = Callable[[str, float], None]
 Answer = TypeVar("Answer")
 STOPPING_TIME = 0.5
-"""Time that stopped work is given to come to its end [s]; what is known is told without it after that."""
+"""Time to wait for the end of stopped work [s]; after it the known results are reported without it."""
 
 
 class _Work(threading.Thread, Generic[Answer]):
@@ -40,9 +40,9 @@ class _Work(threading.Thread, Generic[Answer]):
 
 
 def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> Answer:
-    """Do some work in another thread and show how far it is in this one.
+    """Do some work in another thread and show its progress in this one.
 
-    The core computes for seconds at a time, and Python takes no signal meanwhile in the thread that called it.
+    The core computes for seconds at a time, and meanwhile Python handles no signal in the thread that called it.
 
     Args:
         work: that calls `tell` and `check` of `flexdyn.diagnose.progress`.

@@ -1,4 +1,4 @@
-"""Blocks of recordings that are kept apart as test data."""
+"""Blocks of recordings that are test data."""
 
 from __future__ import annotations
 

@@ -16,14 +16,14 @@ WEIGHTINGS, STEPS = 4, 4
 def calibrated(plain: Workspace, start: Hypothesis) -> Fit:
     """Fit the file's numbers, no effect added.
 
-    A gap that nothing explains bends them little, as the model error that they leave has its share of the weights.
+    An unexplained gap displaces them only a little, because the weights include the remaining model error.
 
     Args:
         plain: the equations of the model as given, with the sensors' weights.
         start: the numbers as given.
 
     Returns:
-        its hypothesis is kept within three tolerances; its equations are those of the hypothesis.
+        The fit; its hypothesis is within three tolerances, and its equations are those of the hypothesis.
     """
     return within(reweighted(plain, start))
 

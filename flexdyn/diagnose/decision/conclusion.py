@@ -95,7 +95,7 @@ def _on_fit(
     named, first = names_told(found), on_fit(plain, made, found, fitted)
     if not found.converged and (first.worse or first.farther):
         named, first = [], dataclasses.replace(first, stalled=found.fitted)
-    # A gap that nothing explains bends numbers without reason; so does one that only numbers out of tolerance explain.
+    # A gap without an established effect displaces numbers for no good reason.
     if not named and not (found.explained and found.hypothesis.tolerated().factors == found.hypothesis.factors):
         found, first = first.calibration_alone(found)
     return found, named, first

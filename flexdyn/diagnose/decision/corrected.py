@@ -30,8 +30,9 @@ from flexdyn.effects import Effect, JointEffect, JointElasticity
 Array = NDArray[np.float64]
 Share = Callable[[int], float]
 PROMISED_SHARE, PROMISED_DROP = 0.005, 10.0
-"""A fit has not converged where its next step promises to take such a share of its chi^2 off, and more than so much:
-the log likelihood of a name would change by five and more."""
+"""A fit has not converged if its next step would decrease chi^2 by more than this share and by more than this amount:
+the log likelihood of a name would change by five or more.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +88,8 @@ class Corrected:
 def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None = None) -> Corrected:
     """Name what is established, and fit the model with it and no more.
 
-    What is called "A or B" stays in the model as A. Where more than noise is left, something that has no name may have
-    bent the file's numbers: they are kept within their tolerance.
+    For an "A or B" the model contains A. If more than noise is left, something without a name may have displaced the
+    file's numbers: they are kept within their tolerance.
 
     Args:
         found: the posterior over structures.
@@ -110,7 +111,7 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     named = names(masses, best, own, there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
-    # What does more in the windows than all that is left there may be small in the equations.
+    # An effect that explains more in the windows than remains there may be small in the equations.
     least = {c: 0.0 if each > 1.0 else SMALLEST_TORQUE_SHARE for c, each in by_windows.items()}
     large = tuple(
         each
@@ -129,9 +130,9 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
 def _masses(found: Posterior) -> Masses:
     """Of all sets; where linearisations do not agree, averaged over them.
 
-    What the catalogue lacks is taken up by other laws at every linearisation; what is there stands in all of them. Of
-    the others' structures only what this one's best holds counts, and laws that contain it or that it contains: the
-    rest stands in for nothing.
+    Something outside the catalogue is explained by another law at every linearisation; an effect that exists is in all
+    of them. Of the structures at other linearisations, only effects of the present best structure count, and laws that
+    contain them or that they contain.
     """
     space, masses = found.space, Masses.of(found.known)
     best = {c for c, _ in found.best}

@@ -1,4 +1,4 @@
-"""For every "A or B" the experiment that would tell: each rival fitted in the place of what is named."""
+"""The experiment for every "A or B": each rival is fitted instead of the named effect."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ RIVAL_STEPS = 4
 def with_experiments(
     findings: Sequence[Finding], found: Corrected, named: Sequence[Name], noise: SampleNoise
 ) -> tuple[Finding, ...]:
-    """Findings with rivals, each with the motion that was shown by simulation to tell them apart.
+    """Findings with rivals, each with the motion that separates them in simulation.
 
     Args:
         findings: what is told.

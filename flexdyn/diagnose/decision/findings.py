@@ -45,7 +45,7 @@ def names_told(found: Corrected) -> list[Name]:
     """
     own = [each for each in found.names if (n := found.candidates[each.candidate].number) is None or _beyond(found, n)]
     own = [each for each in own if not _is_within_a_sample(found, found.effect(each.candidate))]
-    if not found.explained or found.fitted.block:  # windows bend numbers that equations would hold
+    if not found.explained or found.fitted.block:  # fits to windows displace numbers that the equations determine
         return own
     named = {each.candidate for each in found.names}
     for c, candidate in enumerate(found.candidates):
@@ -57,7 +57,7 @@ def names_told(found: Corrected) -> list[Name]:
 
 
 def lags_within_a_sample(found: Corrected) -> list[ChannelLag]:
-    """Lags of torques by no more than a sample: where in its sample a torque was read, nobody knows."""
+    """Lags of torques by at most one sample: the time within the sample at which a torque was read is unknown."""
     effects = found.hypothesis.effects
     return [each for each in effects if isinstance(each, ChannelLag) and _is_within_a_sample(found, each)]
 

@@ -50,8 +50,8 @@ class Shots:
     def closer(self) -> bool:
         """Whether the corrected model's positions are as near as the given one's, over the usual window.
 
-        The gap does not tell: it is in units of what a model expects, and a joint that sticks is expected to move not
-        at all.
+        The gap cannot be used: its unit is the error that a model expects, and for a sticking joint it expects no
+        motion.
         """
         return nearer(self.before.residual, self.after.residual)
 

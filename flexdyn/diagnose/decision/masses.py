@@ -1,4 +1,4 @@
-"""The posterior over sets of candidates: of every set its best grid points, all sets that were compared together."""
+"""The posterior over sets of candidates, each with its best grid points, normalised over all compared sets."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Masses:
         return cls(tuple(best), tuple(structure for _, structure in best.values()), log, weight / weight.sum())
 
     def mixed(self, others: Sequence[Set]) -> Masses:
-        """The mixture with other linearisations: each counts as much as this one, and holds one set for certain."""
+        """The mixture with other linearisations: each has the same weight and gives one set with certainty."""
         probability = dict(zip(self.sets, self.probability.tolist(), strict=True))
         for each in others:
             probability[each] = probability.get(each, 0.0) + 1.0

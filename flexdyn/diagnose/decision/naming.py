@@ -14,7 +14,7 @@ RIVAL_PROBABILITY = 0.02
 
 @dataclass(frozen=True)
 class Name:
-    """A candidate of the best set and those that stand in for it elsewhere.
+    """A candidate of the best set and the candidates that replace it in other sets.
 
     Attributes:
         candidate: its place.
@@ -30,7 +30,7 @@ class Name:
 
     @property
     def established(self) -> bool:
-        """Whether that is probable enough to be told."""
+        """Whether this is probable enough to be reported."""
         return self.probability >= ESTABLISHED
 
 

@@ -1,4 +1,4 @@
-"""What the data cannot tell, and what stopped short."""
+"""Notes about numbers that the data do not determine, and fits that have not converged."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _of_unknown(found: Corrected) -> Iterator[str]:
             name = number_phrase(model, number.of, number.parameter)
             entry = Calibration(number.of, number.parameter, factor, std[number], number.tolerance)
             if std[number] > UNINFORMED_SHARE * number.tolerance:
-                yield f"The {name} was not known, and these data do not tell it."
+                yield f"The {name} was not known, and these data do not determine it."
             else:
                 yield f"The {name} was not known: it is estimated as {estimate_text(estimate(model, entry))} (95 %)."
 
@@ -65,7 +65,7 @@ def _of_priors(found: Corrected) -> Iterator[str]:
 
 def _of_torques(found: Corrected) -> Iterator[str]:
     for each in lags_within_a_sample(found):
-        late = f"{each.channel} comes {1e3 * each.delay:.3g} ms late, less than a sample"
+        late = f"{each.channel} comes {1e3 * each.delay:.3g} ms late, by less than a sample"
         yield f"{late}: it was sampled rather than held, or read late in its sample; that is no finding"
 
 
@@ -74,9 +74,9 @@ def _of_channels(compared: Posterior) -> Iterator[str]:
     data, model = equations.data[0], compared.fitted.hypothesis.given
     for j, joint in enumerate(model.joint_names):
         if model.elastic[j] and not data.has_q[j]:
-            yield f"{joint}: no link encoder, so friction on link and motor are told apart by the spring alone"
+            yield f"{joint}: no link encoder, only the spring separates friction on the link from friction on the motor"
         if model.elastic[j] and not data.has_theta[j]:
-            yield f"{joint}: no motor encoder, so what happens at the rotor is seen through the spring alone"
+            yield f"{joint}: no motor encoder, so the motion of the rotor is seen through the spring alone"
 
 
 def _of_search(compared: Posterior) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""fd.diagnose: compare structures, name what is established, and test it on data that took no part."""
+"""fd.diagnose: compare structures, name the established effects, and test them on data that were not fitted."""
 
 from __future__ import annotations
 
@@ -45,23 +45,23 @@ def diagnose(
     """Find where a model and measurements disagree, name the missing effects, and add them.
 
     Args:
-        model: as it is believed to be, with its tolerance; numbers that are unknown are estimated.
-        fit: recordings to learn from: one or several, each a `Recording`, a run, a path or a pandas.DataFrame. Pieces
-            between gaps in time count as recordings of their own.
-        check: test data, given likewise, which only the final figures and the verdict read; none: the last fifth of
-            what moves in every recording of `fit`.
-        hold_out: blocks of the recordings of `fit` that are test data as well, pairs of first and last time [s].
-        expect: names of effects that this drive is likely to have, by its data sheet or its like: they are told from
-            something unknown that looks like them by the odds of common effects (docs/diagnosis.md, eq. 6).
-        progress: called with what is in work and the share of all work that is done, as far as that can be said; None:
-            a bar with the time on stderr where that is a terminal, or in a notebook; False: nothing.
+        model: the present model, with its tolerance; unknown numbers are estimated.
+        fit: fit data: one or several recordings, each a `Recording`, a run, a path or a pandas.DataFrame. Pieces
+            between gaps in time count as separate recordings.
+        check: test data, in the same form, which only the final figures and the verdict use; default: the last fifth of
+            the moving part of every recording of `fit`.
+        hold_out: blocks of the recordings of `fit` that are also test data, pairs of first and last time [s].
+        expect: names of effects that this drive probably has, for example by its data sheet: they get the prior odds of
+            common effects, against something unknown that resembles them (docs/diagnosis.md, eq. 6).
+        progress: called with the stage and the estimated finished share of the work; None: a progress bar with the time
+            on stderr if it is a terminal, or in a notebook; False: nothing.
 
     Returns:
         The verdict, the findings, the corrected model.
 
     Raises:
-        InputError: recordings that do not fit the model or cannot answer, an unknown effect.
-        Interrupted: Ctrl-C, with what was known by then.
+        InputError: recordings that do not fit the model or are not sufficient, or an unknown effect.
+        Interrupted: Ctrl-C; it has the results so far.
 
     Example:
         >>> drives = {"*": {"stiffness": 900.0, "damping": 1.5, "rotor_inertia": 4e-5}}
@@ -92,8 +92,8 @@ def diagnose(
     from threadpoolctl import threadpool_limits
 
     model, course = with_guesses(model), Course()
-    # Threads of the linear algebra share a sum out by their number and round it otherwise: the last digit of every
-    # figure, and a choice between structures that are equally likely, would depend on the machine.
+    # The number of threads of the linear algebra changes the rounding of sums: the last digit of every figure, and a
+    # choice between equally likely structures, would depend on the machine.
     expected = _in_catalogue(expect)
     with threadpool_limits(limits=1, user_api="blas"), shown(progress) as show:
         began = time.monotonic()

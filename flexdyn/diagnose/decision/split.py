@@ -1,4 +1,4 @@
-"""Which samples are fitted and which are test data, that nothing but the final figures and the verdict reads."""
+"""The division into fit data and test data; only the final figures and the verdict use the test data."""
 
 from __future__ import annotations
 
@@ -17,18 +17,19 @@ from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
 TEST_SHARE = 0.2
-"""Share of what moves in every recording that is test data where no other is given [1] (contract, section 8)."""
+"""Share of the moving part of every recording that is test data if none are given [1] (contract, section 8)."""
 SHORTEST_TEST_DATA = 1.0
 """Least length of such test data [s]: two windows of 0.5 s."""
 FEWEST_TEST_SAMPLES = 100
 """Least number of samples of such test data: at a slow clock the two filters take 20 at either end."""
 SHORTEST_CUT_RECORDING = 2.5
-"""Recordings that are shorter are not cut: what is left of one of them would be too short to fit [s]."""
+"""Shorter recordings are not cut, because the rest would be too short to fit [s]."""
 MOVING_TIME = 0.2
 """Time over which a joint must change its position to count as moving [s]."""
 REST_SIGMAS = 10.0
-"""A joint rests where its position ranges over fewer standard deviations of its encoder's noise: over some hundred
-samples noise alone ranges over five or six."""
+"""A joint rests if the range of its position is below this number of standard deviations of its encoder's noise [1]: in
+about a hundred samples, noise alone has a range of five or six.
+"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""The verdict: what is left on the test data, and whether it was named."""
+"""The verdict: whether noise is left on the test data, and whether effects were named."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from flexdyn.diagnose.report.result import Verdict
 def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
     """Whether what is left on the test data is noise.
 
-    The median window is as near as a perfect model's, and no joint's equations leave more than 1 % of its torque. The
-    median, as one window on the wrong side of a stick says little.
+    The gap of the median window is that of a perfect model, and no joint's equations leave more than 1 % of its torque.
+    The median is used because a single window with wrong sticking has little meaning.
 
     Args:
         shots: windows; None: the data are too short for one, and the equations alone tell.

@@ -1,1 +1,1 @@
-"""The equations of motion along measured motions: whether these fit them at all, residuals, noise, slopes."""
+"""The equations of motion along measured motions: plausibility of the data, residuals, noise, derivatives."""

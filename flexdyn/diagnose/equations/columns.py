@@ -31,7 +31,7 @@ ENLARGEMENTS, LARGEST_ENLARGEMENT = 8, 1e4
 
 
 def stands_alone(equations: Equations, effect: JointEffect) -> bool:
-    """Whether an effect's torque stands in the equations as it is, and changes no other."""
+    """Whether an effect's torque enters the equations directly and changes no other torque."""
     if not adds_up(effect):
         return False
     j = equations.true.index(effect.joint)
@@ -41,7 +41,7 @@ def stands_alone(equations: Equations, effect: JointEffect) -> bool:
 
 
 def is_loaded(equations: Equations, j: int) -> bool:
-    """Whether a joint has friction that depends on what its transmission carries."""
+    """Whether a joint has friction that depends on its transmission torque."""
     true = equations.true
     return any(isinstance(e, JointEffect) and e.takes_load and true.index(e.joint) == j for e in true.all_effects)
 
@@ -77,7 +77,7 @@ def of_replay(equations: Equations, effect: Effect, scale: float) -> Array:
 
 
 def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> Array:
-    """Change of the residual (rows,) where an effect that stands alone is another one of its kind."""
+    """Change of the residual (rows,) if an effect without influence on others is replaced by another of its kind."""
 
     def change(along: SmoothedMotion) -> tuple[str, Array]:
         (side, before), (_, after) = (own_torque(each, equations.true, along) for each in (effect, moved))
@@ -111,11 +111,11 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
 
 
 def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -> Array:
-    """Derivative of the residual (rows,) by a parameter of an effect that the model holds.
+    """Derivative of the residual (rows,) by a parameter of an effect of the model.
 
     Args:
         equations: of the model with the effect.
-        effect: that is there.
+        effect: the effect.
         name: of the parameter.
         step: of the difference, in the parameter's unit.
     """
@@ -141,7 +141,7 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
 
 
 def _given(equations: Equations, along: SmoothedMotion, j: int) -> Array:
-    """Torque (samples,) that the model needs of a motor, in recorded torque."""
+    """Torque (samples,) that a motor must give according to the model, in the scale of the recorded torque."""
     return equations.needed(along, j) - equations.lost(along, j)
 
 
@@ -157,12 +157,12 @@ def on_joint(effect: Effect) -> JointEffect:
 
 
 def _of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect | None = None) -> Array:
-    """The measured channel holds what the sensor added: the true one is less by that.
+    """Change of the rows (rows,) by the error that a sensor effect adds: the true channel is smaller by it.
 
     Args:
         equations: of the model.
         effect: of a sensor.
-        instead: of another one of its kind; None: of none.
+        instead: another effect of its kind, whose error is subtracted; None: none.
     """
     j = equations.true.index(effect.joint)
 

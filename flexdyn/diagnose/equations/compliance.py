@@ -1,4 +1,4 @@
-"""A rigid joint that is not: what a little compliance puts into the equations."""
+"""A joint that the model takes for rigid: the effect of a small compliance on the equations."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ Array = NDArray[np.float64]
 def of_compliance(equations: Equations, j: int) -> Array:
     """Derivative of the residual (rows,) by the compliance 1/K of a rigid joint, where that is 0.
 
-    With both encoders the deflection is measured, and should be what the link needs over K. With one, the other
-    position is off by the torque over K, and the acceleration of that loads the rotor or the links.
+    With both encoders the deflection is measured, and should equal the link's torque over K. With one encoder, the
+    other position has an error of torque over K, whose acceleration loads the rotor or the links.
     """
     return np.concatenate([_along(equations, each, j).ravel() for each in equations.motions])
 
 
 def _along(equations: Equations, along: SmoothedMotion, j: int) -> Array:
-    """Of one recording (times, equations)."""
+    """The derivative for one recording (times, equations)."""
     model, filters = equations.true, equations.filters
     terms, J = joint_terms(model, model.all_effects, along, j), model.rotor_inertia[j]
     by_link = along.inverse_dynamics[:, j] - J * along.a[:, j] - terms.link

@@ -1,4 +1,4 @@
-"""What sensor noise makes of the residuals: their covariance, and the whitening that it gives."""
+"""The covariance of the residuals from sensor noise, and the whitening with it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MASKED = 1e8
 
 @dataclass(frozen=True, eq=False)
 class SampleNoise:
-    """Standard deviations of white noise per sample, joint by joint (n,), zero where a channel is missing."""
+    """Standard deviations of white noise of a sample, by joint (n,), zero for a missing channel."""
 
     q: Array
     theta: Array
@@ -30,7 +30,7 @@ class SampleNoise:
 
 @dataclass(frozen=True, eq=False)
 class Whitener:
-    """The banded Cholesky factor of the residuals' covariance; masked rows weigh nothing."""
+    """The banded Cholesky factor of the residuals' covariance; masked rows have the weight zero."""
 
     factor: Array
     mask: NDArray[np.bool_]
@@ -40,7 +40,7 @@ class Whitener:
         from scipy.linalg import lapack
 
         flat = rows.reshape(len(rows), -1)
-        if not flat.size:  # LAPACK takes no empty tables
+        if not flat.size:  # LAPACK does not accept empty tables
             return rows.copy()
         white, info = lapack.dtbtrs(self.factor, flat, uplo="L")
         if info:
@@ -58,8 +58,8 @@ def whitener(equations: Equations, noise: SampleNoise, mask: NDArray[np.bool_], 
     Args:
         equations: whose residuals they are.
         noise: of the channels.
-        mask: rows that say nothing (rows,).
-        extra: variance of the rows beside that of noise, such as what the filters do to laws with corners (rows,).
+        mask: rows that are not used (rows,).
+        extra: additional variance of the rows, such as the error of the filters at corners of a law (rows,).
     """
     from scipy.linalg import cholesky_banded
 
@@ -122,7 +122,7 @@ def _coefficients(equations: Equations, along: SmoothedMotion) -> dict[tuple[str
 
 
 def _links(equations: Equations, data: Measured, M: Array, row: int, j: int, kind: str, add: Add) -> None:
-    """The links' accelerations in one equation: measured, or made up from the rotors'."""
+    """The links' accelerations in one equation: measured, or computed from those of the rotors."""
     model = equations.true
     has_q, has_theta = data.has_q, data.has_theta
     K, D, J = model.stiffness, model.damping, model.rotor_inertia
@@ -141,7 +141,7 @@ def _links(equations: Equations, data: Measured, M: Array, row: int, j: int, kin
                 add((channel, i), 5, row, M[:, j, i] * J[j] * D[j] / K[j] ** 2)
     if kind == TOTAL and model.elastic[j]:
         add(("theta" if has_theta[j] else "q", j), 2, row, -J[j])
-    elif kind == TOTAL and has_q[j] and has_theta[j]:  # M holds the rotor, whose acceleration theta tells
+    elif kind == TOTAL and has_q[j] and has_theta[j]:  # M includes the rotor, whose acceleration follows from theta
         add(("theta", j), 2, row, -J[j])
         add(("q", j), 2, row, J[j])
 
@@ -186,16 +186,16 @@ def _correlation(a: Array, b: Array, shift: int) -> float:
 def variances(
     equations: Equations, noise: SampleNoise, row: int, j: int, *, second: bool = True
 ) -> tuple[float, float]:
-    """Variance of one equation's rows: by all channels but tau_j, and by tau_j of unit variance.
+    """Variance of one equation's rows from all channels except tau_j, and from tau_j with unit variance.
 
-    Taken at the middle of the first recording, with neighbours as they stand there.
+    It is evaluated at the middle of the first recording.
 
     Args:
-        equations: whose rows they are.
+        equations: that have the rows.
         noise: of the channels.
-        row: place of the equation among `kinds`.
+        row: index of the equation in `kinds`.
         j: joint of the torque.
-        second: of second differences of the rows, not of the rows.
+        second: whether to use second differences of the rows instead of the rows.
     """
     kernels = _kernels(equations)
     along = equations.motions[0]
@@ -215,7 +215,7 @@ def variances(
 
 
 def encoders_rule(equations: Equations, noise: SampleNoise) -> bool:
-    """Whether in some motor's equation the encoders make more noise than its torque does."""
+    """Whether in some motor's equation the encoders cause more noise than the torque."""
     for place, (j, kind) in enumerate(equations.kinds):
         if kind in (MOTOR, TOTAL):
             others, unit = variances(equations, noise, place, j, second=False)

@@ -1,4 +1,4 @@
-"""Residuals of the equations of motion along measured motions: what a model leaves unexplained, and where."""
+"""Residuals of the equations of motion along measured motions."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ class Equations:
     both encoders also theta = q, from the start on and whatever a model makes of the joint later [rad or m].
 
     Attributes:
-        model: whose equations they are.
+        model: that has the equations.
         data: the recordings, as measured.
         filters: that every term passes.
-        stiffness: by which the links' equations are measured (n,) [N m/rad]; None: the model's own.
+        stiffness: scale of the links' equations (n,) [N m/rad]; None: the model's own.
     """
 
     model: FlexibleJointModel
@@ -51,7 +51,7 @@ class Equations:
 
     @lazy
     def true(self) -> FlexibleJointModel:
-        """The model with parameter errors and elasticities folded in."""
+        """The model with parameter errors and elasticities applied."""
         return self.model.resolved()
 
     @lazy
@@ -81,7 +81,7 @@ class Equations:
 
     @lazy
     def motions(self) -> tuple[SmoothedMotion, ...]:
-        """The smoothed motions, sensor effects of the model taken off."""
+        """The smoothed motions, without the sensor effects of the model."""
         bases = self._bases or (None,) * len(self.smoothed)
         return tuple(motion(self.links, *each) for each in zip(self.smoothed, bases, strict=True))
 
@@ -92,18 +92,18 @@ class Equations:
 
     @lazy
     def smoothed(self) -> tuple[Smoothed, ...]:
-        """The recordings behind the first filter, sensor effects of the model taken off."""
+        """The recordings after the first filter, without the sensor effects of the model."""
         kernel = self.filters.first
         return tuple(smoothed(self.true, self.links, corrected(each, self.model), kernel) for each in self.data)
 
     @lazy
     def residual(self) -> Array:
-        """What the model leaves (rows,) [N m or N]: zero but for noise where it is right."""
+        """The residuals (rows,) [N m or N]: only noise if the model is right."""
         check()
         return self._rows(self.true, self.motions, self.true.all_effects)
 
     def of(self, model: FlexibleJointModel) -> Equations:
-        """The same data under another model; motions are shared where the model does not touch them."""
+        """The same data with another model; motions are shared if the models do not change them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
         other = replace(self, model=model, stiffness=own)
         if not (self.made_up.any() or self.replayed.any()) and same_signals(self.model, model):
@@ -116,7 +116,7 @@ class Equations:
         return other
 
     def of_joint(self, j: int, model: FlexibleJointModel, effects: Sequence[Effect]) -> Array:
-        """What one joint's terms put into the rows (rows,), the links' inertia left out."""
+        """The contribution of one joint's terms to the rows (rows,), without the inertia of the links."""
         parts = []
         for along in self.motions:
             terms = joint_terms(model, effects, along, j)
@@ -125,7 +125,7 @@ class Equations:
         return np.concatenate(parts)
 
     def own(self, j: int) -> Array:
-        """What one joint's terms put into the rows (rows,) with the model's own effects; remembered, as many ask."""
+        """The contribution of one joint's terms to the rows (rows,) with the model's own effects; it is cached."""
         if j not in self._own:
             self._own[j] = self.of_joint(j, self.true, self.true.all_effects)
         return self._own[j]
@@ -147,8 +147,7 @@ class Equations:
     def needed(self, along: SmoothedMotion, j: int) -> Array:
         """Motor torque (samples,) that the model needs for a motion.
 
-        It stands for the torque asked for in columns: that one's noise is in the residual as well, and would bias what
-        is multiplied with it.
+        In columns it replaces the commanded torque, whose noise is also in the residual and would cause a bias.
         """
         effects = [e for e in self.true.all_effects if e.stage != "actuator"]
         terms = joint_terms(self.true, effects, along, j)
@@ -162,15 +161,15 @@ class Equations:
         return np.asarray(left)
 
     def lost(self, along: SmoothedMotion, j: int) -> Array:
-        """Of the torque asked for (samples,), what the back-EMF of a motor under voltage takes; else nothing."""
+        """The part of the commanded torque (samples,) that the back-EMF of a motor under voltage takes; else zero."""
         return np.asarray(self.back_emf(j) * along.omega[:, j])
 
     def back_emf(self, j: int) -> float:
-        """Slope [N m s/rad] by which a motor under voltage gives less of the torque asked for the faster it turns."""
+        """Decrease of the torque of a motor under voltage with speed [N m s/rad]."""
         return sum(law.back_emf / law.gain for law in self.motors[j])
 
     def of_torque(self, j: int, torque: Callable[[SmoothedMotion], tuple[str, Array]]) -> Array:
-        """What one torque on the motor's or link's side of a joint puts into the rows (rows,)."""
+        """The contribution of one torque on the motor or link side of a joint to the rows (rows,)."""
         parts = []
         for along in self.motions:
             side, values = torque(along)
@@ -180,7 +179,7 @@ class Equations:
         return np.concatenate(parts)
 
     def of_damper(self, j: int) -> Array:
-        """What the damper of an elastic joint with both encoders puts into the rows (rows,)."""
+        """The contribution of the damper of an elastic joint with both encoders to the rows (rows,)."""
         parts = []
         for along in self.motions:
             torque = self.true.damping[j] * along.ddelta[:, j]
@@ -188,7 +187,7 @@ class Equations:
         return np.concatenate(parts)
 
     def of_links(self, others: Sequence[LinkSide]) -> Array:
-        """Change of the rows (rows, others) where the links have other inertias: less ``M a + h``."""
+        """Change of the rows (rows, others) with other inertias of the links: minus the change of ``M a + h``."""
         parts = []
         for along in self.motions:
             extra = self.links.extra_torques(others, along.q, along.v, along.a)
@@ -196,15 +195,15 @@ class Equations:
         return np.concatenate(parts)
 
     def _heavier(self, along: SmoothedMotion, more: Array) -> Array:
-        """Change of the rows (times * equations,) where the links need more (samples, n)."""
+        """Change of the rows (times * equations,) if the links need additional torques (samples, n)."""
         with SILENT():
             needed = np.where(self.true.elastic, 0.0, -more)
             return self.combined(along, None, -more, needed).ravel()
 
     def of_channel(self, signal: str, j: int, error: Callable[[Measured], Array]) -> Array:
-        """First-order change of the rows (rows,) where a true channel is the measured one plus `error` (samples,).
+        """First-order change of the rows (rows,) if a true channel is the measured one plus `error` (samples,).
 
-        A position made up from the other encoder moves with it. What the change does to friction is left out.
+        A position that is computed from the other encoder changes with it. The change of friction is neglected.
         """
         parts = []
         model = self.true
@@ -248,7 +247,8 @@ class Equations:
         terms = [joint_terms(model, effects, along, j) for j in range(model.n)]
         motor = np.stack([each.motor for each in terms], axis=1)
         link = np.stack([each.link for each in terms], axis=1) - along.inverse_dynamics
-        # The inertia of a rigid joint's rotor is in M; where theta was measured, that tells its acceleration better.
+        # The inertia of a rigid joint's rotor is in M; if theta was measured, it gives the acceleration more
+        # accurately.
         ahead = along.alpha - np.where(model.elastic, 0.0, along.a)
         motor -= model.rotor_inertia * ahead
         tau_s = along.tau_s - np.stack([each.tau_s for each in terms], axis=1)
@@ -263,10 +263,10 @@ class Equations:
         only: int | None = None,
         wound: Array | None = None,
     ) -> Array:
-        """Rows (times, equations) of what stands in the motors', the links' and the sensors' equations (samples, n).
+        """Rows (times, equations) of the terms in the equations of motors, links and sensors (samples, n).
 
-        With `only`, of that joint alone (samples,). None: nothing stands there. `wound` is the deflection of rigid
-        joints (samples, n), if any.
+        With `only`, the terms of that joint alone (samples,). None: no terms. `wound` is the deflection of rigid joints
+        (samples, n), if any.
         """
         rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
         each = (motor, link, tau_s if self.sensed else None)
@@ -297,9 +297,10 @@ class Equations:
 
     @lazy
     def softness(self) -> Array:
-        """Stiffness over that by which the links' equations are measured (n,).
+        """Stiffness over the scale of the links' equations (n,).
 
-        They are in deflection, times a stiffness that no fit changes: else a soft spring on a light arm left less.
+        These equations are deflections times a stiffness that no fit changes; otherwise a softer spring would make the
+        residuals smaller.
         """
         ratio = np.ones(self.true.n)
         if self.stiffness is not None:
@@ -309,15 +310,16 @@ class Equations:
 
     @lazy
     def motors(self) -> tuple[tuple[MotorTorque, ...], ...]:
-        """The law of each joint's motor under voltage, none where the motor is under torque."""
+        """The law of each joint's motor under voltage; None for a motor under torque."""
         laws = [law for law in self.true.motor_laws if isinstance(law, MotorTorque)]
         return tuple(tuple(law for law in laws if law.joint == name) for name in self.true.joint_names)
 
     @lazy
     def gains(self) -> Array:
-        """True torque over recorded torque (n,): the equations are in recorded torque, whose noise stays as it is.
+        """True torque over recorded torque (n,): the equations have the scale of the recorded torque.
 
-        Otherwise a motor that gives nothing would explain an arm that weighs nothing, and leave no noise at all.
+        The noise of the recorded torque is constant. Otherwise a motor without torque and an arm without mass would
+        give residuals without noise.
         """
         gains = np.ones(self.true.n)
         for effect in self.true.all_effects:
@@ -328,11 +330,11 @@ class Equations:
         return np.where(np.abs(gains) < 0.05, np.copysign(0.05, gains), gains)
 
     def _lifted(self, along: SmoothedMotion, motor: Array | None, link: Array | None, only: int | None) -> Array:
-        """What made-up positions do to the equations (times, n).
+        """The effect of computed positions on the equations (times, n).
 
-        A link position from the motor's equation is wrong by ``-motor/K``: its acceleration loads every link, gravity
-        pulls at another place and Coriolis' torque is another one. A rotor position from the link's equation is wrong
-        by ``-link/K``, whose acceleration loads the rotor.
+        A link position from the motor's equation has the error ``-motor/K``: its acceleration loads every link, and it
+        changes the torques of gravity and Coriolis. A rotor position from the link's equation has the error
+        ``-link/K``, whose acceleration loads the rotor.
         """
         first, model = along.data, self.true
         lifted = np.zeros((self.filters.count(len(along.t)), model.n))

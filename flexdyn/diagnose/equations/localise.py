@@ -1,4 +1,4 @@
-"""Where the gap is: whose equation, and in which regime; and what to draw of it."""
+"""The place of the gap: the equation and the regime, and the pictures of it."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ Array = NDArray[np.float64]
 POWER_BLOCK = 0.025
 """Length of the blocks whose power is compared [s]."""
 CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
-"""Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
+"""Standard deviations of a sum of squares that count as chance, and relative uncertainty of the noise level [1]."""
 LEAST_SHARE = 0.01
-"""Places of a smaller share of the excess are left out [1]."""
+"""Places with a smaller share of the excess are left out [1]."""
 SIDES = {
     "motor": "motor side",
     "link": "link side",
@@ -32,16 +32,16 @@ SIDES = {
 def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tuple[ResidualPlace, ...]:
     """Share of the gap and regime of every equation, the largest share first.
 
-    Residuals count white, in units of their noise: what the encoders make of a stiff spring is large in both equations
-    of a joint and would hide in which of them a torque is missing.
+    Normalised residuals are used: with a stiff spring, the noise of the encoders is large in both equations of a
+    joint and would hide in which of them a torque is missing.
 
-    Only what is beyond chance counts; where nothing is, there are no places.
+    Only residuals beyond chance count; if there are none, there are no places.
 
     Args:
-        equations: of the model whose gap is looked at, as a rule the calibrated one before the findings.
-        white: what is left of its whitened rows once offsets of the encoders are allowed for (rows,):
+        equations: of the model, usually the calibrated one before the findings.
+        white: its whitened residuals after the offsets of the encoders are fitted (rows,):
             ``fit.regression.left[: len(mask)]``.
-        mask: rows that say nothing (rows,).
+        mask: rows that are not used (rows,).
     """
     many = len(equations.kinds)
     power = white.reshape(-1, many) ** 2
@@ -63,7 +63,7 @@ def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tup
 
 
 def _regime(equations: Equations, place: int, power: Array, seen: NDArray[np.bool_]) -> str:
-    """The regime of one equation: rows are gathered to blocks, those that say nothing left out."""
+    """The regime of one equation: rows are combined to blocks, without masked rows."""
     j, kind = equations.kinds[place]
     blocks: list[Array] = []
     columns: list[list[Quantity]] = []
@@ -94,7 +94,7 @@ def _sums(x: Array, width: int) -> Array:
 
 
 def _quantities(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[Quantity]:
-    """What an equation's residual may depend on, over the samples of a motion (samples,)."""
+    """Quantities on which an equation's residual may depend, over the samples of a motion (samples,)."""
     model = equations.true
     angle = model.robot.angle_unit(model.joint_names[j])
     torque = "N m" if angle == "rad" else "N"
@@ -131,10 +131,10 @@ def traces(before: Equations, after: Equations, mask: NDArray[np.bool_]) -> tupl
     Args:
         before: of the model as it was given.
         after: of the corrected model, over the same recordings.
-        mask: rows that say nothing (rows,): they are left out.
+        mask: rows that are not used (rows,).
 
     Returns:
-        Three pictures an equation: the first recording over its time, all of them over velocity and position.
+        Three pictures for each equation: the first recording over time, all recordings over velocity and position.
     """
     many = len(before.kinds)
     shown, hidden = before.residual.reshape(-1, many), mask.reshape(-1, many)

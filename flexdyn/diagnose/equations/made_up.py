@@ -14,28 +14,28 @@ from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 STEEP_SPRING_ROUNDS, STEEP_SPRING_STEP, STEEPEST_SPRING = 8, 1e-4, 10.0
-"""Of Newton's method: steps, relative difference for its slopes, and how steep these are at most over the spring's."""
+"""Newton's method: steps, relative difference for slopes, and largest ratio of slopes to the spring's stiffness."""
 
 
 def made_up(
     model: FlexibleJointModel, links: LinkSide, q: Array, theta: Array, tau: Array, data: Measured, kernel: Kernel
 ) -> tuple[Array, Array]:
-    """Link and rotor positions, the missing ones behind the spring and the gap of their joint.
+    """Link and rotor positions; missing ones are computed from the law of the transmission.
 
-    The transmission winds by what its law needs to carry ``tau - J alpha - f_motor`` or ``M a + h + f_link``. What else
-    the model has, or may lack, is allowed for to first order.
+    The deflection is the one at which the transmission carries ``tau - J alpha - f_motor`` or ``M a + h + f_link``.
+    Other effects of the model, and missing ones, are taken into account to first order.
 
     Args:
         model: resolved.
         links: its link side.
-        q: measured positions of the links, where there are none those of the rotors (samples, n).
-        theta: the reverse.
-        tau: asked for (samples, n).
+        q: measured positions of the links, else those of the rotors (samples, n).
+        theta: measured positions of the rotors, else those of the links (samples, n).
+        tau: commanded torques (samples, n).
         data: the recording.
         kernel: the first filter.
 
     Returns:
-        of links and of rotors, behind the filter (samples, n) each [rad or m].
+        Positions of links and of rotors after the filter, (samples, n) each [rad or m].
     """
     only_motor, only_link = model.elastic & ~data.has_q, model.elastic & ~data.has_theta
     smooth_q, smooth_theta, smooth_tau = (kernel.apply(x, 0) for x in (q, theta, tau))
@@ -47,7 +47,7 @@ def made_up(
         smooth_q[:, j] = smooth_theta[:, j] - _wound(model, j, carried)
     if only_link.any():
         v, a = kernel.apply(q, 1), kernel.apply(q, 2)
-        for j in np.flatnonzero(only_motor).tolist():  # a joint without link encoder moves nearly as its rotor does
+        for j in np.flatnonzero(only_motor).tolist():  # a joint without link encoder moves nearly like its rotor
             v[:, j], a[:, j] = omega[:, j], alpha[:, j]
         total = links.inverse_dynamics(smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():
@@ -61,7 +61,7 @@ def _acting(model: FlexibleJointModel, j: int) -> list[JointEffect]:
 
 
 def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
-    """Deflection (samples,) under what the transmission carries (samples,), by Newton's method."""
+    """Deflection (samples,) for a transmission torque (samples,), by Newton's method."""
     K, acting = model.stiffness[j], _acting(model, j)
     springs = [effect for effect in acting if isinstance(effect, HardeningSpring | SpringHysteresis)]
     seen = carried / K
@@ -75,7 +75,7 @@ def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
 
 
 def _more(springs: list[HardeningSpring | SpringHysteresis], seen: Array) -> Array:
-    """Torque (samples,) of what acts beside the linear spring."""
+    """Torque (samples,) of the laws in addition to the linear spring."""
     still = np.zeros_like(seen)
     parts = (e.along(seen) if isinstance(e, SpringHysteresis) else e.torque(seen, still) for e in springs)
     return np.asarray(sum(parts, still))

@@ -1,4 +1,4 @@
-"""Rows that say nothing: where a velocity has no certain sign, dry friction may be anything between its levels."""
+"""Masked rows: where the sign of a velocity is uncertain, dry friction can have any value between its levels."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from flexdyn.diagnose.equations.motion import SmoothedMotion
 
 Array = NDArray[np.float64]
 CERTAIN_SIGN_SIGMAS = 5.0
-"""A velocity of fewer standard deviations than this has no certain sign."""
+"""The sign of a velocity below this number of standard deviations is uncertain [1]."""
 
 
 def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) -> NDArray[np.bool_]:
-    """Rows (rows,) whose filters reach an instant at which a velocity of their joint has no certain sign.
+    """Rows (rows,) whose filters cover an instant at which the sign of a velocity of their joint is uncertain.
 
     Args:
-        equations: whose rows they are.
+        equations: that have the rows.
         noise: of the encoders.
-        alone: whether joints with a made-up position hide no rows of other joints.
+        alone: whether joints with a computed position do not mask rows of other joints.
     """
     found = []
     for along in equations.motions:
@@ -29,7 +29,7 @@ def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) 
         unseen = [] if alone else [(int(i), TOTAL) for i in np.flatnonzero(equations.made_up)]
         for place, (j, kind) in enumerate(equations.kinds):
             if kind != SENSOR:
-                # A made-up position lacks its own joint's stuck friction, and loads every other equation with it.
+                # A computed position lacks the friction of its sticking joint; the error enters every other equation.
                 for i, of in {(j, kind), *unseen}:
                     hidden[:, place] |= _uncertain(equations, along, noise, i, of)[at]
         found.append(hidden.ravel())
@@ -37,7 +37,7 @@ def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) 
 
 
 def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int, kind: str) -> NDArray[np.bool_]:
-    """Samples from which an uncertain sign is within reach of the filters."""
+    """Samples whose filters cover an uncertain sign."""
     filters = equations.filters
     data = along.data
     spread = float(np.linalg.norm(filters.first.taps[1]))
@@ -49,7 +49,7 @@ def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
         if kind in (MOTOR, LINK) and kind != side:
             continue
         sigma = level if there else max(noise.q[j], noise.theta[j]) * 3.0
-        uncertain |= np.abs(u) <= CERTAIN_SIGN_SIGMAS * spread * sigma  # 0 has none, however good the encoder
+        uncertain |= np.abs(u) <= CERTAIN_SIGN_SIGMAS * spread * sigma  # the sign of 0 is always uncertain
         uncertain[1:] |= u[1:] * u[:-1] < 0.0
     passes = 1 + (along.lost > filters.first.half)
     reach = round(0.6 * (passes * filters.first.half + filters.second.half))  # three standard deviations of each

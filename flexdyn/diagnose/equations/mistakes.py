@@ -1,4 +1,4 @@
-"""Mistakes that a recording may be made with, and how well the equations of motion explain the torque under each."""
+"""Possible mistakes in a recording, and how well the equations of motion explain the torque with each."""
 
 from __future__ import annotations
 
@@ -20,37 +20,37 @@ from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 SMOOTHING = 0.012
-"""Standard deviation of the filter [s]: wide enough that a coarse encoder's acceleration says something."""
+"""Standard deviation of the filter [s]: wide enough for the acceleration from a coarse encoder."""
 INSTANT_SPACING = 0.006
-"""Time between the instants that are looked at [s]."""
+"""Time between the samples that are used [s]."""
 DEGREE = 180.0 / np.pi
 """Degrees in a radian."""
 SMALLEST_CHECKED_RATIO = 5.0
-"""A gear ratio below this cannot be told from a wrong mass: it is not looked for."""
+"""A smaller gear ratio cannot be distinguished from a wrong mass and is not tested [1]."""
 UNIT_GAIN_FACTOR, CHANNEL_GAIN_FACTOR = 3.0, 2.0
-"""A torque fits a unit, and another assignment of channels, where its gain is 1 within these factors."""
+"""A torque fits a unit, or another assignment of channels, if its gain is 1 within these factors [1]."""
 WOUND_SPRING_RATIO = 3.0
-"""An elastic joint with one encoder says nothing where it moves by less than so many times what its spring may wind."""
+"""An elastic joint with one encoder is tested only if it moves by more than this multiple of its deflection [1]."""
 EXPLAINED_SHARE = 0.8
-"""Share of a torque's variance that a mistake, once undone, must explain [1]."""
+"""Share of a torque's variance that must be explained after a mistake is corrected [1]."""
 FAR, COURSE = 10.0, 0.3
-"""A torque at a gain beyond this factor has a wrong unit where it has this share of the needed one's course."""
+"""A torque has a wrong unit if its gain exceeds this factor and it explains this share of the needed torque [1]."""
 WRONG_SIGN_SHARE = 0.4
-"""A torque against the needed one has a wrong sign where it has this share of its course [1]."""
+"""A torque opposite to the needed one has a wrong sign if it explains this share of it [1]."""
 
 
 @dataclass(frozen=True)
 class Mistake:
-    """What may be wrong with the positions and torques of a recording, and undone.
+    """A possible mistake in the positions and torques of a recording, which can be corrected.
 
     Attributes:
         problem: in words.
-        remedy: what to do.
-        joints: that it is about.
-        order: the column of positions that joint j takes (n,).
-        scale: that its positions are divided by (n,).
-        torque_order: the column of torques that joint j takes (n,).
-        torque_scale: that its torques are divided by (n,).
+        remedy: what the user can do.
+        joints: joints with the mistake.
+        order: index of the column with the positions of joint j (n,).
+        scale: divisor of its positions (n,).
+        torque_order: index of the column with the torques of joint j (n,).
+        torque_scale: divisor of its torques (n,).
     """
 
     problem: str
@@ -63,13 +63,13 @@ class Mistake:
 
     @property
     def of_torques(self) -> bool:
-        """Whether it is nothing but factors of torques."""
+        """Whether it changes only factors of torques."""
         straight = tuple(range(len(self.order)))
         return self.order == self.torque_order == straight and all(factor == 1.0 for factor in self.scale)
 
     @property
     def of_units(self) -> bool:
-        """Whether positions are off by more than a missing effect could make of them."""
+        """Whether the error of positions is larger than any missing effect could cause."""
         return any(far(factor) for factor in self.scale)
 
     def undone(self, data: Measured) -> Measured:
@@ -82,15 +82,15 @@ class Mistake:
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """How the torques asked for follow those that the model needs, joint by joint (n,).
+    """The agreement of the commanded torques with those that the model needs, joint by joint (n,).
 
-    Offset, viscous and dry friction are taken off both: a model may well lack them.
+    Offset, viscous and dry friction are removed from both, because a model often lacks them.
 
     Attributes:
-        gain: torque asked for over torque needed [1].
-        share: of the variance that the needed torque explains at that gain, 0 to 1.
-        plain: the same at a gain of 1; below 0 where it makes things worse.
-        says: whether enough is left beside friction and noise to tell.
+        gain: commanded torque over needed torque [1].
+        share: of the variance that the needed torque explains with that gain, 0 to 1.
+        plain: the same with a gain of 1; below 0 if the residual is larger than the torque.
+        says: whether the rest without friction and noise is large enough for a test.
     """
 
     gain: Array
@@ -100,16 +100,16 @@ class Match:
 
 
 def match(model: FlexibleJointModel, links: LinkSide, data: Measured, *, springs: bool = False) -> Match:
-    """Compare the torques of a recording with those the model needs for its motion.
+    """Compare the torques of a recording with those that the model needs for the motion.
 
-    The springs cancel from the sum of a joint's two equations, ``tau = J alpha + M a + h + friction``, so that it does
-    not matter which encoders there are, as long as the joint moves by more than its spring.
+    The springs cancel in the sum of a joint's two equations, ``tau = J alpha + M a + h + friction``. Therefore either
+    encoder can be used, if the joint moves by more than its deflection.
 
     Args:
         model: resolved.
         links: its link side.
         data: the recording, on a uniform clock.
-        springs: take what a spring at the link does off both as well.
+        springs: whether to remove the torque of a spring at the link from both as well.
     """
     along = motion(links, _thinned(smoothed(model, links, _both(corrected(data, model)), _kernel(data.dt))))
     torques = [_needed_and_friction(model, along, j, springs) for j in range(model.n)]
@@ -146,7 +146,7 @@ def _matched(asked: Array, needed: Array, friction: Array) -> tuple[float, float
 
 
 def _both(data: Measured) -> Measured:
-    """A position that is missing taken from the joint's other encoder: springs bend little."""
+    """Replace a missing position by that of the joint's other encoder: deflections are small."""
     q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, data.q)
     there = np.ones_like(data.has_q)
@@ -158,12 +158,12 @@ def _kernel(dt: float) -> Kernel:
 
 
 def reach(dt: float) -> int:
-    """Samples that the filter takes off a recording's ends."""
+    """Number of samples that the filter removes at each end of a recording."""
     return 2 * _kernel(dt).half
 
 
 def liveliest(data: Measured, seconds: float) -> Measured:
-    """The part of a recording of so many seconds in which its joints travel farthest, each by its own measure."""
+    """The part of a recording of a given length in which its joints move most, relative to their ranges."""
     rows, step = round(seconds / data.dt), max(1, round(0.5 / data.dt))
     if len(data.t) <= rows:
         return data
@@ -182,30 +182,30 @@ def _thinned(signals: Smoothed) -> Smoothed:
 
 
 def far(gain: Array | float) -> NDArray[np.bool_]:
-    """Whether a gain is beyond what missing effects and wrong masses make."""
+    """Whether a gain is larger or smaller than missing effects and wrong masses can explain."""
     return np.asarray((np.abs(gain) > FAR) | (np.abs(gain) < 1.0 / FAR))
 
 
 def needed_share(gain: Array | float) -> Array:
-    """Share of the needed torque's course that makes one believe in a torque's wrong unit or sign."""
+    """Share of the needed torque that must be explained before a wrong unit or sign is assumed."""
     return np.where(far(gain), COURSE, np.where(np.asarray(gain) < 0.0, WRONG_SIGN_SHARE, EXPLAINED_SHARE))
 
 
 def fits(mistake: Mistake, undone: Match) -> NDArray[np.bool_]:
-    """Whether every torque is as large as the model needs once a mistake is undone (n,)."""
+    """Whether every torque has the size that the model needs after a mistake is corrected (n,)."""
     within = UNIT_GAIN_FACTOR if mistake.of_torques or mistake.of_units else CHANNEL_GAIN_FACTOR
     return np.asarray((undone.gain > 1.0 / within) & (undone.gain < within))
 
 
 def wanted_share(mistake: Mistake, gain: Array) -> Array:
-    """Share of every torque's variance (n,) that a mistake, once undone, must explain; `gain` as the recording is."""
+    """Share of every torque's variance (n,) to be explained after a mistake is corrected; `gain` is the present one."""
     if mistake.of_torques:
         return needed_share(gain)
     return np.where(far(gain) & mistake.of_units, COURSE, EXPLAINED_SHARE)
 
 
 def mistakes(model: FlexibleJointModel, seen: Match) -> Iterator[Mistake]:
-    """Mistakes worth a look, those of torques with the factors that were seen."""
+    """Mistakes to be tested; those of torques have the measured factors."""
     n = model.n
     convincing = [j for j in range(n) if seen.share[j] >= needed_share(seen.gain[j])]
     units = {j: unit for j in convincing if (unit := torque_unit(model, j, float(seen.gain[j])))}
@@ -219,7 +219,7 @@ def mistakes(model: FlexibleJointModel, seen: Match) -> Iterator[Mistake]:
 
 
 def torque_unit(model: FlexibleJointModel, j: int, gain: float) -> tuple[float, str, str] | None:
-    """The factor that a torque is off by, what it looks like and the remedy; None where it looks right."""
+    """The error factor of a torque, its probable cause and the remedy; None if it seems right."""
     name, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
     unit = "N" if model.robot.kinds[j] == "prismatic" else "N m"
     known = [
@@ -238,7 +238,7 @@ def torque_unit(model: FlexibleJointModel, j: int, gain: float) -> tuple[float, 
 
 
 def _width(factor: float) -> float:
-    """Within which a gain is taken for a factor: a sign leaves the size as it is."""
+    """Tolerance for a gain to match a factor; a sign does not change the size."""
     return CHANNEL_GAIN_FACTOR if factor == -1.0 else UNIT_GAIN_FACTOR
 
 

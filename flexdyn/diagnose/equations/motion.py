@@ -1,4 +1,4 @@
-"""The smoothed motion of one recording, and the link encoders or motor encoders that are missing made up for."""
+"""The smoothed motion of one recording, with computed positions for missing link or motor encoders."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ Places = NDArray[np.intp] | slice
 DYNAMICS_STEP = 1e-5
 """Step of the differences of h [rad and rad/s, or m and m/s]."""
 SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE = 0.01, 0.1
-"""Shares of their ranges by which motions, and the torques that they need, may differ for slopes of h to be shared."""
+"""Slopes of h are shared if motions, and their torques, differ by less than these shares of their ranges [1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Smoothed:
-    """Signals behind the first filter, at the full rate, one column a joint.
+    """Signals after the first filter, at the full rate, one column for each joint.
 
     Attributes:
         t: times since the start of the run (samples,) [s].
         dt: between samples [s].
         q, v, a: of the links (samples, n).
         theta, omega, alpha: of the rotors (samples, n); those of the links on a rigid joint with one encoder.
-        tau: torque asked for (samples, n), the mean over each instant's two halves of held samples.
-        tau_s: measured in the transmission (samples, n); zero where it was not.
-        data: the channels before the filter, sensor effects taken off.
-        lost: samples of `data` before the first one here.
+        tau: commanded torque (samples, n), the mean over each instant's two halves of held samples.
+        tau_s: measured in the transmission (samples, n); zero if it was not.
+        data: the channels before the filter, without sensor effects.
+        lost: number of samples of `data` before the first one here.
     """
 
     t: Array
@@ -66,12 +66,12 @@ class Smoothed:
 
 @dataclass(frozen=True, eq=False)
 class SmoothedMotion(Smoothed):
-    """Smoothed signals, and what the links' dynamics are along them.
+    """Smoothed signals, and the dynamics of the links along them.
 
     Attributes:
-        links: whose dynamics.
+        links: the link side.
         inverse_dynamics: M a + h (samples, n) [N m].
-        near: another one so much like it that slopes of M a + h at all samples are taken from there; None: its own.
+        near: a similar motion whose slopes of M a + h are used; None: its own slopes.
     """
 
     links: LinkSide
@@ -85,20 +85,20 @@ class SmoothedMotion(Smoothed):
 
     @lazy
     def ranges(self) -> tuple[float, float, float]:
-        """How far positions, velocities and the torques needed reach from end to end, of the joint of most."""
+        """Ranges of positions, velocities and needed torques, for the joint with the largest ones."""
         tables = (self.q, self.v, self.inverse_dynamics)
         q, v, total = (float((x.max(axis=0) - x.min(axis=0)).max()) for x in tables)
         return q, v, total
 
     def dragged(self, j: int, moved: Sequence[Array], at: Places = slice(None)) -> Array:
-        """Change of M a + h (samples, n) where a joint's position, speed and acceleration move.
+        """Change of M a + h (samples, n) by changes of a joint's position, speed and acceleration.
 
-        ``dh/dq_j dq + dh/dv_j dv + M_j da``, the slopes of h by differences.
+        ``dh/dq_j dq + dh/dv_j dv + M_j da``, with the slopes of h by differences.
 
         Args:
             j: the joint.
-            moved: its position, speed and acceleration (samples,).
-            at: samples of the motion that are asked for.
+            moved: changes of its position, speed and acceleration (samples,).
+            at: samples of the motion.
         """
         if self.near is not None and isinstance(at, slice):
             return self.near.dragged(j, moved, at)
@@ -106,7 +106,7 @@ class SmoothedMotion(Smoothed):
         return np.asarray(sum(s * d[:, None] for s, d in zip(slopes, moved, strict=True)))
 
     def _slopes(self, j: int, at: Places) -> tuple[Array, Array]:
-        """Of h by a joint's position and by its speed (samples, n); remembered, as many columns ask."""
+        """Slopes of h by a joint's position and by its speed (samples, n); they are kept for further columns."""
         place = (j, isinstance(at, slice))
         if place not in self._known:
             q, v = self.q[at], self.v[at]
@@ -127,9 +127,9 @@ def motion(links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = Non
     """The links' dynamics along smoothed signals.
 
     Args:
-        links: whose.
+        links: the link side.
         signals: of one recording.
-        base: motion of another model in the same recording, whose slopes will do if it is near.
+        base: motion of another model in the same recording, whose slopes are used if it is similar.
     """
     total = links.inverse_dynamics(signals.q, signals.v, signals.a)
     own = {entry.name: getattr(signals, entry.name) for entry in dataclasses.fields(signals)}
@@ -138,7 +138,7 @@ def motion(links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = Non
 
 
 def _alike(one: SmoothedMotion, base: SmoothedMotion) -> bool:
-    """Whether slopes of M a + h are the same but for what their use, which is small itself, does not care about."""
+    """Whether two motions are so similar that the slopes of M a + h can be shared: these enter only small terms."""
     if one.q.shape != base.q.shape:
         return False
     pairs = ((one.q, base.q), (one.v, base.v), (one.inverse_dynamics, base.inverse_dynamics))
@@ -152,7 +152,7 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
     Args:
         model: resolved.
         links: its link side.
-        data: channels with sensor effects taken off.
+        data: channels without sensor effects.
         kernel: the first filter.
 
     A joint with one encoder gets the other position from its own equation (`made_up`), or where its motion is
@@ -169,7 +169,7 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
         q = replayed(model, q, theta, data, t[kernel.half : len(t) - kernel.half])
         tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
         lost += kernel.half
-    elif not data.both.all():  # as many samples as if a joint turned out to be elastic
+    elif not data.both.all():  # as many samples as for an elastic joint
         inner = slice(kernel.half, len(t) - kernel.half)
         q, theta, tau, tau_s, t = q[inner], theta[inner], tau[inner], tau_s[inner], t[inner]
         lost += kernel.half
@@ -219,7 +219,7 @@ def hidden_links(model: FlexibleJointModel, data: Measured) -> NDArray[np.bool_]
 
 
 def centred(tau: Array) -> Array:
-    """A torque that is held from each sample to the next, at the samples: the mean of before and after."""
+    """A torque that is held from each sample to the next, at the samples: the mean of the values before and after."""
     mean = tau.copy()
     mean[1:] = 0.5 * (tau[1:] + tau[:-1])
     return mean

@@ -1,4 +1,4 @@
-"""How noisy the channels are, estimated from the data."""
+"""The noise of the channels, estimated from the data."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ENCODER_NOISE_SHARE = 0.5
 
 
 def encoder_noise(data: tuple[Measured, ...], signal: str) -> Array:
-    """Standard deviation of each joint's encoder (n,) [rad or m]: of its steps, or of what no motion explains."""
+    """Standard deviation of each joint's encoder (n,) [rad or m]: of its steps, or of parts that no motion explains."""
     n = getattr(data[0], signal).shape[1]
     return np.array([max(_of_channel(getattr(each, signal)[:, j]) for each in data) for j in range(n)])
 
@@ -36,15 +36,15 @@ def _of_channel(x: Array) -> float:
 
 
 def _rough(x: Array) -> float:
-    """Standard deviation of what differs from one sample to the next (samples,)."""
+    """Standard deviation of the part that changes from sample to sample (samples,)."""
     high = np.convolve(x, DIFFERENCE, "valid") / np.linalg.norm(DIFFERENCE)
     return GAUSS * float(np.median(np.abs(high - np.median(high))))
 
 
 def recorded_torque_noise(data: tuple[Measured, ...]) -> Array:
-    """Standard deviation of what each recorded torque changes from sample to sample (n,) [N m or N].
+    """Standard deviation of the changes of each recorded torque from sample to sample (n,) [N m or N].
 
-    It is more than the noise where a controller passes on that of its encoders, for such torque is real.
+    It is larger than the noise if a controller amplifies the noise of its encoders, because this torque is real.
     """
     return np.array([max(_rough(each.tau[:, j]) for each in data) for j in range(data[0].tau.shape[1])])
 
@@ -52,15 +52,15 @@ def recorded_torque_noise(data: tuple[Measured, ...]) -> Array:
 def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], encoders: SampleNoise) -> Array:
     """Standard deviation of each joint's torque channel (n,) [N m or N].
 
-    Second differences of what the equations leave hold noise and hardly anything of a missing effect; what the encoders
-    make of it is taken off, the rest is the torque's, in the record or at the motor. Where the encoders make most of
-    it, as with one of them missing, what the record itself changes from sample to sample is taken.
+    Second differences of the residuals contain noise and hardly any missing effect. The part of the encoders is
+    subtracted; the rest is noise of the torque, in the recording or at the motor. If the encoders cause most of it, as
+    with a missing encoder, the changes of the recorded torque from sample to sample are used instead.
 
     Args:
-        equations: fitted as well as the model can be.
+        equations: of the fitted model.
         left: their residuals, not whitened (rows,).
-        mask: rows that say nothing.
-        encoders: noise with any torque noise of 1 per joint.
+        mask: rows that are not used.
+        encoders: noise, with a torque noise of 1 for each joint.
     """
     many = len(equations.kinds)
     rows, hidden = left.reshape(-1, many), mask.reshape(-1, many)

@@ -1,4 +1,4 @@
-"""The regime in which a residual stands out: low speed, one direction, a range of positions, the first minutes."""
+"""The regime in which a residual is largest: low speed, one direction, a range of positions, the first minutes."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 REGIME_BINS = 12
-"""Bins of equal numbers of blocks that a quantity is cut into."""
+"""Number of bins of a quantity, with equal numbers of blocks."""
 BLOCKS_AS_ONE = 8.0
-"""Blocks that count as one: neighbours in time are alike."""
+"""Number of blocks that count as one, because neighbours in time are correlated."""
 NAMED_VARIANCE_SHARE = 0.15
 """Share of the variance of the logarithm of the power that a quantity must explain to be named [1]."""
 REGIME_DENSITY = 1.6
-"""Times as much excess per time as outside that a regime must hold [1]."""
+"""Smallest ratio of excess per time inside a regime to that outside [1]."""
 ZERO_BOUND_SHARE = 1e-3
-"""A lower bound of so small a share of the upper one is none [1]."""
+"""A lower bound below this share of the upper one is left out [1]."""
 EVERYWHERE = "everywhere"
 
 
 @dataclass(frozen=True, eq=False)
 class Quantity:
-    """Something that a residual may depend on.
+    """A quantity on which a residual may depend.
 
     Attributes:
-        text: how a range reads; ``{}`` stands for it, such as ``"q {} rad"``, ``"abs(omega) {} rad/s"``.
+        text: text of a range; ``{}`` is the placeholder, as in ``"q {} rad"``, ``"abs(omega) {} rad/s"``.
         values: over the blocks (blocks,).
         signed: whether only its sign counts.
     """
@@ -39,14 +39,14 @@ class Quantity:
 
 
 def regime(power: Array, quantities: Sequence[Quantity]) -> str:
-    """Where the power of a residual stands out, in words.
+    """The regime in which the power of a residual is largest, in words.
 
-    That quantity is taken whose bins explain most of the variance of the power's logarithm, then a second one where it
-    explains as much again of what is left. The range is the one that holds the most excess for its time.
+    The quantity is the one whose bins explain most of the variance of the logarithm of the power. A second one is added
+    if it explains enough of the rest. The range is the one with the largest excess for its time.
 
     Args:
-        power: mean squares of white residuals, block by block (blocks,); 1 is noise.
-        quantities: that it may depend on.
+        power: mean squares of normalised residuals, block by block (blocks,); 1 is noise.
+        quantities: on which it may depend.
     """
     excess = np.maximum(power - 1.0, 0.0)
     if len(power) < 2.0 * BLOCKS_AS_ONE or not excess.sum() > 0.0:
@@ -78,7 +78,7 @@ def _bins(quantity: Quantity) -> NDArray[np.intp]:
 
 
 def _edges(quantity: Quantity) -> Array:
-    """Between the bins; fewer where many values are equal."""
+    """Edges between the bins; fewer if many values are equal."""
     if quantity.signed:
         return np.zeros(1)
     return np.unique(np.quantile(quantity.values, np.arange(1, REGIME_BINS) / REGIME_BINS))
@@ -90,7 +90,7 @@ def _means(level: Array, bins: NDArray[np.intp]) -> Array:
 
 
 def _explained(level: Array, quantity: Quantity) -> float:
-    """Share of variance that the bins explain, less what chance makes of so many."""
+    """Share of the variance that the bins explain, minus the share that is expected by chance."""
     bins = _bins(quantity)
     variance = float(level.var())
     used = len(np.unique(bins))
@@ -102,7 +102,7 @@ def _explained(level: Array, quantity: Quantity) -> float:
 
 
 def _range(excess: Array, quantity: Quantity, inside: NDArray[np.bool_]) -> tuple[str, NDArray[np.bool_]] | None:
-    """The run of bins that holds the most excess for its time, in words and as blocks; None: hardly any."""
+    """Consecutive bins with the largest excess for their time, in words and as blocks; None if it is small."""
     bins, edges = _bins(quantity), _edges(quantity)
     many = len(edges) + 1
     time = np.bincount(bins[inside], minlength=many) / max(int(inside.sum()), 1)
@@ -121,7 +121,7 @@ def _range(excess: Array, quantity: Quantity, inside: NDArray[np.bool_]) -> tupl
 
 
 def _words(edges: Array, first: int, last: int) -> str:
-    """Bins `first` up to and without `last`, as a reader says it."""
+    """Bins `first` up to, but without, `last`, in words."""
     if first == 0 or (last <= len(edges) and 0.0 <= edges[first - 1] < ZERO_BOUND_SHARE * edges[last - 1]):
         return f"< {_rounded(edges[last - 1])}"
     if last > len(edges):
@@ -130,7 +130,7 @@ def _words(edges: Array, first: int, last: int) -> str:
 
 
 def _rounded(value: float) -> str:
-    """Two digits are enough to say where."""
+    """Round to two digits."""
     if not value:
         return "0"
     digits = 1 - math.floor(math.log10(abs(value)))

@@ -1,4 +1,4 @@
-"""Recordings that cannot answer: one clear line says what is wrong or missing, before any name is given."""
+"""Checks of the recordings before the diagnosis: one line says what is wrong or missing."""
 
 from __future__ import annotations
 
@@ -31,51 +31,51 @@ from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 LEAST_MOVING_TIME = 1.5
-"""Least time in which something moves, in all recordings of the fit together [s]: three windows of 0.5 s."""
+"""Smallest time of motion in all recordings of the fit together [s]: three windows of 0.5 s."""
 SHORTEST_RECORDING = 0.5
-"""Least length of one recording [s]: a window."""
+"""Smallest length of one recording [s]: a window."""
 REMEDY = (
-    f"{LEAST_MOVING_TIME:g} s of motion to fit are the least, three windows of 0.5 s; several short recordings add up;"
-    " without test data of their own (check), the last fifth of it is kept apart, and at least 1 s"
+    f"at least {LEAST_MOVING_TIME:g} s of motion to fit are needed, three windows of 0.5 s; several short recordings"
+    " add up; without test data of their own (check), the last fifth is kept as test data, and at least 1 s"
 )
 LEAST_RATE = 20.0
-"""Least rate [Hz]: below it no acceleration of an arm is seen, and a clock in ms is likely."""
+"""Smallest rate [Hz]: below it accelerations of an arm cannot be seen, and the clock is probably in ms."""
 MOVING_SIGMAS = 10.0
-"""A joint moves where its positions range over more than so many standard deviations of the encoder's noise."""
+"""A joint moves if the range of its positions exceeds this number of standard deviations of the encoder's noise [1]."""
 ENCODERS_ALIKE_SHARE = 0.9
-"""Share of the variance that two encoders of one joint have in common at least, if both are its own [1]."""
+"""Smallest common share of the variance of the two encoders of a joint [1]."""
 DEAD_ENCODER_SHARE = 1e-3
-"""An encoder is dead where its range is below this share of that of the joint's other one [1]."""
+"""An encoder does not work if its range is below this share of the range of the joint's other one [1]."""
 POOR_VARIANCE_SHARE = 0.7
-"""Mistakes are looked for where a model explains less of a torque's variance [1]."""
+"""Mistakes are searched if a model explains less of a torque's variance [1]."""
 LIVELIEST_LENGTH = 12.0
-"""Length of the liveliest part of a recording, in which mistakes are looked for [s]."""
+"""Length of the part of a recording with the most motion, in which mistakes are searched [s]."""
 BETTER_BY_SHARE = 0.2
-"""A mistake about several joints explains this much more of every one's torque, if not all of it [1]."""
+"""The correction of a mistake of several joints must explain this additional share of each torque, or all of it [1]."""
 NOTED_VARIANCE_SHARE = 0.5
-"""Less than this of its variance is worth a note."""
+"""If less than this share of a torque's variance is explained, there is a note [1]."""
 SIZE_WEIGHT = 0.1
-"""Of two mistakes the better has torques of the right size: what a factor of e costs in share [1]."""
+"""Penalty in explained share for torques of the wrong size, for a factor of e [1]."""
 UNCHECKED = "Units and signs of the torques were not checked, as numbers of the model are not known."
 BELIEVED_RATIO = 5.0
-"""A mistake believed leaves this much less than the recording as it is given."""
+"""A mistake is accepted only if its correction reduces the unexplained share by this factor [1]."""
 
 
 def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> tuple[str, ...]:
-    """Refuse what cannot be diagnosed.
+    """Refuse data that cannot be diagnosed.
 
-    A missing effect changes a torque by a share of it; a wrong unit, sign, joint or clock makes it another one. So a
-    recording is refused only where one such mistake explains the torque and the recording as given does not.
+    A missing effect changes a torque partly; a wrong unit, sign, joint or clock changes it completely. So a recording
+    is refused only if the correction of one such mistake explains the torque and the given recording does not.
 
     Args:
         model: as given.
         data: the recordings, on uniform clocks.
 
     Returns:
-        Notes, a sentence each: what looks odd and could be told from nothing.
+        Notes, one sentence each, about suspicious properties without a clear cause.
 
     Raises:
-        InputError: the recording, channel and value, and what to do.
+        InputError: it names the recording, the channel, the value and the remedy.
     """
     true = model.resolved()
     for each in data:
@@ -93,7 +93,7 @@ def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> t
 def _check_clock(data: Measured) -> None:
     if data.dt > 1.0 / LEAST_RATE:
         remedy = "times are in s: divide them by 1000 if they are in ms; else record at 100 Hz or more"
-        problem = f"samples {data.dt:g} s apart are too slow to see an arm accelerate"
+        problem = f"samples {data.dt:g} s apart are too far apart to show an arm's accelerations"
         raise InputError(problem, file=data.name, key="t", remedy=remedy)
     length = data.dt * (len(data.t) - 1)
     if length < SHORTEST_RECORDING - data.dt or len(data.t) <= 2 * reach(data.dt):
@@ -101,12 +101,12 @@ def _check_clock(data: Measured) -> None:
 
 
 def _check_torques(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
-    """A torque that never changes cannot be compared with anything; a passive joint's is zero."""
+    """Refuse a torque that never changes, unless it is zero, as for a passive joint."""
     for j, joint in enumerate(model.joint_names):
         held = [float(each.tau[0, j]) for each in data]
         constant = all((each.tau[:, j] == each.tau[0, j]).all() for each in data)
         if constant and (any(held) or all((each.tau == each.tau[:1]).all() for each in data)):
-            remedy = "record the torque asked for while it changes: a motion with accelerations and reversals"
+            remedy = "record the commanded torque while it changes: a motion with accelerations and reversals"
             value = f"{held[0]:g} throughout"
             problem = "the torque is constant"
             raise InputError(problem, file=data[0].name, key=f"tau.{joint}", value=value, remedy=remedy)
@@ -132,14 +132,14 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
 
 
 def _range(x: Array, dt: float) -> float:
-    """Range of a position (samples,), averaged over 20 ms so that noise counts little."""
+    """Range of a position (samples,), averaged over 20 ms to reduce noise."""
     width = min(max(1, round(0.02 / dt)), len(x))
     means = x[: len(x) // width * width].reshape(-1, width).mean(axis=1)
     return float(means.max() - means.min())
 
 
 def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array]) -> float:
-    """Time in which some joint moves [s]: in blocks of 0.1 s, beyond its noise."""
+    """Time in which some joint moves by more than its noise, in blocks of 0.1 s [s]."""
     width = max(1, round(0.1 / data.dt))
     blocks = len(data.t) // width
     moves = np.zeros(blocks, dtype=bool)
@@ -151,9 +151,9 @@ def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array])
 
 
 def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
-    """Both positions of a joint are nearly the same: springs bend little.
+    """Check that both positions of a joint are nearly the same: deflections are small.
 
-    Of a joint that is held, by friction or its motor, one may wind by the spring alone while the other rests.
+    If friction or the motor holds one side of a joint, the other side may move by the deflection alone.
     """
     both = np.flatnonzero(data.both)
     for j in both:
@@ -185,7 +185,7 @@ def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
 
 
 def _looks(model: FlexibleJointModel, j: int) -> list[tuple[float, str, str]]:
-    """Slopes of theta over q that a mistake makes, what it is and the remedy."""
+    """Slopes of theta over q for possible mistakes, with the mistake and the remedy."""
     joint, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
     small, unit = ("mm", 1e3) if model.robot.kinds[j] == "prismatic" else ("degrees", DEGREE)
     looks = [
@@ -205,7 +205,7 @@ def _looks(model: FlexibleJointModel, j: int) -> list[tuple[float, str, str]]:
 
 
 def _line(x: Array, y: Array) -> tuple[float, float]:
-    """Slope of y over x, and the share of variance that they have in common."""
+    """Slope of y over x, and their common share of variance."""
     dx, dy = x - x.mean(), y - y.mean()
     xx, yy, xy = float(dx @ dx), float(dy @ dy), float(dx @ dy)
     if xx == 0.0 or yy == 0.0:
@@ -214,7 +214,7 @@ def _line(x: Array, y: Array) -> tuple[float, float]:
 
 
 def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Iterator[str]:
-    """Whether one mistake explains the torques far better than the recording as it is given."""
+    """Refuse the recording if the correction of one mistake explains the torques far better."""
     seen = match(model, links, data)
     poor = seen.says & (seen.plain < POOR_VARIANCE_SHARE)
     if poor.any():
@@ -223,7 +223,7 @@ def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured)
         joint, gain, share = model.joint_names[j], float(seen.gain[j]), float(seen.share[j])
         if share > EXPLAINED_SHARE and far(gain):
             remedy = f"check the unit of tau.{joint} and the masses of the model"
-            problem = "the torque has the right course and the wrong size"
+            problem = "the torque has the right shape and the wrong size"
             value = f"{gain:.3g} times what the model needs"
             raise InputError(problem, file=data.name, key=f"tau.{joint}", value=value, remedy=remedy)
         if (share > NOTED_VARIANCE_SHARE and 0.5 < gain < 2.0) or data.forced[j]:  # a rig tests what models lack
@@ -250,13 +250,13 @@ def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) 
 
 
 def _beyond_springs(model: FlexibleJointModel, links: LinkSide, data: Measured, mistake: Mistake) -> bool:
-    """Whether another unit of the positions explains more than a spring that the model lacks would."""
+    """Whether another unit of the positions explains more than a missing spring would."""
     sprung, undone = (match(model, links, each, springs=True) for each in (data, mistake.undone(data)))
     return all(undone.says[j] and undone.share[j] > sprung.plain[j] + BETTER_BY_SHARE for j in mistake.joints)
 
 
 def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]) -> float | None:
-    """Mean share explained once a mistake is undone, less what the size is off; None where that does not convince."""
+    """Mean explained share after correcting a mistake, minus the penalty for the size; None if it is too small."""
     known = seen.says | undone.says
     now = np.where(fits(mistake, undone), undone.share, 0.0)
     before = np.clip(seen.plain, 0.0, 1.0)
@@ -271,7 +271,7 @@ def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]
 
 
 def _refused(data: Measured, joints: Sequence[str], seen: Match, mistake: Mistake, undone: Match) -> InputError:
-    """The line for a mistake that was believed; it stands at the joint that it explains most of."""
+    """The error for an accepted mistake; it names the joint for which the correction explains most."""
     j = max(mistake.joints, key=lambda i: float(undone.share[i]) - max(float(seen.plain[i]), 0.0))
     if mistake.of_torques:
         j, value = mistake.joints[0], f"{seen.gain[mistake.joints[0]]:.3g} times what the model needs"

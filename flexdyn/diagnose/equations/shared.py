@@ -1,4 +1,4 @@
-"""What two models have in common, so that what was made of a recording with one holds for the other."""
+"""Common properties of two models, so that results for a recording can be shared between them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 
 def same_signals(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
-    """Whether two models leave the same signals behind the first filter where no position is made up."""
+    """Whether two models give the same signals after the first filter if no position is computed."""
     mine, its = ([e for e in each.effects if isinstance(e, SensorEffect)] for each in (one, other))
     return mine == its and np.array_equal(one.elastic, other.elastic)
 

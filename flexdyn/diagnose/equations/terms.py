@@ -29,7 +29,7 @@ def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
 
 
 def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
-    """tau_applied (samples,): the actuator effects act on the torque asked for one after the other."""
+    """tau_applied (samples,): the actuator effects act on the commanded torque one after the other."""
     tau = motion.tau[:, j]
     acting = [e for e in effects if e.stage == "actuator"]
     for effect in sorted(acting, key=lambda e: e.order):
@@ -41,10 +41,10 @@ def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: in
 
 
 def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
-    """tau_s (samples, 2): what the link feels, and what the rotor does.
+    """tau_s (samples, 2) on the link, and on the rotor.
 
-    Kinematic error first, then dead zones, then every spring law; hysteresis takes the result. The rotor feels the
-    springs' torque times the slope of the kinematic error.
+    Kinematic error first, then dead zones, then every spring law; hysteresis takes the result. The torque on the rotor
+    is the springs' torque times the slope of the kinematic error.
     """
     K, D = model.stiffness[j], model.damping[j]
     true, theta = motion.delta[:, j], motion.theta[:, j]
@@ -72,7 +72,7 @@ def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], mot
 def friction_torque(
     effects: Sequence[JointEffect], model: FlexibleJointModel, motion: SmoothedMotion, j: int, side: str, carried: Array
 ) -> Array:
-    """f_motor or f_link (samples,) of a joint; `carried` is tau_s, on which some of it depends."""
+    """f_motor or f_link (samples,) of a joint; `carried` is tau_s, on which some laws depend."""
     x, u = (motion.q, motion.v) if side == "link" else (motion.theta, motion.omega)
     total = np.zeros(len(motion.t))
     for effect in effects:
@@ -92,7 +92,7 @@ def adds_up(effect: JointEffect) -> bool:
 
 
 def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedMotion) -> tuple[str, Array]:
-    """Side and torque (samples,) that an effect which adds up puts on the right side of that side's equation."""
+    """Side of an additive effect, and its torque (samples,) on the right side of that side's equation."""
     j = model.index(effect.joint)
     if effect.stage == "link":
         return "link", effect.torque(motion.q[:, j], motion.v[:, j], t=motion.t)
@@ -115,13 +115,13 @@ def link_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) 
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """What stands in a joint's equations beside inertia, M a and h, (samples,) each [N m or N].
+    """Terms of a joint's equations except inertia, M a and h, (samples,) each [N m or N].
 
     Attributes:
-        motor: tau_applied - tau_s - f_motor; on a rigid joint without tau_s.
-        link: tau_s - f_link + torques on the link; on a rigid joint without tau_s.
-        tau_s: carried by the transmission; where one of its positions was made up, or it is rigid, what the link needs:
-            so friction that takes the load stands in rows of motor torque, and not the load in rows of what is left.
+        motor: tau_applied - tau_s - f_motor; for a rigid joint without tau_s.
+        link: tau_s - f_link + torques on the link; for a rigid joint without tau_s.
+        tau_s: torque in the transmission; if one of its positions was computed, or if it is rigid, the torque that the
+            link needs. So load-dependent friction is computed from the load and not from the residual.
     """
 
     motor: Array

@@ -1,4 +1,4 @@
-"""Laws that users write in Python, over whole motions: arrays where the law takes them, else sample by sample."""
+"""Laws that users write in Python, over whole motions: with arrays if the law accepts them, else sample by sample."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
 TRIED = 5
-"""Samples at which a law over arrays must say what it says of single numbers."""
+"""Number of samples at which a law must give the same result for arrays and for single numbers."""
 
 
 def torque_of(effect: Effect, x: Array, u: Array, *, t: Array, tau: Array) -> Array:
@@ -23,10 +23,10 @@ def torque_of(effect: Effect, x: Array, u: Array, *, t: Array, tau: Array) -> Ar
         x: position of its side (samples,).
         u: velocity of its side (samples,).
         t: time since the start of the run (samples,) [s].
-        tau: before the law, for the stage ``actuator``; others of users' get 0.
+        tau: torque before the law, for the stage ``actuator``; users' laws of other stages get 0.
 
     Raises:
-        InputError: a user's law fails somewhere, or gives no finite number.
+        InputError: a user's law raises an error, or gives no finite number.
     """
     if not effect.is_python:
         return effect.torque(x, u, t=t, tau=tau)
@@ -50,11 +50,11 @@ def _single(effect: Effect, x: float, u: float, t: float, tau: float) -> float:
 
 
 def _at_once(effect: Effect, x: Array, u: Array, t: Array, tau: Array) -> Array | None:
-    """The law over arrays; None where it takes none, or says something else than of single numbers."""
+    """The law over arrays; None if it does not accept arrays, or if the result differs from that of single numbers."""
     try:
         out: Any = np.asarray(effect.torque(x.copy(), u.copy(), t=t.copy(), tau=tau.copy()), dtype=float)
         whole = np.array(np.broadcast_to(out, x.shape))
-    except Exception:  # what is wrong with it is said of single numbers
+    except Exception:  # the error is reported for single numbers
         return None
     for k in np.linspace(0, len(x) - 1, min(TRIED, len(x))).astype(int):
         alone = _single(effect, float(x[k]), float(u[k]), float(t[k]), float(tau[k]))

@@ -1,1 +1,1 @@
-"""Motions that would tell names apart, tried by simulation."""
+"""Motions that would separate rivals, tested by simulation."""

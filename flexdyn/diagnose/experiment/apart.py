@@ -1,4 +1,4 @@
-"""How far two hypotheses part over a motion that was not made yet, the rival's numbers fitted again."""
+"""The difference between two hypotheses for a future motion, with the rival's numbers fitted again."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
 NEW_MOTION_STEPS = 2
-"""Gauss-Newton steps by which a hypothesis bends to a new motion."""
+"""Number of Gauss-Newton steps with which a hypothesis is fitted to a new motion."""
 
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """A hypothesis and what the recordings made so far say about its numbers.
+    """A hypothesis and the information of the present recordings about its numbers.
 
     Attributes:
-        fitted: to them.
-        root: with d the numbers' distance from the best ones, ``|root d|^2`` is what chi^2 grows by there, tolerances
-            included; columns as those of the fit's regression.
+        fitted: to these recordings.
+        root: ``|root d|^2`` is the increase of chi^2, tolerances included, if the numbers differ by d from the best
+            ones; columns as those of the fit's regression.
     """
 
     fitted: Fit
@@ -42,13 +42,13 @@ class Known:
 
     @classmethod
     def of(cls, fitted: Fit) -> Known:
-        """Of a fit; where more than noise is left in it, it says less by as much."""
+        """Information of a fit; it is reduced if more than noise is left."""
         rows = fitted.regression
         whole = np.vstack([rows.X, np.diag(1.0 / rows.sigma)])
         return cls(fitted, np.asarray(np.linalg.qr(whole, mode="r")) / np.sqrt(max(1.0, fitted.reduced)))
 
     def marginal(self, count: int) -> Array:
-        """The root of the first numbers alone (count, count), whatever the others are."""
+        """The root for the first numbers (count, count), with the others free."""
         others = self.root.shape[1] - count
         turned = np.asarray(np.linalg.qr(np.roll(self.root, others, axis=1), mode="r"))
         return turned[others:, others:]
@@ -56,12 +56,12 @@ class Known:
 
 @dataclass(frozen=True, eq=False)
 class Refit:
-    """A hypothesis bent to a motion; all rows are white and noise-free.
+    """A hypothesis fitted to a motion; all rows are white and noise-free.
 
     Attributes:
-        X: derivatives, then those of what is known (rows, columns).
+        X: derivatives, then those of the previous information (rows, columns).
         y: residual, likewise.
-        rows: of them that are of the motion.
+        rows: number of rows that belong to the motion.
     """
 
     X: Array
@@ -69,7 +69,7 @@ class Refit:
     rows: int
 
     def left(self, passes: float = 1.0) -> Array:
-        """What it leaves in rows of the motion and in what was known, the motion made so many times over (rows,)."""
+        """Its residuals in rows of the motion and of the previous information, if the motion is repeated (rows,)."""
         weight = np.ones(len(self.y))
         weight[: self.rows] = np.sqrt(passes)
         X, y = self.X * weight[:, None], self.y * weight
@@ -78,35 +78,35 @@ class Refit:
         return np.asarray(y - X @ np.linalg.lstsq(X, y, rcond=1e-10)[0])
 
     def step(self) -> Array:
-        """Of all numbers (columns,)."""
+        """Steps of all numbers (columns,)."""
         length = np.sqrt((self.X**2).sum(axis=0))
         scale = np.where(length > 0.0, length, 1.0)
         return np.asarray(-np.linalg.lstsq(self.X / scale, self.y, rcond=1e-10)[0] / scale)
 
     def chi2(self, passes: float = 1.0) -> float:
-        """Sum of squares of what is left."""
+        """Sum of squares of the residuals."""
         left = self.left(passes)
         return float(left @ left)
 
 
 def loaded(model: FlexibleJointModel, load: Payload | None) -> FlexibleJointModel:
-    """The model of an arm that carries something known."""
+    """The model of an arm with a known payload."""
     return model if load is None else model.replace(effects=[*model.effects, load])
 
 
 def laden(hypothesis: Hypothesis, load: Payload | None) -> Hypothesis:
-    """The same hypothesis about an arm that carries something known."""
+    """The same hypothesis for an arm with a known payload."""
     return dataclasses.replace(hypothesis, given=loaded(hypothesis.given, load))
 
 
 def space_along(
     space: Workspace, numbers: Iterable[FileNumber], run: Measured, noise: SampleNoise, load: Payload | None = None
 ) -> Workspace:
-    """Equations along a motion that was simulated, with weights as real noise will have them.
+    """Equations along a simulated motion, with weights for the noise of a real recording.
 
     Args:
         space: of the recordings.
-        numbers: of the file, that may bend.
+        numbers: of the file, which are fitted.
         run: the motion, without noise.
         noise: of its channels.
         load: that the arm carries.
@@ -119,9 +119,9 @@ def space_along(
 
 
 def refitted(known: Known, space: Workspace, load: Payload | None = None, steps: int = NEW_MOTION_STEPS) -> Refit:
-    """A hypothesis bent to a motion as far as what is known about its numbers lets it; the best of a few steps.
+    """Fit a hypothesis to a motion, with the previous information about its numbers; the best of a few steps.
 
-    Its encoders' offsets begin as the recordings made so far want them: a count more or less, as no law else may have.
+    The offsets of its encoders start at their values in the present recordings.
     """
     first = laden(known.fitted.hypothesis, load)
     offsets = {effect.channel: effect.offset for effect in first.counts}
@@ -144,7 +144,7 @@ def refitted(known: Known, space: Workspace, load: Payload | None = None, steps:
 
 
 def _distance(first: Hypothesis, now: Hypothesis, scales: Array) -> Array:
-    """How far numbers have been moved, in units of the first scales."""
+    """Displacements of the numbers, in units of the first scales."""
     factors = [now.factors[number] - factor for number, factor in first.factors.items()]
     pairs = zip(first.unknowns(), now.unknowns(), scales, strict=True)
     return np.array([*factors, *((getattr(b, m) - getattr(a, k)) / s for (a, k), (b, m), s in pairs)])

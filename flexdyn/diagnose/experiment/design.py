@@ -1,4 +1,4 @@
-"""The experiment that would tell apart what the data cannot: designed for this arm and tried by simulation."""
+"""An experiment that would separate effects that the data cannot: designed for this arm and tested by simulation."""
 
 from __future__ import annotations
 
@@ -27,38 +27,38 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 CLEAR_DELTA_BIC = 50.0
-"""Expected delta BIC from which two laws are told apart."""
+"""Two laws are separated if the expected delta BIC is at least this [1]."""
 AMPLE_DELTA_BIC = 4.0 * CLEAR_DELTA_BIC
-"""From here on not even those that were to be tried with it are."""
+"""With at least this expected delta BIC, the remaining motions are not tried [1]."""
 LONGEST_MOTION = 120.0
-"""A motion is repeated for so long at most [s]."""
+"""Longest time for which a motion is repeated [s]."""
 SAME_LAW_DELTA_BIC = 4.0
-"""An expected delta BIC below this in the longest time: the laws are the same."""
+"""If the expected delta BIC in the longest time is below this, the laws count as the same [1]."""
 MOTIONS_TRIED = 12
-"""So many motions are tried at most: each is simulated, and its rivals fitted to it."""
+"""Largest number of motions that are tried: each is simulated, and the rivals are fitted to it."""
 JOINTS_TRIED = 3
-"""So many joints are tried where no suspect says which one it acts on."""
+"""Number of joints that are tried if no candidate determines the joint."""
 HELD_JOINTS_NAMED = 2
-"""So many other joints are named with the positions at which they are held."""
+"""Largest number of other joints whose positions are given in the text."""
 POSES = ("in the middle of their ranges", "where gravity asks most of them", "where gravity asks least of them")
 LITTLE_MORE = 1.5
-"""Times the least duration that a more telling motion may take."""
+"""A motion with a larger difference may take this multiple of the shortest duration [1]."""
 FAILURES = (FlexdynError, ArithmeticError, ValueError)
-"""What a motion that cannot be simulated or weighed raises."""
+"""Errors of a motion that cannot be simulated or evaluated."""
 
 
 def with_experiment(
     found: Finding, named: Fit, rivals: Sequence[Fit], space: Workspace, levels: WindowNoise
 ) -> Finding:
-    """A finding with rivals and the experiment that would tell them apart; as it is where none could be designed.
+    """Add to a finding with rivals the experiment that would separate them, if there is one.
 
-    Every motion is made in simulation by the named hypothesis; its rivals then explain what would have been recorded,
-    their numbers fitted again as far as the recordings made so far let them.
+    Every motion is simulated with the named hypothesis. Then the rivals are fitted to this simulated recording, with
+    the previous information about their numbers.
 
     Args:
-        found: with rivals, or without any.
-        named: fit with what was found.
-        rivals: fits with each of the rivals in its place.
+        found: with or without rivals.
+        named: fit with the finding.
+        rivals: fits with each rival instead of the finding.
         space: of the recordings.
         levels: noise of their channels.
     """
@@ -83,7 +83,7 @@ def with_experiment(
 
 
 def _tried(bench: RehearsalBench, joints: Sequence[int]) -> list[Rehearsal]:
-    """Motions that can be made, some at a time, until one of them tells: by the equations, else by windows."""
+    """Try possible motions in groups until one separates the rivals: by the equations, else by windows."""
     moves_left = itertools.islice(_moves(bench, joints), MOTIONS_TRIED)
     found: list[Rehearsal] = []
     while some := list(itertools.islice(moves_left, VARIED_MOTIONS)):
@@ -99,7 +99,7 @@ def _tried(bench: RehearsalBench, joints: Sequence[int]) -> list[Rehearsal]:
 
 
 def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Rehearsal]:
-    """Motions that can be made, side by side, up to the first that is ample."""
+    """Try possible motions in parallel, up to the first with a sufficient difference."""
     ample: list[int] = []
 
     def rehearse(k: int) -> Rehearsal | None:
@@ -118,13 +118,13 @@ def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Reh
 
 
 def _shown(bench: RehearsalBench, made: Rehearsal) -> Rehearsal:
-    """A motion that tells, made by every hypothesis; another one as it is."""
+    """A motion that separates the rivals, simulated with every hypothesis; another motion is returned as it is."""
     most = _most(made)
     return bench.from_all_sides(made, CLEAR_DELTA_BIC / most) if made.apart(most) >= CLEAR_DELTA_BIC else made
 
 
 def _moves(bench: RehearsalBench, joints: Sequence[int]) -> Iterator[PlannedMotion]:
-    """At the middle pose; then the most telling ones with a known payload, and where gravity asks most and least."""
+    """Motions at the middle pose; then the best ones with a payload, and at poses with largest and smallest gravity."""
     reach, true = bench.reach, bench.space.equations.true
 
     def at(k: int) -> list[list[PlannedMotion]]:
@@ -145,7 +145,7 @@ def _by_turns(joints: list[list[PlannedMotion]]) -> Iterator[PlannedMotion]:
 
 
 def _held(model: FlexibleJointModel, pose: Array, j: int, words: str) -> str:
-    """Where the other joints are held."""
+    """The positions of the other joints, in words."""
     others = [k for k in range(model.n) if k != j]
     if len(others) > HELD_JOINTS_NAMED:
         return f", the other joints held {words}"
@@ -154,7 +154,7 @@ def _held(model: FlexibleJointModel, pose: Array, j: int, words: str) -> str:
 
 
 def _joints(model: FlexibleJointModel, finding: Finding) -> list[int]:
-    """That a finding and its rivals act on; some of all where it is not said which."""
+    """The joints of a finding and its rivals; some of all joints if they have none."""
     found = []
     for each in (finding.suspect, *finding.rivals):
         joint = each.joint or each.place.get("channel", "").partition(".")[2]
@@ -163,17 +163,17 @@ def _joints(model: FlexibleJointModel, finding: Finding) -> list[int]:
 
 
 def _most(made: Rehearsal) -> int:
-    """How often a motion may be made."""
+    """How often a motion may be repeated."""
     return max(1, int(LONGEST_MOTION / made.seconds))
 
 
 def _passes(made: Rehearsal) -> int | None:
-    """How often it must be made; None: it does not help."""
+    """How often it must be repeated; None: it does not help."""
     return next((passes for passes in range(1, _most(made) + 1) if made.apart(passes) >= CLEAR_DELTA_BIC), None)
 
 
 def _chosen(rehearsed: Sequence[Rehearsal]) -> tuple[Rehearsal, int] | None:
-    """Of the motions that need hardly more time than the shortest one that tells, the one that tells most."""
+    """Of the motions that need hardly more time than the shortest one, the one with the largest difference."""
     telling = [(made, passes) for made in rehearsed if (passes := _passes(made)) is not None]
     if not telling:
         return None
@@ -183,14 +183,14 @@ def _chosen(rehearsed: Sequence[Rehearsal]) -> tuple[Rehearsal, int] | None:
 
 
 def _names(model: FlexibleJointModel, finding: Finding) -> list[str]:
-    """Of the finding and its rivals, with their places where the same effect comes twice."""
+    """Names of the finding and its rivals, with their places if the same effect occurs twice."""
     suspects = (finding.suspect, *finding.rivals)
     plain = [suspect_phrase(model, each) if is_number(each) else effect_name(each.effect) for each in suspects]
     return plain if len(set(plain)) == len(plain) else [suspect_phrase(model, each) for each in suspects]
 
 
 def _sentence(plan: Experiment, names: Sequence[str]) -> str:
-    """What to do, how long, and what simulation says of it."""
+    """What to do, for how long, and the result of the simulation."""
     often = f", {plan.passes} times over" if plan.passes > 1 else ""
     told = f"{names[0]} and {' or '.join(names[1:])} then differ by {plan.apart:.0f} times the noise"
     sure = f"(expected delta BIC {plan.delta_bic:.0f})"
@@ -198,12 +198,12 @@ def _sentence(plan: Experiment, names: Sequence[str]) -> str:
 
 
 def _nothing(names: Sequence[str], rehearsed: Sequence[Rehearsal]) -> str:
-    """That nothing helps, and how nearly something would."""
+    """A sentence that no motion helps, with the largest difference that was found."""
     best = max(rehearsed, key=lambda made: made.apart(_most(made)))
     left = best.apart(_most(best))
-    told = f"no motion within what this arm has been seen to do tells {names[0]} from {' or '.join(names[1:])}"
+    told = f"no motion within the range of the recordings separates {names[0]} from {' or '.join(names[1:])}"
     tried = f"{len(rehearsed)} motions simulated, for up to {LONGEST_MOTION:.0f} s each"
     apart = f"{math.sqrt(left):.1f} times the noise apart"
     if left < SAME_LAW_DELTA_BIC:
         return f"{told}: they are the same law here ({tried}; at best they are {apart})"
-    return f"{told} clearly ({tried}; the best, {best.move.words}, leaves them {apart})"
+    return f"{told} clearly ({tried}; with the best one, {best.move.words}, they are {apart})"

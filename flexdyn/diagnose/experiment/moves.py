@@ -1,4 +1,4 @@
-"""A small library of motions of one joint, sized by what the arm has been seen to do."""
+"""A small library of motions of one joint, within the range of the recordings."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 MOTION_REST_TIME = 0.4
-"""At the beginning and the end of every motion [s]."""
+"""Time of rest at the beginning and the end of every motion [s]."""
 PASS_DURATION = 8.0
-"""About as long as one pass of a motion is [s]."""
+"""Approximate duration of one pass of a motion [s]."""
 NARROWEST_SMOOTHING = 0.02
-"""Width of the smoothing that rounds the corners of a path, at least [s]."""
+"""Smallest width of the smoothing of a path's corners [s]."""
 VARIED_MOTIONS = 4
-"""So many of a joint's motions are worth being tried in other circumstances."""
+"""Number of a joint's motions that are also tried at other poses and with a payload."""
 FADED_SINE_SHARE = 0.7
-"""Share of speed and acceleration that a sine takes, which fades in and out."""
+"""Share of speed and acceleration for a sine, which fades in and out [1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedMotion:
-    """A motion to be made.
+    """A proposed motion.
 
     Attributes:
         joint: that moves.
         words: what to do, such as "sweep elbow at 0.2 rad/s ...".
-        path: positions wanted (samples, n) [rad or m].
+        path: reference positions (samples, n) [rad or m].
         push: torque added to that of the controller (samples, n) [N m or N].
         mass: of a known payload at the tip [kg].
     """
@@ -49,10 +49,10 @@ class PlannedMotion:
 
 
 def moves(reach: Reach, j: int, model: FlexibleJointModel, pose: Array, where: str = "") -> list[PlannedMotion]:
-    """All motions of one joint, the others held, the most telling ones first.
+    """All motions of one joint, with the others held, the most informative ones first.
 
     Args:
-        reach: what the arm has been seen to do.
+        reach: bounds from the recordings.
         j: the joint.
         model: of the arm.
         pose: at which the others are held (n,).
@@ -66,7 +66,7 @@ def moves(reach: Reach, j: int, model: FlexibleJointModel, pose: Array, where: s
 
 
 def short(value: float) -> str:
-    """A number of two digits, as one says it."""
+    """A number with two digits, as text."""
     text = f"{value:.2g}"
     return text if "e" not in text else f"{value:.0f}" if abs(value) >= 100.0 else text
 
@@ -148,7 +148,7 @@ def _sweeps(joint: _Joint, shares: Sequence[float]) -> Made:
 
 
 def _stairs(joint: _Joint) -> Made:
-    """Rests all over the range, coming from both sides."""
+    """Rests over the whole range, approached from both sides."""
     steps = np.linspace(joint.low, joint.high, 7)
     points = [*steps, *steps[-2::-1]]
     path = joint.line(points, [0.5 * joint.speed] * (len(points) - 1), rest=0.35)
@@ -171,7 +171,7 @@ def _dithers(joint: _Joint, share: float) -> Made:
 
 
 def _sines(joint: _Joint, share: float, hertz: float) -> Made:
-    """One sine, as fast as it may be."""
+    """One sine with the largest allowed speed."""
     amplitude = share * joint.half
     fastest = min(
         FADED_SINE_SHARE * joint.speed / amplitude, math.sqrt(FADED_SINE_SHARE * joint.acceleration / amplitude)
@@ -184,7 +184,7 @@ def _sines(joint: _Joint, share: float, hertz: float) -> Made:
 
 
 def _chirp(joint: _Joint) -> Made:
-    """A sine whose frequency grows, never beyond speed and acceleration."""
+    """A sine with increasing frequency, within the limits of speed and acceleration."""
     t = joint.times(PASS_DURATION)
     first, last = 0.2, min(8.0, 0.1 / joint.reach.dt)
     rate = 2.0 * math.pi * first * (last / first) ** (t / PASS_DURATION)
@@ -195,7 +195,7 @@ def _chirp(joint: _Joint) -> Made:
             FADED_SINE_SHARE * joint.acceleration / rate**2,
         ]
     )
-    size = (bounds**-4).sum(axis=0) ** -0.25  # below all three, without a corner
+    size = (bounds**-4).sum(axis=0) ** -0.25  # below all three bounds, without a corner
     x = joint.middle + size * _fade(t, 1.0) * np.sin(np.cumsum(rate) * joint.reach.dt)
     words = f"swing {joint.name} with a sine that rises from {short(first)} to {short(last)} Hz"
     return f"{words}, {short(size[0])} {joint.unit} and less", x, None
@@ -233,7 +233,7 @@ _KINDS: tuple[Callable[[_Joint], Made], ...] = (
 
 
 def _placed(joint: _Joint, words: str, x: Array, push: Array | None, pose: Array) -> PlannedMotion:
-    """A motion of the whole arm, at rest at first and at last."""
+    """A motion of the whole arm, with rest at the beginning and the end."""
     rest = round(MOTION_REST_TIME / joint.reach.dt)
     path = np.repeat(pose[None, :], len(x) + 2 * rest, axis=0)
     path[:, joint.j] = np.concatenate([np.full(rest, x[0]), x, np.full(rest, x[-1])])

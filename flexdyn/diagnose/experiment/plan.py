@@ -1,4 +1,4 @@
-"""A rehearsed motion as the experiment that a report tells and draws."""
+"""A simulated motion as the experiment for the report, with its picture."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from flexdyn.diagnose.shooting.gap import shoot
 
 Array = NDArray[np.float64]
 PICTURE_POINTS = 240
-"""Points of a picture; what lies between them is averaged."""
+"""Number of points of a picture; samples between them are averaged."""
 DRAWS = 60
-"""Draws of noise, for its standard deviation in the averages."""
+"""Number of draws of noise for the standard deviation of the averages."""
 
 
 def planned(made: Rehearsal, passes: int, names: Sequence[str], bench: RehearsalBench) -> Experiment:
-    """The experiment, with what its picture shows: the channel or equation in which the nearest rival fails most.
+    """The experiment with the data of its picture: the channel or equation with the largest error of the nearest rival.
 
     Args:
-        made: the motion that tells the named hypothesis from its rivals.
-        passes: how often it has to be made.
+        made: the motion that separates the named hypothesis from its rivals.
+        passes: how often it must be repeated.
         names: of the hypotheses.
-        bench: that it was tried on.
+        bench: with which it was tried.
     """
     model, j, near = bench.space.equations.true, made.move.joint, made.nearest
     t, left, noise, label = _by_windows(made, bench) if made.sides[0].by_windows else _by_equations(made, passes)
@@ -50,7 +50,7 @@ def planned(made: Rehearsal, passes: int, names: Sequence[str], bench: Rehearsal
 
 
 def _by_equations(made: Rehearsal, passes: int) -> tuple[Array, Array, Array, str]:
-    """Times, the torque that the rival leaves in one equation, its noise, and what it is."""
+    """Times, the rival's residual torque in one equation, its noise, and its label."""
     space = made.sides[0].space
     refit = made.sides[0].by_equations[made.nearest][1]
     white = refit.left(passes)[: refit.rows] / np.sqrt(passes)
@@ -63,7 +63,7 @@ def _by_equations(made: Rehearsal, passes: int) -> tuple[Array, Array, Array, st
 
 
 def _by_windows(made: Rehearsal, bench: RehearsalBench) -> tuple[Array, Array, Array, str]:
-    """Times, how far the rival's simulated windows are off in one channel, the noise of that, and what it is."""
+    """Times, the error of the rival's simulated windows in one channel, its noise, and its label."""
     side, load = made.sides[0], bench.load(made.move)
     rival = bent(bench.known[1 + made.nearest], side.by_windows[made.nearest][1], load).seen()
     shot = shoot(rival, bench.windows(side.recording))
@@ -77,7 +77,7 @@ def _by_windows(made: Rehearsal, bench: RehearsalBench) -> tuple[Array, Array, A
 
 
 def _averaged(equations: Equations, whiten: Whitener, white: Array) -> tuple[Array, int, Array, Array]:
-    """Times, the equation with most in it, what is left of it in torque, and the noise of that; masked rows are NaN."""
+    """Times, the equation with the largest residual, this residual as torque, and its noise; masked rows are NaN."""
     many = len(equations.kinds)
     share = (white.reshape(-1, many) ** 2).sum(axis=0)
     place = int(np.argmax(share))
@@ -98,7 +98,7 @@ def _averaged(equations: Equations, whiten: Whitener, white: Array) -> tuple[Arr
 
 
 def _coloured(factor: Array, white: Array) -> Array:
-    """White rows (rows, columns) as the equations have them: the lower band times them."""
+    """Convert white rows (rows, columns) back to rows of the equations: the lower band times them."""
     rows = np.zeros_like(white)
     for below, diagonal in enumerate(factor):
         rows[below:] += diagonal[: len(white) - below, None] * white[: len(white) - below]

@@ -1,4 +1,4 @@
-"""What an arm has been seen to do in its recordings, which no experiment that is proposed goes beyond."""
+"""Bounds of an arm's motion from its recordings, which a proposed experiment does not exceed."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 GREATEST_PERCENTILE = 99.0
-"""Percentile of speeds and accelerations that counts as the greatest one seen: noise makes the last ones."""
+"""This percentile of speeds and accelerations counts as the largest one: noise causes larger ones."""
 USED_RANGE_SHARE = 0.9
-"""Share of range, speed and acceleration that a proposed motion takes: its tracking is not perfect."""
+"""Share of range, speed and acceleration for a proposed motion, because its tracking is not perfect [1]."""
 CONTROLLER_BANDWIDTH = 15.0
-"""Bandwidth of the joint controller that an experiment is simulated under, at most [rad/s]."""
+"""Largest bandwidth of the joint controller in the simulation of an experiment [rad/s]."""
 SPRING_FREQUENCY_SHARE = 0.3
-"""Its share of a joint's own frequency on its spring, at most."""
+"""Largest ratio of this bandwidth to a joint's own frequency on its spring [1]."""
 PAYLOAD_SHARE = 0.3
-"""Share of the torque that is left, and of an inertia, that a proposed payload may take."""
+"""Largest share of the remaining torque, and of an inertia, for a proposed payload [1]."""
 VELOCITY_GAIN_RATIO = 1.6
 """Its velocity gain over inertia times bandwidth [1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """Bounds of every joint, in the order of q, and gains of a controller that suits it.
+    """Bounds of every joint, in the order of q, and gains of a controller.
 
     Attributes:
         dt: between samples of the recordings [s].
         ends: of the ranges seen (2, n) [rad or m].
-        fastest: speeds seen (n,) [rad/s or m/s].
-        torque: the greatest asked for (n,) [N m or N].
-        low, high: ends of proposed motions (n,): somewhat less than what was seen.
+        fastest: largest speeds (n,) [rad/s or m/s].
+        torque: largest commanded torques (n,) [N m or N].
+        low, high: ends of proposed motions (n,), somewhat inside the recorded ranges.
         speed: of proposed motions (n,).
         acceleration: of proposed motions (n,).
-        poses: in the middle of the ranges, then where gravity asks most and least of all joints (poses, n).
+        poses: in the middle of the ranges, then those with the largest and smallest gravity torques (poses, n).
         kp, kd: gains of a joint controller (n,).
     """
 
@@ -90,22 +90,22 @@ class Reach:
         )
 
     def holds(self, q: Array, v: Array, tau: Array) -> bool:
-        """Whether a motion (samples, n) stays within what was seen."""
+        """Whether a motion (samples, n) stays within the bounds."""
         inside = (q >= self.ends[0]).all() and (q <= self.ends[1]).all()
         return bool(inside and (np.abs(v) <= self.fastest).all() and (np.abs(tau) <= self.torque).all())
 
 
 def _poses(links: LinkSide, q: Array, middle: Array) -> Array:
-    """The middle, and of the poses seen those in which gravity asks most and least of the joints together."""
+    """The middle pose, and the recorded poses with the largest and smallest gravity torques of all joints together."""
     seen = q[:: max(1, len(q) // 500)]
     weight = np.linalg.norm(links.bias(seen, np.zeros_like(seen)), axis=1)
     return np.stack([middle, seen[int(np.argmax(weight))], seen[int(np.argmin(weight))]])
 
 
 def load_mass(equations: Equations, reach: Reach) -> float:
-    """A known payload for the tip [kg]: 1, 2 or 5 times a power of ten; 0 where the torques seen leave no room for it.
+    """A known payload for the tip [kg]: 1, 2 or 5 times a power of ten; 0 if the recorded torques do not allow one.
 
-    In no pose does it take more than a part of the torque that gravity leaves, nor add more than a part of any inertia.
+    At each pose it takes only a part of the torque that gravity leaves, and adds only a part of each inertia.
     """
     true = equations.true
     with_it = LinkSide(true.replace(effects=[*true.effects, Payload(mass=1.0, frame=true.robot.tip)]))

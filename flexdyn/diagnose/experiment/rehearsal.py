@@ -1,4 +1,4 @@
-"""A motion tried by simulation: made by one hypothesis, explained by the others as well as they can."""
+"""A motion tried by simulation: simulated with one hypothesis, and fitted with the others."""
 
 from __future__ import annotations
 
@@ -31,23 +31,23 @@ from flexdyn.simulation.solvers import Rosenbrock, Solver
 
 Array = NDArray[np.float64]
 RUNAWAY_TIME = 20.0
-"""Processor time after which a motion runs away and is given up [s]: others take a hundredth of it."""
+"""Processor time after which a motion counts as divergent and is stopped [s]: others need a hundredth of it."""
 WINDOWS = 10
-"""Of a motion, so many are looked at: what they promise, all of them keep."""
+"""Largest number of windows of a motion that are used; their result is scaled to all windows."""
 Pair = tuple[Refit, Refit]
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A motion as one hypothesis makes it.
+    """A motion that is simulated with one hypothesis.
 
     Attributes:
-        truth: which one.
+        truth: index of this hypothesis.
         run: the motion.
-        recording: what would be recorded of it, without noise.
+        recording: its recording, without noise.
         space: the equations along it.
-        by_equations: what the hypothesis itself leaves of it, and what each of those it is compared to does.
-        by_windows: the same of simulated windows; empty where they were not looked at.
+        by_equations: residuals of this hypothesis, and of each one that it is compared with.
+        by_windows: the same for simulated windows; empty if they were not used.
     """
 
     truth: int
@@ -69,12 +69,12 @@ def _delta(own: Refit, other: Refit, passes: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Rehearsal:
-    """A motion, and how far the hypotheses part over it.
+    """A motion, and the differences of the hypotheses for it.
 
     Attributes:
         move: the motion.
         command: that makes it.
-        sides: as the named hypothesis makes it, then, where that was looked at, as each of its rivals does.
+        sides: simulated with the named hypothesis, then, if needed, with each of its rivals.
     """
 
     move: PlannedMotion
@@ -83,29 +83,29 @@ class Rehearsal:
 
     @property
     def seconds(self) -> float:
-        """Of one pass."""
+        """Duration of one pass [s]."""
         return float(self.command.reference.duration)
 
     def apart(self, passes: int = 1) -> float:
-        """Expected delta BIC of the right hypothesis to the nearest other one, the motion made so many times."""
+        """Expected delta BIC of the right hypothesis to the nearest other one, if the motion is repeated."""
         return min(min(side.apart(passes)) for side in self.sides)
 
     @property
     def reversals(self) -> int:
-        """How often the joint turns back."""
+        """Number of reversals of the joint."""
         way = np.sign(np.round(np.diff(self.sides[0].run.theta[:, self.move.joint]), 9))
         way = way[way != 0.0]
         return int((way[1:] != way[:-1]).sum())
 
     @property
     def nearest(self) -> int:
-        """The rival that is hardest to tell from the named hypothesis over its motion, counted from 0."""
+        """Index of the rival with the smallest difference from the named hypothesis."""
         return int(np.argmin(self.sides[0].apart(1)))
 
 
 @dataclass(frozen=True, eq=False)
 class RehearsalBench:
-    """Hypotheses and what they are tried with.
+    """Hypotheses, and the data with which they are tried.
 
     Attributes:
         space: of the recordings.
@@ -120,26 +120,26 @@ class RehearsalBench:
     reach: Reach
 
     def rehearse(self, move: PlannedMotion) -> Rehearsal:
-        """The motion made by the named hypothesis, and what the equations say of it.
+        """The motion simulated with the named hypothesis, evaluated by the equations.
 
         Raises:
-            InputError: it leaves what the arm has been seen to do.
+            InputError: it exceeds the motions in the recordings.
             SimulationError: it cannot be simulated.
         """
         command = self._command(move)
         return Rehearsal(move, command, (self._side(0, move, command),))
 
     def closer(self, made: Rehearsal, worth: float) -> Rehearsal:
-        """The same with simulated windows looked at, which go through reversals.
+        """The same, also evaluated by simulated windows, which include reversals.
 
         Args:
             made: of one motion.
-            worth: sum of squares below which windows say nothing.
+            worth: sum of squares below which windows give no information.
         """
         return replace(made, sides=tuple(self._windowed(side, made.move, worth) for side in made.sides))
 
     def from_all_sides(self, made: Rehearsal, worth: float) -> Rehearsal:
-        """The same motion made by each of the rivals as well.
+        """The same motion, also simulated with each of the rivals.
 
         A rival that would make the arm leave what it has been seen to do is left out: the arm itself would show that.
 
@@ -154,15 +154,15 @@ class RehearsalBench:
         return replace(made, sides=tuple(sides))
 
     def windows(self, recording: Recording) -> Windows:
-        """Of a simulated motion, a few that tell."""
+        """A few windows of a simulated motion."""
         return Windows.of(self.space.equations.true, [recording], self.levels, most=WINDOWS)
 
     def load(self, move: PlannedMotion) -> Payload | None:
-        """What the arm carries in a motion."""
+        """The payload in a motion."""
         return Payload(mass=move.mass, frame=self.space.equations.true.robot.tip) if move.mass else None
 
     def others(self, truth: int) -> list[Known]:
-        """Those that a hypothesis is compared to: the named one to its rivals, a rival to the named one."""
+        """The hypotheses to compare with: for the named one its rivals, for a rival the named one."""
         return list(self.known[1:] if truth == 0 else self.known[:1])
 
     def _side(self, truth: int, move: PlannedMotion, command: PD) -> Side:
@@ -211,7 +211,7 @@ class RehearsalBench:
         return total
 
     def _made(self, truth: int, move: PlannedMotion, command: PD) -> tuple[Run, Recording]:
-        """The run, and what would have been recorded of it."""
+        """The run and its recording."""
         model = laden(self.known[truth].fitted.hypothesis, self.load(move)).seen()
         seconds, rate, start = command.reference.duration, 1.0 / self.reach.dt, move.path[0]
         end = time.process_time() + RUNAWAY_TIME
@@ -223,7 +223,7 @@ class RehearsalBench:
         solver = _solver(model, move.path, self.reach.dt)
         run = simulate(model, command, seconds, solver, q0=start, theta0="equilibrium", rate=rate, progress=watch)
         if not self.reach.holds(run.q, run.v, run.tau):
-            raise InputError("beyond what the arm has been seen to do", key="motion", value=move.words)
+            raise InputError("beyond the motions in the recordings", key="motion", value=move.words)
         whole = run.to_recording()
         kept = {name: values for name, values in whole.channels.items() if self._is_measured(name)}
         units = {name: unit for name, unit in whole.meta.get("units", {}).items() if name in kept}
@@ -236,7 +236,7 @@ class RehearsalBench:
 
 
 def _solver(model: FlexibleJointModel, path: Array, dt: float) -> Solver | str:
-    """For stiff bristles the implicit one: they are slow to follow only where the arm rests, which is where it starts.
+    """The solver; for stiff bristles the implicit one, because at rest, where the arm starts, they are stiff.
 
     Args:
         model: that is simulated.

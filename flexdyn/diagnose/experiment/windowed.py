@@ -1,7 +1,7 @@
-"""How far two hypotheses part over windows of a motion that was not made yet: what the equations must leave out.
+"""The difference between two hypotheses in simulated windows of a future motion.
 
-Where a velocity changes its sign the equations say nothing, as dry friction may be anything there; simulated windows go
-through it.
+Where a velocity changes its sign, the equations are masked, because dry friction is undetermined there; simulated
+windows include these times.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ Array = NDArray[np.float64]
 
 
 def as_made(shot: Shot) -> Refit:
-    """What the hypothesis that made the motion leaves of it."""
+    """The residuals of the hypothesis that made the motion."""
     white = shot.whitened().ravel()
     return Refit(np.zeros((len(white), 1)), white, len(white))
 
 
 def windowed(known: Known, shot: Shot, load: Payload | None, worth: float) -> Refit:
-    """Another hypothesis over the windows of a motion, its numbers bent as far as what is known about them lets it.
+    """Fit another hypothesis to the windows of a motion, with the previous information about its numbers.
 
     Args:
         known: the hypothesis.
-        shot: the windows, under the hypothesis that made the motion.
-        load: that the arm carries.
-        worth: sum of squares below which neither its first states nor its numbers need be bent.
+        shot: the windows, with the hypothesis that made the motion.
+        load: payload of the arm.
+        worth: sum of squares below which neither its first states nor its numbers are fitted.
     """
     first = laden(known.fitted.hypothesis, load)
     scales = known.fitted.scales

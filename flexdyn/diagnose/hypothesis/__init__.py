@@ -1,1 +1,1 @@
-"""What might be true of a robot, numbers of its file and effects that it lacks, and fits of that to equations."""
+"""Hypotheses about a robot (numbers of its file and missing effects), and their fits to the equations."""

@@ -1,4 +1,4 @@
-"""A model with numbers moved and effects added, fitted to the equations by Gauss-Newton."""
+"""Fit a model with free numbers and additional effects to the equations by Gauss-Newton."""
 
 from __future__ import annotations
 
@@ -12,29 +12,31 @@ from flexdyn.effects import SensorOffset
 from flexdyn.errors import SimulationError
 
 NEGLIGIBLE_DROP = 0.05
-"""Drop of chi^2, in units of what is left of a row, below which another step is not worth its time."""
+"""If chi^2 decreases by less, in units of a row's mean square, another step is not worth its time [1]."""
 NEGLIGIBLE_DROP_SHARE = 1e-4
-"""The same as a share of what is left over noise: laws are told apart by much more than that while one is missing."""
+"""The same as a share of the excess over noise [1]: while a law is missing, differences of laws are much larger."""
 WATCHDOG_STEPS = 2
-"""Steps that may go on from where chi^2 rose: numbers that multiply one another lie along a bent valley, whose floor a
-straight step leaves and the next one finds again (the watchdog of Chamberlain et al., 1982)."""
+"""Number of steps that may follow a rise of chi^2: for numbers that multiply one another, chi^2 has a curved valley; a
+straight step leaves it, and the next one returns to it (the watchdog method of Chamberlain et al., 1982).
+"""
 LITTLE = 2
-"""Whole steps one after the other that may change less than a step is worth though they promised more: what bends at
-reversals has slopes that no step keeps."""
+"""Number of consecutive full steps with a smaller decrease than predicted, after which the fit ends: at reversals the
+slopes change with every step.
+"""
 SHORTENED_STEP = 0.3
-"""Share of a step that is tried where all of it was too much."""
+"""Share of a step that is tried if the full step was too long [1]."""
 
 
 def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
-    """Gauss-Newton from a hypothesis: every number of the file within its prior, every unknown of its effects.
+    """Fit a hypothesis by Gauss-Newton: every number of the file with its prior, every unknown of its effects.
 
     Args:
-        start: where to begin, or there with its numbers back within their tolerance, where that leaves less.
+        start: first values; if it leaves less, the start is the same with its numbers back within their tolerance.
         space: data, weights and the derivatives that do not change.
-        steps: at most so many.
+        steps: largest number of steps.
 
     Raises:
-        SimulationError: where it begins, the equations are not finite.
+        SimulationError: the equations are not finite at the start.
     """
     best = base = _begun(start, space)
     share, ahead, little = 1.0, 0, 0
@@ -51,7 +53,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
             continue
         little = little + 1 if share == 1.0 and abs(best.reached - made.reached) < worth else 0
         if made.reached <= best.reached:
-            ahead = 0 if share == 1.0 else ahead  # where it did not help it is not tried again
+            ahead = 0 if share == 1.0 else ahead  # if it did not help, it is not tried again
             best, base, share = made, made, min(1.0, share / SHORTENED_STEP)
         elif watched and made.chi2 < best.reached:
             base, ahead = made, ahead + 1
@@ -61,7 +63,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
 
 
 def _begun(start: Hypothesis, space: Workspace) -> Fit:
-    """The problem where a fit begins: what bent the numbers may be gone by now, or still be there."""
+    """The problem at the start of a fit, with the present numbers or with numbers back within their tolerance."""
     held = start.tolerated()
     if held.factors == start.factors:
         return linearised(start, space)
@@ -72,7 +74,7 @@ def _begun(start: Hypothesis, space: Workspace) -> Fit:
 
 
 def _after(base: Fit, share: float, most: float) -> Fit | None:
-    """The problem after a share of a step; None where more is left than may be, for which no slopes are taken."""
+    """The problem after a share of a step; None, without computing slopes, if the residual exceeds a bound."""
     trial = moved(base.hypothesis, share * base.step, base.scales)
     try:
         at = base.space.equations.of(trial.model())
@@ -84,7 +86,7 @@ def _after(base: Fit, share: float, most: float) -> Fit | None:
 
 
 def _counted(made: Fit, space: Workspace) -> Fit:
-    """The fit with the offsets of its encoders in its hypothesis."""
+    """The fit with the fitted offsets of its encoders in the hypothesis."""
     first = made.regression.X.shape[1] - space.nuisance.shape[1]
     values = made.regression.values[first : first + len(space.channels)]
     counts = tuple(SensorOffset(name, offset=float(x)) for name, x in zip(space.channels, values, strict=True))

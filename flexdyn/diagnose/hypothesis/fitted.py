@@ -1,4 +1,4 @@
-"""A hypothesis fitted to the equations, and what all fits to the same data share."""
+"""A hypothesis fitted to the equations, and the common parts of all fits to the same data."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from flexdyn.model.uncertain_parameters import FileNumber
 
 Array = NDArray[np.float64]
 CORRELATION_BLOCK = 0.5
-"""Length of the blocks over which rows are taken to be correlated [s]."""
+"""Length of the blocks within which rows may be correlated [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,16 +26,16 @@ class Fit:
     """A fitted hypothesis.
 
     Attributes:
-        hypothesis: with its numbers at their best.
+        hypothesis: with its best numbers.
         equations: of its model.
         regression: at the last step; its columns are the file's numbers, then the effects' unknowns.
-        space: it was made in.
+        space: in which it was fitted.
         scales: of the effects' unknowns.
-        held: columns of those that stand at a bound and would leave it.
-        free: the problem in which they are not held, which tells how well they are known; None: there are none.
-        taken: where the slopes of the file's numbers were taken; None: here.
-        block: rows that are correlated; 0: those of half a second of the equations.
-        stationary: whether shares of the last step were tried, and none of them was worth it.
+        held: columns of unknowns at a bound that would leave it.
+        free: the problem without these constraints, for standard deviations; None: no unknown is held.
+        taken: hypothesis at which the slopes of the file's numbers were computed; None: at this one.
+        block: number of correlated rows; 0: those of half a second of the equations.
+        stationary: whether shares of the last step were tried without enough decrease.
     """
 
     hypothesis: Hypothesis
@@ -51,22 +51,22 @@ class Fit:
 
     @property
     def chi2(self) -> float:
-        """Sum of squares of white rows and priors that the last step promises."""
+        """Sum of squares of white rows and priors that the last linear problem predicts."""
         return self.regression.chi2
 
     @property
     def reached(self) -> float:
-        """The same where the hypothesis stands: the two differ where the fit has not come to an end."""
+        """The same at the hypothesis itself; the two differ if the fit has not converged."""
         return self.regression.at_zero
 
     @property
     def reduced(self) -> float:
-        """Mean square of the white rows: 1 where only noise is left."""
+        """Mean square of the white rows: 1 if only noise is left."""
         return self.regression.data_chi2 / self.regression.rows
 
     @property
     def step(self) -> Array:
-        """To where the last linear problem is least, the offsets of the encoders included (columns,)."""
+        """The step to the minimum of the last linear problem, with the offsets of the encoders (columns,)."""
         step = self.regression.values.copy()
         step[list(self.held)] = 0.0
         return step
@@ -84,9 +84,9 @@ class Fit:
 
     @lazy
     def _spread(self) -> Array:
-        """Of all columns: what white rows give, or the sandwich over blocks of half a second where that is more.
+        """Standard deviations of all columns: the larger one of those for white rows and of the sandwich estimate.
 
-        Where more than noise is left, its filters bend the numbers as well: by as much again as the rows are off.
+        If more than noise is left, the filters cause an additional error of the numbers, as large as that of the rows.
         """
         spread = self._spread_of(self.regression)
         if self.free is not None:
@@ -104,17 +104,17 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """What all fits to the same data share.
+    """The common parts of all fits to the same data.
 
     Attributes:
-        equations: of the model as it was given.
+        equations: of the given model.
         whiten: of their rows.
-        noise: of the channels, from which the weights are.
+        noise: of the channels, which determines the weights.
         numbers: whitened derivatives of the file's numbers (rows, numbers).
-        nuisance: whitened columns of offsets of the encoders, which must be allowed for and are not reported (rows, k).
-        nuisance_sigma: how large those are (k,).
-        channels: whose offsets they are.
-        beliefs: prior of an effect's parameter: how far its centre is from the value, and its standard deviation.
+        nuisance: whitened columns of offsets of the encoders, which are fitted but not reported (rows, k).
+        nuisance_sigma: their standard deviations (k,).
+        channels: that have these offsets.
+        beliefs: prior of an effect's parameter: distance of its centre from the value, and its standard deviation.
     """
 
     equations: Equations
@@ -127,12 +127,12 @@ class Workspace:
     beliefs: Callable[[Effect, str], tuple[float, float]] | None = None
 
     def white(self, residual: Array) -> Array:
-        """A residual made white, the encoders' offsets that suit it best taken off (rows,)."""
+        """The whitened residual after the best offsets of the encoders are subtracted (rows,)."""
         white, offsets = self.whiten(residual), self.nuisance
         loose = np.diag(1.0 / self.nuisance_sigma**2)
         return np.asarray(white - offsets @ np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white))
 
     @property
     def rows(self) -> int:
-        """Rows that say something."""
+        """Number of rows that are not masked."""
         return int((~self.whiten.mask).sum())

@@ -1,4 +1,4 @@
-"""What might be true of a robot, and how far a step may take it."""
+"""A hypothesis about a robot, and the limits of a step."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from flexdyn.model.uncertain_parameters import FileNumber, with_factors
 
 Array = NDArray[np.float64]
 DISCRETE = ("harmonic", "exponent")
-"""Parameters that are counted and not measured."""
+"""Parameters that are chosen from a few values and not estimated."""
 POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
-"""Parameters that a step changes by no more than a factor, as their laws degenerate at 0."""
+"""Parameters that a step may change only by a limited factor, because their laws degenerate at 0."""
 STEP_ROUNDING = 1e-9
-"""Share of a step that is none."""
+"""A smaller share of a step counts as no step [1]."""
 BRISTLE = 0.1
-"""Longest time constant of bristles, damping/stiffness [s]: where they hardly bend, nothing holds their damping."""
+"""Longest time constant of bristles, damping/stiffness [s]: if they hardly bend, the data do not determine it."""
 IN_TOLERANCE = 3.0
 """Standard deviations of its tolerance within which a number of the file is calibrated and not wrong."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """What might be true: factors of the file's numbers, numbers that are out of tolerance, effects that are missing.
+    """A hypothesis: factors of the file's numbers, numbers that are out of tolerance, missing effects.
 
     Attributes:
-        given: the model as it was given.
-        factors: by number of the file; 1 where it is as given.
-        freed: numbers that their tolerance does not hold.
-        effects: added.
-        counts: offsets of the encoders of about a count, as nobody knows whether they round or cut; not reported.
-        measured: parameters that are estimated although they are counted as a rule.
+        given: the given model.
+        factors: by number of the file; 1 for the given value.
+        freed: numbers with a wide prior instead of their tolerance.
+        effects: added effects.
+        counts: offsets of the encoders of about a count, because rounding is unknown; not reported.
+        measured: parameters that are estimated although usually they are chosen from a few values.
     """
 
     given: FlexibleJointModel
@@ -48,15 +48,15 @@ class Hypothesis:
     measured: frozenset[str] = frozenset()
 
     def model(self) -> FlexibleJointModel:
-        """The model that this makes."""
+        """The model of this hypothesis."""
         return with_factors(self.given, self.factors, self.effects)
 
     def seen(self) -> FlexibleJointModel:
-        """The model as its encoders report it."""
+        """The model with the offsets of its encoders."""
         return with_factors(self.given, self.factors, (*self.effects, *self.counts))
 
     def tolerated(self) -> Hypothesis:
-        """The same with its numbers back within their tolerance: what bent them may be gone."""
+        """The same with its numbers back within their tolerance: the cause of their displacement may be gone."""
         factors = dict(self.factors)
         for number in set(factors) - self.freed:
             most = IN_TOLERANCE * number.tolerance
@@ -75,7 +75,7 @@ class Hypothesis:
 
 
 def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
-    """The hypothesis after a step of its numbers; what has bounds stays within them."""
+    """The hypothesis after a step of its numbers; bounds are respected."""
     factors = {n: max(f + float(dx), 0.02) for (n, f), dx in zip(hypothesis.factors.items(), step, strict=False)}
     changes: dict[Effect, dict[str, float]] = {}
     for (effect, name), dx, scale in zip(hypothesis.unknowns(), step[len(factors) :], scales, strict=False):
@@ -85,7 +85,7 @@ def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hyp
 
 
 def bounded(effect: Effect, name: str, step: float) -> float:
-    """A value after a step that neither leaves its bound nor more than halves or triples what must stay positive."""
+    """A value after a step within its bound; a positive number is at most halved or tripled."""
     entry = next(f for f in effect.parameters() if f.name == name)
     value, lower = getattr(effect, name), entry.metadata["lower"]
     if name == "harmonic":
@@ -98,10 +98,10 @@ def bounded(effect: Effect, name: str, step: float) -> float:
 
 
 def _landed(value: float, bound: float, step: float) -> float:
-    """At the bound where only rounding of the step keeps it away: a size of 1e-30 is none."""
+    """Set a value to its bound if only rounding separates them: a size of 1e-30 is zero."""
     return bound if abs(value - bound) < STEP_ROUNDING * abs(step) else value
 
 
 def kind_and_place(effect: Effect | None) -> tuple[object, ...]:
-    """Of an effect, whatever its numbers are."""
+    """Identity of an effect without its numbers."""
     return tuple(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame"))

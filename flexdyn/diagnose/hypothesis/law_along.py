@@ -1,4 +1,4 @@
-"""A user's law along the measured motion, and the numbers in which it is linear."""
+"""A user's law along the measured motion, and the parameters in which it is linear."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
 LINEARITY_SAMPLES = 300
-"""Samples of a motion over which it is asked what a law is linear in."""
+"""Number of samples of a motion that are used to test linearity."""
 EQUAL_TORQUE_DIFFERENCE = 1e-7
-"""Relative difference below which two torques are the same."""
+"""Two torques with a smaller relative difference are equal [1]."""
 
 
 class Law:
-    """A class of users' effects at one place, along the measured motion.
+    """A class of a user's effect at one place, along the measured motion.
 
     Args:
         kind: the class.
         place: ``joint`` and ``side``.
-        equations: whose motions they are.
-        j: place of the joint.
+        equations: that have the motions.
+        j: index of the joint.
     """
 
     def __init__(self, kind: type[JointEffect], place: Mapping[str, str], equations: Equations, j: int) -> None:
@@ -40,11 +40,11 @@ class Law:
         self.some = [column[some] for column in self.whole]
 
     def effect(self, numbers: Mapping[str, float]) -> JointEffect:
-        """With these numbers."""
+        """The effect with these parameters."""
         return self.kind(joint=self.place["joint"], side=self.place["side"], **numbers)  # type: ignore[arg-type]
 
     def added(self, numbers: Mapping[str, float], columns: Sequence[Array]) -> Array:
-        """Torque that it adds (samples,)."""
+        """Its torque (samples,)."""
         x, u, tau, t = columns
         torque = torque_of(self.effect(numbers), x, u, t=t, tau=tau)
         return torque - tau if self.kind.stage == "actuator" else torque
@@ -58,10 +58,10 @@ class Law:
         return True
 
     def first_that_works(self, points: Sequence[dict[str, float]]) -> dict[str, float]:
-        """The first point at which the law acts, else one at which it does not fail.
+        """The first grid point at which the torque is not zero, else one without an error.
 
         Raises:
-            InputError: what the law does at the last of them; it fails at all.
+            InputError: the law raises an error at all points; the message is that of the last one.
         """
         idle, failure = None, None
         for point in points:
@@ -76,7 +76,7 @@ class Law:
         return idle or {}
 
     def linear_in(self, base: Mapping[str, float]) -> list[str]:
-        """Numbers in which the torque is linear, all together: it adds up, scales, and is gone where they are 0."""
+        """Parameters in which the torque is jointly linear: it adds up, scales, and is zero if they are 0."""
         chosen: list[str] = []
         for entry in self.kind.parameters():
             if self._is_linear([*chosen, entry.name], base):

@@ -1,4 +1,4 @@
-"""The least-squares problem that the equations are near a hypothesis: white residuals, slopes and priors."""
+"""The linear least-squares problem of the equations near a hypothesis: white residuals, slopes and priors."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from flexdyn.errors import SimulationError
 
 Array = NDArray[np.float64]
 SAME_DERIVATIVE_DISTANCE = 0.05
-"""Relative distance of a number from its given value beyond which its derivative is another one."""
+"""If a number differs more from its given value, its derivative is computed again [1]."""
 SAME_SLOPE_STEPS = 5.0
-"""Steps of an unknown's own scale, a hundredth of its value, over which slopes of the file's numbers are the same."""
+"""Slopes of the file's numbers are kept for changes of an unknown up to this multiple of its scale [1]."""
 OUT_OF_TOLERANCE_WIDTH = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
 
@@ -38,11 +38,11 @@ def linearised(
     Args:
         hypothesis: of the model.
         space: data, weights and the derivatives that do not change.
-        before: the same effects with other numbers; where these are near, its slopes of the file's numbers do.
-        at: the equations there; None: they are made.
+        before: the same effects with other numbers; if these are near, its slopes of the file's numbers are used.
+        at: the equations of the hypothesis; None: they are computed.
 
     Raises:
-        SimulationError: the equations are not finite there.
+        SimulationError: the equations are not finite.
     """
     at = at or space.equations.of(hypothesis.model())
     unknowns = hypothesis.unknowns()
@@ -71,18 +71,18 @@ def linearised(
 
 
 def within_bounds(made: Fit) -> Fit:
-    """A problem in which unknowns that stand at a bound and would leave it are held there."""
+    """The problem with fixed values for unknowns at a bound that would leave it."""
     regression, held = made.regression, _held(made.hypothesis, made.regression, made.scales)
     if not held:
         return made
     X, sigma = regression.X.copy(), regression.sigma.copy()
-    X[:, held], sigma[list(held)] = 0.0, 1e-9  # the others must do without them
+    X[:, held], sigma[list(held)] = 0.0, 1e-9  # the others are fitted without them
     bound = dataclasses.replace(regression, X=X, sigma=sigma)
     return dataclasses.replace(made, regression=bound, held=held, free=regression)
 
 
 def _near(one: Hypothesis, other: Hypothesis) -> bool:
-    """Whether the numbers of the same effects, and of the file, are so near that the slopes are the same."""
+    """Whether the numbers of the effects and of the file are so near that the slopes can be kept."""
     pairs = zip(one.unknowns(), other.unknowns(), strict=True)
     moved = (abs(getattr(a, name) - getattr(b, name)) / tangent_scale(b, name) for (a, name), (b, _) in pairs)
     factors = zip(one.factors.values(), other.factors.values(), strict=True)
@@ -96,7 +96,7 @@ def _rows(
 ) -> tuple[Array, Array]:
     """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k).
 
-    Those by the numbers may be known.
+    Slopes by the numbers may be given.
     """
     y = space.whiten(at.residual)
 
@@ -111,7 +111,7 @@ def _rows(
 
 
 def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:
-    """Columns of those unknowns that stand at a bound and would leave it."""
+    """Columns of the unknowns at a bound that would leave it."""
     first = len(hypothesis.factors)
     wanted = regression.values[first : first + len(scales)] * np.array(scales)
     held = []
@@ -123,7 +123,7 @@ def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, .
 
 
 def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
-    """`Fit.reached` without any slopes; infinite where the equations are not finite."""
+    """`Fit.reached` without computing slopes; infinite if the equations are not finite."""
     with SILENT():
         y = space.whiten(at.residual)
         if not np.isfinite(y @ y):
@@ -135,11 +135,11 @@ def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
 
 
 def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
-    """Whitened derivatives of the file's numbers (rows, numbers), anew for those that have become other ones.
+    """Whitened derivatives of the file's numbers (rows, numbers); derivatives that have changed are computed again.
 
-    These are numbers that are far from what was given, and those of a joint whose encoders or spring were wrong: it
-    winds by less than a sensor may be off. A link's mass, its place and its inertia multiply one another: where one of
-    them is far off or the links carry more, all are taken anew.
+    These are those of numbers far from their given values, and those of a joint whose encoders or spring were wrong,
+    because its deflection is smaller than sensor errors. Mass, centre of mass and inertia of a link multiply one
+    another: if one of them is far off, or the links carry more, all are computed again.
     """
     numbers, effects = hypothesis.factors, hypothesis.effects
     far = {n for n, factor in numbers.items() if abs(factor - 1.0) > SAME_DERIVATIVE_DISTANCE}
@@ -156,7 +156,7 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
 
 
 def tangent_scale(effect: Effect, name: str) -> float:
-    """A size of a parameter by which steps and columns are measured."""
+    """Scale of a parameter for steps and columns."""
     value = abs(getattr(effect, name))
     if name in ("phase",):
         return 1e-2
@@ -166,7 +166,7 @@ def tangent_scale(effect: Effect, name: str) -> float:
 
 
 def priors(hypothesis: Hypothesis, space: Workspace) -> tuple[Array, Array]:
-    """Centres, from where the numbers stand, and standard deviations, in the scales of steps (columns,)."""
+    """Centres of the priors relative to the present numbers, and widths, in the scales of steps (columns,)."""
     centre = [1.0 - factor for factor in hypothesis.factors.values()]
     sigma = [OUT_OF_TOLERANCE_WIDTH if n in hypothesis.freed else max(n.tolerance, 1e-9) for n in hypothesis.factors]
     for effect, name in hypothesis.unknowns():

@@ -20,15 +20,15 @@ Array = NDArray[np.float64]
 RELATIVE_NUMBER_STEP = 1e-3
 """Relative step of the differences."""
 FOLDED = (ParameterError, JointElasticity)
-"""Effects that a resolved model holds no more."""
+"""Effects that a resolved model does not have any more."""
 
 
 def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
-    """Derivatives of the residual (rows, numbers) by the factors of the file's numbers, where the model has them.
+    """Derivatives of the residual (rows, numbers) by the factors of the file's numbers.
 
     Args:
         equations: of the model.
-        numbers: of its file; those of links take one pass over the motion together.
+        numbers: of its file; those of all links need one pass over the motion.
     """
     found = np.empty((len(equations.residual), len(numbers)))
     links = [k for k, number in enumerate(numbers) if number.joint is None]
@@ -49,7 +49,7 @@ def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
 
 
 def _heavier(true: FlexibleJointModel, number: FileNumber) -> FlexibleJointModel:
-    """A resolved model with a number of a link a little larger."""
+    """A resolved model with a slightly larger number of a link."""
     return true.replace(
         robot=true.robot.with_link_scaled(number.of, **{OF_LINK[number.parameter]: 1.0 + RELATIVE_NUMBER_STEP})
     )
@@ -74,7 +74,7 @@ def _of_joint(equations: Equations, number: FileNumber) -> Array:
             return equations.of_damper(j)
     model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + RELATIVE_NUMBER_STEP)])
     moved = model.resolved()
-    # The scale of the link's equation moves with it, or that of the motor's.
+    # The scale of the link's or motor's equation changes with it.
     if number.parameter in ("stiffness", *OF_MOTOR):
         return (equations.of(model).residual - equations.residual) / RELATIVE_NUMBER_STEP
     if number.parameter == "rotor_inertia" and not true.elastic[j]:
@@ -89,7 +89,7 @@ def _replayed(equations: Equations, number: FileNumber) -> Array:
 
 
 def _true_effect(equations: Equations, number: FileNumber) -> JointEffect | None:
-    """The effect of the resolved model that a number of the file belongs to; None: it is a joint's."""
+    """The effect of the resolved model to which a number of the file belongs; None: it belongs to a joint."""
     place = effect_place(number.of)
     if place is None:
         return None

@@ -1,4 +1,4 @@
-"""A user's own effects as hypotheses: wherever they can act, linear in what their law is found to be linear in."""
+"""A user's own effects as hypotheses: at all possible places, with the parameters in which they are linear."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from flexdyn.errors import InputError
 from flexdyn.simulation.plant import PYTHON_STAGES
 
 MOST_GRID_POINTS = 40
-"""Points of a grid at most; thinned evenly."""
+"""Largest number of points of a grid; of more, evenly spaced ones are used."""
 AROUND = (1.0, 0.3, 3.0)
-"""Values that are tried of a number that is declared, in units of that."""
+"""Values that are tried for a parameter with a default, as multiples of it [1]."""
 
 
 def own_effects(equations: Equations) -> tuple[list[Proposal], list[str]]:
-    """Proposals of all effect classes that users have defined, and a line on each that had to be left out."""
+    """Proposals of all effect classes that users have defined, and a line for each that was left out."""
     found: list[Proposal] = []
     notes: list[str] = []
     for kind in catalogue().values():
@@ -38,10 +38,10 @@ def own_effects(equations: Equations) -> tuple[list[Proposal], list[str]]:
 
 
 def _checked(kind: type[Effect]) -> type[JointEffect]:
-    """A class whose effects a diagnosis can make up by itself.
+    """Check that a diagnosis can propose effects of a class.
 
     Raises:
-        InputError: why it cannot.
+        InputError: it cannot; the message says why.
     """
     if not issubclass(kind, JointEffect) or kind.stage not in PYTHON_STAGES:
         raise InputError("it is no torque of stage friction, spring or actuator on a joint", key=kind.name)
@@ -59,7 +59,7 @@ def _everywhere(kind: type[JointEffect], equations: Equations) -> Iterator[Propo
     model = equations.true
     for j, joint in enumerate(model.joint_names):
         sides = [str(side) for side in PYTHON_STAGES[kind.stage] if side in kind.sides]
-        if not model.elastic[j]:  # link and motor are one
+        if not model.elastic[j]:  # link and motor side are the same
             sides = [side for side in sides if side != "transmission"][-1:]
         for side in sides:
             yield _proposal(kind, {"effect": kind.name, "joint": joint, "side": side}, equations, j)
@@ -69,7 +69,7 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
     """One class at one place.
 
     Raises:
-        InputError: its law fails with all numbers that were tried.
+        InputError: its law raises an error with all numbers that were tried.
     """
     law = Law(kind, place, equations, j)
     extent = MotionExtent.of(equations, j)
@@ -108,13 +108,13 @@ def _named(names: Sequence[str], numbers: Sequence[float]) -> dict[str, float]:
 
 
 def _thinned(grids: Any, most: int) -> list[tuple[float, ...]]:
-    """The product of grids, every so many of it where it is large; the first point always."""
+    """The product of grids; if it is large, evenly spaced points with the first one."""
     whole = list(itertools.product(*grids))
     return [whole[k] for k in np.unique(np.linspace(0, len(whole) - 1, min(most, len(whole))).astype(int))]
 
 
 def _values(entry: dataclasses.Field[Any], extent: MotionExtent) -> tuple[float, ...]:
-    """What is tried of a number: about its declared value, else what the joint does in that unit."""
+    """Values to try for a parameter: multiples of its default, else scales of the joint in that unit."""
     unit, lower, strict = (entry.metadata[key] for key in ("unit", "lower", "strict"))
     if entry.default is not dataclasses.MISSING and math.isfinite(entry.default) and entry.default != 0.0:
         values = [entry.default * factor for factor in AROUND]

@@ -1,4 +1,4 @@
-"""How wide a joint's play may be, from what its spring winds by and what it has to carry."""
+"""Possible half gaps of a joint's backlash, from the deflection of its spring and its load."""
 
 from __future__ import annotations
 
@@ -10,22 +10,23 @@ from flexdyn.diagnose.equations.terms import joint_terms
 
 Array = NDArray[np.float64]
 HALF_GAP_POINTS = 10
-"""Points of the grid of half gaps."""
+"""Number of points of the grid of half gaps."""
 NARROWEST_PLAY, WIDEST_PLAY, WIDEST_MADE_UP_PLAY = 0.003, 0.8, 3.0
-"""Its ends in units of the joint's deflection; the last where that is made up and knows of no gap."""
+"""Ends of the grid in units of the joint's deflection; the last one if the deflection was computed without a gap [1].
+"""
 SMALLEST_HALF_GAP = 0.05
-"""Half gap that is tried in any case, in the same unit."""
+"""Half gap that is always tried, in the same unit [1]."""
 
 
 def half_gaps(equations: Equations, j: int, deflection: float) -> list[float]:
     """Half gaps to be tried at a joint [rad or m].
 
-    A gap so wide that the spring is never wound would do for a spring that is not there.
+    A gap that is never left would be the same as a missing spring.
 
     Args:
         equations: of the model.
         j: the joint.
-        deflection: nearly the greatest [rad or m].
+        deflection: nearly the largest one [rad or m].
     """
     if equations.made_up[j] or equations.replayed[j]:
         return [float(gap) for gap in deflection * np.geomspace(NARROWEST_PLAY, WIDEST_MADE_UP_PLAY, HALF_GAP_POINTS)]
@@ -35,7 +36,7 @@ def half_gaps(equations: Equations, j: int, deflection: float) -> list[float]:
 
 
 def _unwound(equations: Equations, j: int) -> float:
-    """Median of ``theta - q - tau_s/K`` towards tau_s, where tau_s is large, by the link's equation [rad or m]."""
+    """Median of ``theta - q - tau_s/K`` along tau_s, where it is large, by the link's equation [rad or m]."""
     true = equations.true
     left = []
     for along in equations.motions:

@@ -1,4 +1,4 @@
-"""A hypothesis of one effect at one place: its linear numbers free, the others on a grid."""
+"""A hypothesis of one effect at one place: its linear parameters are free, the others are on a grid."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ class Proposal:
     """One effect at one place.
 
     Attributes:
-        place: ``effect``, ``joint``, ``side`` or ``channel``, and what else says where it acts.
-        make: the effect from a grid point and the linear values; None where they make no sense.
-        units: effects at a grid point, one a linear number, each with the size of that number in it.
-        grid: points of the numbers that are not linear; one empty point where there are none.
-        positive: which linear values may not be negative.
-        fixed: nothing is linear: the effect at the grid point is taken as it is.
-        axes: names of the parameters that the grid is of.
+        place: ``effect``, ``joint``, ``side`` or ``channel``, and further keys of its place.
+        make: the effect from a grid point and the linear values; None if they are not allowed.
+        units: effects at a grid point, one for each linear parameter, each with the size of that parameter in it.
+        grid: points of the nonlinear parameters; one empty point if there are none.
+        positive: whether each linear value must not be negative.
+        fixed: no parameter is linear: the effect at the grid point is used as it is.
+        axes: names of the parameters of the grid.
     """
 
     place: Mapping[str, str]
@@ -43,7 +43,7 @@ class Proposal:
 
     @property
     def joint(self) -> str:
-        """That it acts on, itself or by a channel; empty for what acts on no one joint."""
+        """The joint that it acts on, directly or by a channel; empty if it does not act on one joint."""
         return self.place.get("joint") or self.place.get("channel", "").partition(".")[2]
 
     def is_of(self, effect: Effect) -> bool:
@@ -53,18 +53,18 @@ class Proposal:
 
 @dataclass(frozen=True)
 class MotionExtent:
-    """What a joint does in the data, to size the grids by.
+    """Scales of a joint's motion in the data, for the grids.
 
     Attributes:
-        speed: nearly the greatest of the rotor [rad/s].
+        speed: nearly the largest speed of the rotor [rad/s].
         span: range of the rotor's position [rad].
-        deflection: nearly the greatest, 0 on a rigid joint [rad].
-        torque: the greatest asked for [N m].
-        given: nearly the greatest that the motion needed, as the model has it, and at most that [N m].
+        deflection: nearly the largest one, 0 for a rigid joint [rad].
+        torque: the largest commanded torque [N m].
+        given: nearly the largest torque that the motion needs according to the model, at most `torque` [N m].
         seconds: duration of the longest recording [s].
         low, high: ends of the link's range [rad].
         ratio: of the gear [1].
-        turns: whether the joint turns, so that what it does may come again once a turn.
+        turns: whether the joint is revolute, so that effects may be periodic over a turn.
     """
 
     speed: float
@@ -80,7 +80,7 @@ class MotionExtent:
 
     @classmethod
     def of(cls, equations: Equations, j: int) -> MotionExtent:
-        """Of one joint over all recordings."""
+        """The scales of one joint over all recordings."""
         omega, theta, delta, tau, q = (
             np.concatenate([getattr(m, name)[:, j] for m in equations.motions])
             for name in ("omega", "theta", "delta", "tau", "q")
@@ -113,7 +113,7 @@ def at(place: Mapping[str, str], **numbers: float) -> Effect:
 def linear(
     place: Mapping[str, str], name: str, grid: Sequence[Mapping[str, float]] = ({},), *, unit: float = 1.0
 ) -> Proposal:
-    """An effect with one linear number, which may not be negative where its bound says so."""
+    """An effect with one linear parameter, which may not be negative if its bound says so."""
 
     def build(point: Point, value: float) -> Effect:
         return at(place, **{name: value}, **dict(zip(grid[0], point, strict=True)))
@@ -133,16 +133,16 @@ def linear(
 def declared(
     kind: type[Effect], place: Mapping[str, str], extent: MotionExtent, beside: Collection[str] = ()
 ) -> Proposal:
-    """An effect by what its class says is linear in it, and what to try of its other numbers.
+    """An effect with the linear parameters and the grids that its class declares.
 
-    Its linear numbers may not be negative where their bound says so; nor where the plainer law, beside which alone a
-    negative one makes sense, is not in the model.
+    Its linear parameters may not be negative if their bound says so. They may also not be negative if the model lacks
+    the plainer law that a negative parameter would need.
 
     Args:
         kind: its class.
         place: ``joint`` and ``side``.
-        extent: what the joint does, by which the grids are sized.
-        beside: effects that the model has at this place.
+        extent: scales of the joint, for the grids.
+        beside: effects of the model at this place.
     """
     place, names = {"effect": kind.name, **place}, tuple(kind.grids)
     sizes = {"one": 1.0, **{key: getattr(extent, key) for key in ("given", "speed", "deflection", "seconds")}}
@@ -182,7 +182,7 @@ def wave(place: Mapping[str, str], harmonics: Sequence[float], unit: float) -> P
 
 
 def given(place: Mapping[str, str], names: Sequence[str], grid: Sequence[Point]) -> Proposal:
-    """An effect none of whose numbers is linear, at the points of a grid."""
+    """An effect without linear parameters, at the points of a grid."""
 
     def build(point: Point) -> Effect:
         return at(place, **dict(zip(names, point, strict=True)))

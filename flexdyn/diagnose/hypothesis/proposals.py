@@ -1,4 +1,4 @@
-"""The catalogue as hypotheses: every effect wherever the model could have it and the data could show it."""
+"""The catalogue as hypotheses: every effect at every place where the model can have it and the data can show it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 SLOW_HARMONICS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
-"""Cycles per turn of the joint; those of the motor's turns are added."""
+"""Cycles per turn of the joint; those per turn of the motor are added."""
 
 
 def proposals(equations: Equations) -> list[Proposal]:
@@ -55,7 +55,7 @@ def _may_be(equations: Equations, proposal: Proposal) -> bool:
 
 
 def _declared(place: Mapping[str, str], extent: MotionExtent, true: FlexibleJointModel) -> Iterator[Proposal]:
-    """Of one joint's side: every effect whose class says what is linear in it or what to try."""
+    """Proposals for one side of a joint: every effect whose class declares linear parameters or grids."""
     elastic = bool(true.elastic[true.index(place["joint"])])
     there = [each for each in true.all_effects if isinstance(each, JointEffect) and each.joint == place["joint"]]
     beside = {each.name for each in there if each.side == place["side"]}
@@ -121,7 +121,7 @@ def _transmission(joint: str, extent: MotionExtent, gaps: Sequence[float]) -> It
 
 
 def _elasticity(joint: str) -> Proposal:
-    """A rigid joint that is not: linear in its compliance."""
+    """Elasticity of a joint that the model takes for rigid: linear in its compliance."""
     return Proposal(
         {"effect": "joint_elasticity", "joint": joint, "side": "transmission"},
         make=lambda point, x: JointElasticity(joint, stiffness=1.0 / float(x[0])) if x[0] > 0.0 else None,
@@ -153,7 +153,7 @@ def _link(joint: str, extent: MotionExtent) -> Iterator[Proposal]:
 
 
 def _end_stop(place: Mapping[str, str], extent: MotionExtent) -> Proposal:
-    """A one-sided spring beyond a limit within the range that is reached; linear in its stiffness."""
+    """A one-sided spring beyond a limit within the range of the motion; linear in its stiffness."""
 
     def build(point: Point, stiffness: float) -> Effect:
         lower, upper = (point[0], math.inf) if point[1] < 0 else (-math.inf, point[0])
@@ -177,7 +177,7 @@ def _couplings(joint: str, names: tuple[str, ...]) -> Iterator[Proposal]:
 
 
 def _sensors(equations: Equations, j: int, extent: MotionExtent) -> Iterator[Proposal]:
-    """Lags, discs, gains and offsets of the channels that were measured and can show them."""
+    """Lags, eccentricities, gains and offsets of the measured channels that can show them."""
     model, data = equations.true, equations.data[0]
     joint = model.joint_names[j]
     both = bool(data.both[j])

@@ -11,22 +11,22 @@ from flexdyn.diagnose.lazy import lazy
 
 Array = NDArray[np.float64]
 ROWS_PER_COLUMN = 16
-"""Rows of a block of a tall matrix, for each of its columns."""
+"""Rows of a block of a tall matrix, per column."""
 
 
 @dataclass(frozen=True, eq=False)
 class Regression:
     """``min |y + X b|^2 + sum ((b_k - centre_k)/sigma_k)^2``.
 
-    The last columns may be nuisances: they are fitted anew every time and no step of them is kept.
+    The last columns may be nuisances: they are fitted again every time, and their steps are not kept.
 
     Attributes:
         y: normalised residual (rows,).
         X: whitened derivatives (rows, columns).
         centre: of the priors (columns,).
         sigma: of the priors (columns,); inf: none.
-        rows: that say something.
-        nuisances: how many of the last columns are fitted anew every time.
+        rows: number of rows that are not masked.
+        nuisances: number of the last columns that are fitted again every time.
     """
 
     y: Array
@@ -62,12 +62,12 @@ class Regression:
 
     @lazy
     def left(self) -> Array:
-        """What is left of rows and priors (rows + columns,)."""
+        """Residuals of rows and priors (rows + columns,)."""
         return np.asarray(self._target + self._whole @ self.values)
 
     @lazy
     def at_zero(self) -> float:
-        """Sum of squares where no step is taken, but for the nuisance columns, whose prior is centred on none."""
+        """Sum of squares without a step, except of the nuisance columns, whose prior is centred at 0."""
         nuisance = slice(self.X.shape[1] - self.nuisances, self.X.shape[1])
         if not self.nuisances:
             return float(self._target @ self._target)
@@ -89,18 +89,18 @@ class Regression:
 
     @lazy
     def covariance(self) -> Array:
-        """Of the coefficients (columns, columns), for white rows of unit variance."""
+        """Covariance of the coefficients (columns, columns), for white rows of unit variance."""
         inverse = np.linalg.pinv(self._turned[0], rcond=1e-12)
         return np.asarray(inverse @ inverse.T / np.outer(self._scale, self._scale))
 
     def sandwich(self, block: int) -> Array:
-        """Covariance of the coefficients (columns, columns) that holds for coloured rows.
+        """Covariance of the coefficients (columns, columns) for correlated rows.
 
-        ``H^-1 (sum_b g_b g_b^T + P) H^-1`` with the gradients g_b of blocks of rows, which are taken to be independent
-        of one another, H the information and P that of the priors (White, 1980; Newey and West, 1987).
+        ``H^-1 (sum_b g_b g_b^T + P) H^-1`` with the gradients g_b of blocks of rows, which are assumed independent, the
+        information H and that of the priors P (White, 1980; Newey and West, 1987).
 
         Args:
-            block: rows in a block, long against the rows' correlation.
+            block: number of rows in a block, large against the correlation length.
         """
         bread = self.covariance
         rows = len(self.y)
@@ -111,7 +111,7 @@ class Regression:
 
 
 def _triangle(tall: Array) -> Array:
-    """R of a tall matrix: of blocks of rows that stay in the cache, then of their own (Demmel et al., 2012)."""
+    """R of a tall matrix: of blocks of rows that fit into the cache, then of their results (Demmel et al., 2012)."""
     columns = tall.shape[1]
     blocks = len(tall) // (ROWS_PER_COLUMN * columns)
     whole = blocks * ROWS_PER_COLUMN * columns

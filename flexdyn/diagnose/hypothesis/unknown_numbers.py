@@ -1,4 +1,4 @@
-"""Where a diagnosis starts with numbers that nobody knows, and how wide their priors are."""
+"""First values and prior widths of unknown numbers."""
 
 from __future__ import annotations
 
@@ -14,33 +14,34 @@ from flexdyn.model.joint import NUMBERS, Joint
 from flexdyn.simulation.plant import LinkSide
 
 START = 0.01
-"""Where a number that is given as 0 starts, as a share of its absolute tolerance [1]."""
+"""First value of a number that is given as 0, as a share of its absolute tolerance [1]."""
 ROTOR_START, ROTOR_SPREAD = 1.0, 100.0
-"""Of an unknown rotor inertia, reflected, as shares of what the joint's links have about it.
+"""Value and spread of an unknown rotor inertia, reflected, as shares of the links' inertia about the joint [1].
 
-Gears are chosen so that the two are alike; behind the high gear of a small link the rotor has up to a hundred times as
-much."""
+Gears are usually chosen so that the two are similar; with the high gear of a small link, the rotor's inertia is up to a
+hundred times larger."""
 DAMPING_START, DAMPING_SPREAD = 0.05, 1.0
-"""Of an unknown damping, as shares of the critical one of the joint's spring."""
+"""Value and spread of an unknown damping, as shares of the critical damping of the joint's spring [1]."""
 LINK_START, LINK_SPREAD = 0.05, 1.0
-"""Of an unknown inertia of a link, as shares of mass times length squared: a slender rod has a twelfth of it."""
+"""Value and spread of an unknown inertia of a link, as shares of mass times length squared [1]; a slender rod has 1/12.
+"""
 SHORTEST_LINK = 0.05
-"""Least length of a link [m]."""
+"""Smallest length of a link [m]."""
 AVERAGED_POSITIONS = 64
-"""Positions over which the inertia that a joint turns is averaged."""
+"""Number of positions over which the inertia about a joint is averaged."""
 
 
 def with_guesses(model: FlexibleJointModel) -> FlexibleJointModel:
     """The model with a first value and a broad prior for every number that is unknown or given as 0 with a tolerance.
 
-    The prior is normal about that value and as wide as `ROTOR_SPREAD`, `DAMPING_SPREAD` and `LINK_SPREAD` say, or as
-    the absolute tolerance does.
+    The prior is normal about that value; its width is `ROTOR_SPREAD`, `DAMPING_SPREAD` or `LINK_SPREAD`, or the
+    absolute tolerance.
 
     Args:
         model: as given.
 
     Raises:
-        InputError: a joint whose links move no inertia has an unknown rotor: nothing says how large it may be.
+        InputError: an unknown rotor in a joint whose links move no inertia: there is no scale for it.
     """
     if any(number.value == 0.0 for number in model.links.values()):
         model = model.replace(links={link: _link_guess(model, link) for link in model.links})
@@ -52,7 +53,7 @@ def with_guesses(model: FlexibleJointModel) -> FlexibleJointModel:
 
 
 def _is_open(joint: Joint, number: str) -> bool:
-    """Whether it is given as nothing but a tolerance, or not at all."""
+    """Whether it is given only by a tolerance, or is unknown."""
     given = joint.given(number)
     return given.tolerance is not None and given.value == 0.0
 
@@ -78,7 +79,7 @@ def _joint_guess(model: FlexibleJointModel, name: str, turned: float) -> dict[st
 
 
 def _turned(model: FlexibleJointModel) -> list[float]:
-    """Mean inertia that each joint's links have about it (n,) [kg m^2 or kg]."""
+    """Mean inertia of the links about each joint (n,) [kg m^2 or kg]."""
     robot = model.robot
     slack = {"rotor_inertia": 0.0, "stiffness": math.inf, "damping": 0.0}
     known = model.resolved().replace(joints={"*": slack}, effects=[])

@@ -1,4 +1,4 @@
-"""Equations, weights and priors of a model over data: what every fit of a search shares."""
+"""Equations, weights and priors of a model for data, which all fits of a search share."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from flexdyn.model.uncertain_parameters import file_numbers, with_factors
 
 Array = NDArray[np.float64]
 MANY = 200.0
-"""Recordings must be so many times as long as a wider filter."""
+"""A wider filter is used only if recordings are longer than this multiple of it [1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Unweighted:
-    """Slopes of equations, before they have weights.
+    """Slopes of equations, without weights.
 
     Attributes:
-        equations: whose.
+        equations: that have the slopes.
         numbers: by the file's numbers (rows, numbers).
-        offsets: by a count more or less of each encoder, as nobody knows whether it rounds or cuts (rows, channels).
+        offsets: by an offset of one count of each encoder, because rounding is unknown (rows, channels).
         channels: of these encoders.
     """
 
@@ -45,7 +45,7 @@ class Unweighted:
 
     @classmethod
     def of(cls, equations: Equations, start: Hypothesis) -> Unweighted:
-        """By the numbers of a hypothesis."""
+        """Slopes by the numbers of a hypothesis."""
         data, joints = equations.data[0], equations.true.joint_names
         there = {"q": data.has_q, "theta": data.has_theta}
         channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
@@ -57,18 +57,18 @@ class Unweighted:
 def prepared(
     model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
 ) -> tuple[Unweighted, SampleNoise, Hypothesis]:
-    """Equations without weights, and the noise of their channels as the records show it.
+    """Equations without weights, and the noise of their channels from the recordings.
 
     Raises:
-        InputError: no equation says anything at any time.
+        InputError: all rows are masked.
     """
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     torque = np.maximum(recorded_torque_noise(data), 1e-12)
     noise = SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
     bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
     if sign_mask(bare.equations, noise).all():
-        problem = "joints rest, or may rest, so often that no equation says anything"
-        remedy = "let all joints move at once for seconds: while one sticks, nobody knows what friction holds"
+        problem = "joints rest, or may rest, so often that no equation can be used"
+        remedy = "let all joints move at once for seconds: while one sticks, its friction torque is unknown"
         raise InputError(problem, file=data[0].name, key="t", remedy=remedy)
     return bare, noise, start
 
@@ -76,13 +76,13 @@ def prepared(
 def weighed(
     bare: Unweighted, noise: SampleNoise, mask: NDArray[np.bool_] | None = None, extra: Array | None = None
 ) -> Workspace:
-    """Equations with the weights that a noise gives them.
+    """Equations with weights from the noise.
 
     Args:
         bare: slopes of the equations to be fitted.
         noise: of the channels.
-        mask: rows that say nothing; None: found by the noise.
-        extra: variance of the rows beside that of noise (rows,).
+        mask: rows that are not used; None: determined from the noise.
+        extra: additional variance of the rows (rows,).
     """
     equations = bare.equations
     mask = sign_mask(equations, noise) if mask is None else mask
@@ -94,9 +94,9 @@ def weighed(
 
 
 def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: SampleNoise) -> Equations:
-    """The equations behind the narrowest filter that leaves the encoders' noise below the torque's.
+    """The equations with the narrowest filter for which the encoders' noise is below that of the torque.
 
-    Rows that hold little but noise, times a number of the file, would be smaller for a smaller number.
+    If rows contain mainly noise times a number of the file, a smaller number would make them smaller.
     """
     found = Equations(model, data, Filters.of_rate(data[0].dt))
     for second in SECOND_FILTER_WIDTHS[1:]:

@@ -1,10 +1,10 @@
 """Whether an effect is what its name says, or an imitation of something that the catalogue lacks.
 
-What is left unexplained shows that something without a name is there. The nearest law of the catalogue takes some
-share of it, and then stands out of the rest. With R the power of an effect's own part over that of what is left, an
-imitation takes a share 1/(1 + 1/R) of what it imitates. If all shares are equally likely, one as large or larger has
-the probability 1/(1 + R). With prior odds c that a drive has the effect rather than something unknown that looks like
-it,
+An unexplained rest shows that the robot has an effect without a name. The most similar law of the catalogue explains a
+share of it and then stands out from the rest. Let R be the power of an effect's own part over the power of the rest. An
+imitation explains the share 1/(1 + 1/R) of the unknown effect. If all shares are equally likely, a share as large or
+larger has the probability 1/(1 + R). With prior odds c that a drive has the effect, against something unknown that
+resembles it,
 
     p(genuine) = c (1 + R) / (1 + c (1 + R))
 """
@@ -25,7 +25,7 @@ from flexdyn.diagnose.inference.space import Space, Structure
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
-"""Standard deviations of a sum of squares that chance may make, and the share of it that is unknown of the noise."""
+"""Standard deviations of a sum of squares that count as chance, and relative uncertainty of the noise level [1]."""
 EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 0.3
 """Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest. In
 24 hidden cases outside the catalogue the best imitation stood out by 46 at most; the rest must by 60 to be named."""
@@ -44,7 +44,7 @@ def genuine(candidate: Candidate, share: float, expected: Collection[str] = ()) 
         expected: kinds of effects that the user expects of this drive.
     """
     late_encoder = candidate.kind == "channel_lag" and not candidate.place["channel"].startswith("tau")
-    own = not candidate.law.__module__.startswith("flexdyn.")  # who writes a law expects it
+    own = not candidate.law.__module__.startswith("flexdyn.")  # a user who writes a law expects it
     often = own or candidate.kind in GUESSED or candidate.kind in expected
     prior = SELDOM if late_encoder else OFTEN if often else PREVALENCE_ODDS[candidate.law.prevalence]
     odds = prior * (1.0 + min(share, 1e12))
@@ -54,11 +54,11 @@ def genuine(candidate: Candidate, share: float, expected: Collection[str] = ()) 
 def shares(space: Space, structure: Structure) -> dict[int, float]:
     """Of every effect of a structure and every number of the file: own power over that of what is not explained [1].
 
-    The own part of an effect is what no other effect of the structure, no number of the file within its tolerance and
-    no plainer law that it contains can do; that of a number is what its distance from the file does and they cannot.
-    What is not explained is the residual beyond the sensors' noise at the same equations, as far as it is coloured:
-    white rows are noise whose level was misjudged. Where that is nothing, it is the share of torque that is left over
-    all equations, as far as noise can hide it.
+    The own part of an effect is the part that no other effect of the structure, no number of the file within its
+    tolerance and no plainer law that it contains can explain; for a number it is the effect of its displacement that
+    they cannot explain. The unexplained part is the residual beyond the sensors' noise in the same equations, if it is
+    correlated: white residuals mean a wrong noise level. If this part is zero, it is the share of torque that is left
+    over all equations, as far as noise can hide it.
     """
     columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))

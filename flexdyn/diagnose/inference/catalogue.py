@@ -60,8 +60,8 @@ def columns_of(equations: Equations, proposal: Proposal, point: Point) -> Array:
 def _of_effect(equations: Equations, effect: Effect, scale: float) -> Array:
     """Change of the residual (rows,) where the model has an effect more, over `scale`.
 
-    What acts on the torque acts on the one that the model needs: the recorded one's noise is in the residual as well
-    (errors in variables). What bends the torque is the exception: what it takes off is not needed.
+    Effects on the torque are computed from the torque that the model needs, because the noise of the recorded one is in
+    the residual too (errors in variables). Laws that limit the torque are the exception: the lost part is not needed.
     """
     if isinstance(effect, ChannelLag) and effect.signal == "tau":
         return _of_late_torque(equations, effect) / scale

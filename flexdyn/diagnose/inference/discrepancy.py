@@ -1,14 +1,15 @@
-"""Model error of every equation: how large it is, and over how many rows it says the same thing.
+"""Model error of every equation: its size and its correlation length.
 
-The rows come in whitened by the sensors' noise, so that their variance is 1 where the model is right. What a wrong
-model leaves is larger, and it is no noise: it comes again with the state. Rows that it correlates are no independent
-evidence. Of N rows with autocorrelations rho_k,
+The rows are whitened by the sensors' noise, so that their variance is 1 if the model is right. The residual of a wrong
+model is larger, and it is not noise: it repeats with the state. Correlated rows are no independent evidence. Of N rows
+with autocorrelations rho_k,
 
     N/t,    t = 1 + 2 sum_k (1 - k/N) rho_k^2
 
-are (Bartlett, 1935), the lags over the whole record: a motion that is made again tells nothing new of a model error.
-Of every lag of N - k pairs 1/(N - k) is taken off rho_k^2, which is what white rows have by chance. Coloured rows have
-t/(N - k), so that their t comes out as up to 3 t - 2: evidence is rather counted too low than too high.
+are independent (Bartlett, 1935). The sum is over all lags of the recording, because a repeated motion says nothing new
+about a model error. For every lag with N - k pairs, 1/(N - k) is subtracted from rho_k^2, the expected value for white
+rows. For correlated rows it would be t/(N - k), so that t may be estimated as up to 3 t - 2: evidence is counted too
+low rather than too high.
 """
 
 from __future__ import annotations

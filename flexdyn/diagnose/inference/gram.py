@@ -23,7 +23,7 @@ from flexdyn.diagnose.inference.products import Products
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 NEGATIVE_SIGMAS = 4.0
-"""Standard deviations below zero from which a coefficient that may not be negative makes no sense."""
+"""A positive coefficient is rejected if its estimate is below zero by more than this number of standard deviations."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Which numbers of cycles a turn a residual holds: its spectrum over position."""
+"""Numbers of cycles per turn in a residual, from its spectrum over position."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Everything that may be missing, as columns: every effect at every place and grid point, every number set free."""
+"""All candidates as columns: every effect at every place and grid point, and every number without its tolerance."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class Library:
     def standing(
         self, effect: Effect, proposal: Proposal, belief: Callable[[Effect, str], tuple[float, float]]
     ) -> Column:
-        """An effect that the start has: what it does as it is, which is there or not, and its parameters' tangents.
+        """An effect of the start: its present torque, which may be absent, and the tangents of its parameters.
 
         A parameter that makes it large is ``N(neutral, (share of the drive)^2)``, so its tangent's coefficient has the
         mean ``neutral - value``; any other may change by half its size.

@@ -38,7 +38,8 @@ MODEL_ERROR_ROUNDS = 25
 STRONG_GAIN_SHARE = 0.1
 """Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
 WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
-"""Fits of one hypothesis, each weighted by what the last one left, until it leaves more than such a share of that."""
+"""Largest number of fits of one hypothesis, each weighted by the last residual; they end above this ratio of residuals.
+"""
 PASS_STEPS = 4
 """Gauss-Newton steps between two linearisations."""
 Places = frozenset[tuple[object, ...]]
@@ -195,9 +196,9 @@ def _nothing(space: Space) -> Discrepancy:
 
 
 def _strong(space: Space, best: Structure, stands: Structure, least: float) -> Structure:
-    """The structure without what is new in it and weak beside the strongest of that.
+    """The structure without new effects that are weak compared with the strongest new one.
 
-    Where a strong effect is not linear, its linearisation leaves what weak ones pick up; fitted, it leaves nothing.
+    If a strong effect is nonlinear, weak effects explain the error of its linearisation, which disappears in the fit.
     """
     value = space.value(best)
     lost = {each: value - space.value(best - {each}) for each in sorted(best - stands)}

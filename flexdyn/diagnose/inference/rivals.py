@@ -1,4 +1,4 @@
-"""Rivals at numbers that suit them: a grid is coarser than what the best structure's own numbers were refined to."""
+"""Rivals with refined parameters: the grid is coarser than the refined parameters of the best structure."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def among_rivals(space: Space, best: Structure) -> Structure:
     The same law at other places has a warm start: the numbers of the effect.
 
     Returns:
-        the most likely structure.
+        The most likely structure.
     """
     for c, p in sorted(best):
         _grow_alike(space, space.candidates[c], _numbers(space.candidates[c], p))

@@ -1,4 +1,4 @@
-"""Structures compared: best-first search over additions, removals and swaps, all of which one scan compares."""
+"""Compare structures: best-first search over additions, removals and swaps, all of which are compared in one scan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The candidates' matrix under one model error, which grows as grid points are refined: evidence of any structure."""
+"""The matrix of the candidates for one model error, which grows with refined grid points: evidence of any structure."""
 
 from __future__ import annotations
 
@@ -25,15 +25,16 @@ Indices = NDArray[np.intp]
 Structure = frozenset[tuple[int, int]]
 """Candidates that a structure holds, each with its grid point."""
 PLACE_BETA = (0.3, 6.0)
-"""Beta prior of the share of places at which an effect is: odds of 1 to 20 alone, better where it is elsewhere already.
+"""Beta prior of the share of places that have an effect: odds of 1 to 20 for a single place, better if other places
+have it already.
 
-An effect of many joints so costs less than its members apart (Scott and Berger, 2010).
+So an effect of many joints costs less than single effects (Scott and Berger, 2010).
 """
 UBIQUITOUS_BETA, PLAIN_BETA = (6.0, 0.3), (1.0, 1.0)
 """The same of friction that every motor has, where the file has none: odds of some 20 to 1; and of the same friction on
 links: any share of the places is as likely as any other."""
 NEGLIGIBLE_SHARE = 3e-3
-"""Standard deviation of an effect that is none, as a share of that of one that is: 0.1 % of the joint's torque."""
+"""Standard deviation of a negligible effect over that of a real one [1]: 0.1 % of the joint's torque."""
 WHOLE_NUMBER_LOG_ODDS = 5.0
 """Log odds of a harmonic that is a whole number, or a whole number of motor turns, to one that is not."""
 SPARE_COLUMNS = 400

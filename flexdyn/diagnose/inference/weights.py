@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 def quieter(recorded: SampleNoise, at: Equations, mask: NDArray[np.bool_]) -> SampleNoise:
     """The torque's noise: what the record changes from sample to sample, or what the equations do, whichever is less.
 
-    Each holds all of the noise and something else: what is asked of the motor, or what the model lacks.
+    Each contains the whole noise and something else: the changes of the command, or missing effects.
     """
     left = torque_noise(at, at.residual, mask, recorded)
     return dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
@@ -41,7 +41,7 @@ def for_fit(
 ) -> Workspace:  # fmt: skip
     """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
 
-    What the first filter does to laws with corners is left out: where a law is still wrong it would excuse that.
+    The error of the first filter at corners of laws is left out: it would hide errors of a law that is still wrong.
     """
     plain = weighed(bare, noise, mask)
     return tempered(plain, error_of(plain, bare.equations.of(there.model()).residual, seen))
@@ -71,8 +71,8 @@ def rows_of(at: Equations, mask: NDArray[np.bool_]) -> Seen:
 def filter_error(equations: Equations, here: Hypothesis) -> Array | None:
     """Variance of the rows by what the first filter does to the found effects' laws (rows,); None: there are none.
 
-    Laws with corners see a motion that the filter has rounded. A filter of twice the variance rounds twice as much, so
-    what changes is what the narrow one did (Richardson).
+    The filter rounds the motion at the corners of laws. A filter with twice the variance rounds twice as much, so the
+    difference is the error of the narrow one (Richardson).
     """
     if not here.effects:
         return None

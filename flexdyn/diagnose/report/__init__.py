@@ -1,1 +1,1 @@
-"""What a diagnosis answers: the result, its JSON, its page and its words. It knows nothing of how it was found."""
+"""The answer of a diagnosis: the result, its JSON, its page and its words, independent of how it was found."""

@@ -1,4 +1,4 @@
-"""Numbers as a reader wants them: with the digits that their uncertainty leaves, in percent, as probabilities."""
+"""Numbers as text: with as many digits as their uncertainty allows, in percent, as probabilities."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from flexdyn.diagnose.report.suspects import Number
 
 UNCHANGED = 1e-3
-"""A change of less than so many percent is none [%]."""
+"""A smaller change counts as none [%]."""
 MINUS, NARROW = "\N{MINUS SIGN}", "\N{NARROW NO-BREAK SPACE}"
 LIKELY = (
     (0.99, "virtually certain"),
@@ -98,7 +98,7 @@ def rounded(value: float, digits: int = 3) -> str:
 
 
 def value_text(value: float, std: float) -> str:
-    """A number with the digits that its uncertainty leaves it."""
+    """A number with as many digits as its uncertainty allows."""
     if not math.isfinite(value):
         return "unknown"
     if not math.isfinite(std) or std <= 0.0:

@@ -1,4 +1,4 @@
-"""The motion that would tell a finding from its rivals."""
+"""The motion that would separate a finding from its rivals."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ class Experiment(Locked):
 
     Attributes:
         motion: what to do, in words.
-        seconds: it takes, repetitions included [s].
-        passes: how often it is made.
+        seconds: its duration with repetitions [s].
+        passes: number of repetitions.
         payload: known mass to be added at the tip [kg].
-        delta_bic: expected, of the right name to the nearest of the others, whichever of them is right.
-        command: what was simulated: joint control along the motion, once.
-        names: the finding's, and that of its nearest rival.
+        delta_bic: expected delta BIC of the right name to the nearest other one, for any of them being right.
+        command: of the simulation: joint control along one pass of the motion.
+        names: of the finding and of its nearest rival.
         t: times (points,) [s].
-        position: of the joint that moves (points,) [rad or m].
-        left: what the rival then cannot explain, its numbers fitted again, if the finding is right (points,).
-        noise: standard deviation of that (points,).
-        labels: of position and of what is left, with their units.
+        position: of the moving joint (points,) [rad or m].
+        left: residual of the rival with fitted numbers, if the finding is right (points,).
+        noise: standard deviation of `left` (points,).
+        labels: of position and residual, with their units.
     """
 
     motion: str
@@ -45,11 +45,11 @@ class Experiment(Locked):
     labels: tuple[str, str]
 
     def __post_init__(self) -> None:
-        """Copy and lock the arrays."""
+        """Copy the arrays and make them read-only."""
         for name in ("t", "position", "left", "noise"):
             object.__setattr__(self, name, locked_copy(getattr(self, name)))
 
     @property
     def apart(self) -> float:
-        """How many times the noise the names are apart: the root of the expected delta BIC."""
+        """Difference between the names in units of the noise: the root of the expected delta BIC."""
         return math.sqrt(self.delta_bic)

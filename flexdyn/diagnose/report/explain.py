@@ -18,7 +18,7 @@ RANKS_LISTED = 5
 
 
 def explanation(diagnosis: Diagnosis, target: str) -> str:
-    """The text, a paragraph for every candidate that the target means.
+    """The text, one paragraph for every candidate that the target means.
 
     Args:
         diagnosis: to be explained.
@@ -47,7 +47,7 @@ def _paragraph(diagnosis: Diagnosis, suspect: Suspect) -> str:
 
 
 def _status(diagnosis: Diagnosis, suspect: Suspect, finding: Finding | None, entry: Considered | None) -> str:
-    """Named or not, its probability, and what that comes from."""
+    """Whether it was named, its probability, and the reasons for it."""
     probability = _marginal(diagnosis, suspect, entry)
     said = f"{probability_text(probability)} ({likely(probability)})"
     moved = _calibrated(diagnosis, suspect)
@@ -98,7 +98,7 @@ def _ranks(diagnosis: Diagnosis, suspect: Suspect, entry: Considered | None) -> 
 
 
 def _confused(diagnosis: Diagnosis, suspect: Suspect, finding: Finding | None) -> str:
-    """What the data cannot tell it from."""
+    """The effects from which the data cannot separate it."""
     others = [] if finding is None else [each for each in finding.names if each.key != suspect.key]
     if not others:
         return "No other effect is listed that explains the data equally well."

@@ -1,4 +1,4 @@
-"""What a diagnosis measures: gaps, errors in physical units, what is left, calibrated numbers, the data used."""
+"""Figures of a diagnosis: gaps, errors in physical units, the unexplained rest, calibrated numbers, the data used."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Calibration:
         parameter: its name.
         factor: [1].
         std: standard deviation of the factor [1].
-        tolerance: how well it was said to be known, relative, one sigma [1].
+        tolerance: of the model file, relative, one sigma [1].
     """
 
     of: str
@@ -38,11 +38,11 @@ class Calibration:
 
 @dataclass(frozen=True)
 class Gap:
-    """Simulated against measured positions over windows of 0.5 s, in units of what noise alone makes there.
+    """Errors of simulated positions over windows of 0.5 s, divided by the values that noise alone would give.
 
     Attributes:
-        before: of the model as it was given [1].
-        calibrated: with its numbers moved within their tolerance [1].
+        before: of the given model [1].
+        calibrated: with numbers changed within their tolerance [1].
         after: with the findings added [1].
         floor: of a perfect model: about 1.
     """
@@ -58,10 +58,10 @@ class ResidualPlace:
     """Where the residual appears.
 
     Attributes:
-        joint: whose equation it is.
+        joint: of the equation.
         side: link, motor, transmission, sensor or total.
         share: of the excess over noise [1].
-        regime: in which it stands out, in words; empty: everywhere.
+        regime: in which it is largest, in words; empty: everywhere.
     """
 
     joint: str
@@ -107,13 +107,14 @@ class JointError:
 
 @dataclass(frozen=True)
 class Left:
-    """What the corrected model leaves unexplained at a joint, beyond noise.
+    """The residual torque of the corrected model at a joint, beyond noise.
 
     Attributes:
-        joint: whose equation it is.
+        joint: of the equation.
         share_of_torque: its root mean square over that of the torque [1].
-        correlation_time: over which it stays alike [s].
-        depends_on: quantities that it changes with (``q``, ``omega``, ``t``), the strongest first; none found: empty.
+        correlation_time: time over which it is correlated [s].
+        depends_on: quantities on which it depends (``q``, ``omega``, ``t``), the strongest first; empty if none is
+            found.
     """
 
     joint: str
@@ -133,8 +134,8 @@ class RecordingSpan:
         end: of the span [s].
         rate: samples per second [Hz].
         noise: standard deviation of the sensor's noise by channel, in the channel's unit.
-        samples: of the span.
-        channels: of the recording, those that the diagnosis does not read as well.
+        samples: number of samples.
+        channels: of the recording, also those that the diagnosis does not use.
     """
 
     file: str

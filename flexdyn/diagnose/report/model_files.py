@@ -1,4 +1,4 @@
-"""The corrected model as files: every number that was found wrong is put right where it stands."""
+"""The corrected model as files: every wrong number is corrected at its place."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from flexdyn.robot.rewrite import corrected_urdf
 
 MODEL = "model.yaml"
 MARK = "corrected by flexdyn diagnose"
-"""Stands in the first line of every model file that a diagnosis wrote."""
+"""Text in the first line of every model file that a diagnosis wrote."""
 HEAD = f"# {{}}, {MARK}. SI units; rotor_inertia on the motor side, everything else reflected.\n"
 EFFECT_PATH = re.compile(r"effects\[(\d+)\](\..*)")
 
 
 def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
-    """Texts of model.yaml and, where numbers of its URDF are wrong, of the corrected URDF, by file name.
+    """Texts of model.yaml and, if numbers of its URDF are wrong, of the corrected URDF, by file name.
 
-    Parameter errors and joint elasticities are folded into the numbers that they change; sensor effects and all others
-    stay effects. Where the URDF cannot be read any more, errors of its numbers stay parameter errors.
+    Parameter errors and joint elasticities are applied to the numbers that they change; sensor effects and all others
+    stay effects. If the URDF cannot be read any more, errors of its numbers stay parameter errors.
 
     Args:
-        model: with what was found among its effects.
-        folder: that the files are to be saved in.
+        model: with the findings among its effects.
+        folder: of the files.
 
     Raises:
         InputError: the robot has no URDF: it came from a pin.Model.

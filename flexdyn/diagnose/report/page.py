@@ -1,4 +1,4 @@
-"""report.html: one page with everything in it, which asks nobody for anything."""
+"""report.html: one complete page, which loads nothing else."""
 
 from __future__ import annotations
 

@@ -60,12 +60,12 @@ class Diagnosis(Public):
         structures: sets of effects that were compared, the most probable first.
         data: what was read, and what for.
         model: the corrected model.
-        notes: what the data cannot tell, and what was assumed; a sentence each.
+        notes: numbers that the data do not determine, and assumptions; one sentence each.
         seconds: that it took [s].
         record: version, date, command line and files.
         fit: how well the final fit is determined; None: there was none.
         shares: of the gap on the test data, which add up; None where it was not measured.
-        stopped_at: what was in work when the user stopped it; empty: nobody did.
+        stopped_at: the stage in which the user stopped it; empty if it was not stopped.
         trajectories: measured and simulated motion of every joint, over the test data and the data of the fit.
         loops: recorded and simulated force of joints whose motion a test rig prescribes.
         residuals: pictures of what the model left unexplained, before and after, the most telling first.
@@ -137,7 +137,7 @@ class Diagnosis(Public):
         `write_model` says so, and one of an earlier report is then removed.
 
         Args:
-            folder: is made if it is not there; files of an earlier report in it are replaced.
+            folder: is created if it does not exist; files of an earlier report in it are replaced.
 
         Raises:
             InputError: the folder cannot be made or written to.

@@ -1,4 +1,4 @@
-"""Sentences of the report beside its verdict, each generated from the numbers of the diagnosis that it tells."""
+"""Sentences of the report except the verdict, each generated from the numbers of the diagnosis."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def model_sentence(diagnosis: Diagnosis) -> str:
 
 
 def next_measurements(diagnosis: Diagnosis) -> list[str]:
-    """What to measure next, a sentence each; nothing where the answer stands as it is."""
+    """What to measure next, one sentence each; empty if the answer needs no further data."""
     wanted = list(dict.fromkeys(capital(finding.experiment) for finding in diagnosis.findings if finding.experiment))
     if diagnosis.verdict == "interrupted":
         wanted.insert(0, "Run the diagnosis to its end: it needs no new measurement.")

@@ -58,7 +58,7 @@ class Suspect:
 
     @property
     def key(self) -> Key:
-        """The effect and where it acts, whatever its numbers: equal for the same effect at the same place."""
+        """The effect and its place, without its numbers: equal for the same effect at the same place."""
         return self.effect, self.joint, self.side, tuple(sorted(self.place.items()))
 
 
@@ -72,8 +72,8 @@ class Finding:
         log_bayes_factor: natural logarithm of the evidence of the best structure with it over the best without it.
         test_gain: share of the improvement on the test data that is lost where it alone is left out, at most 1;
             negative: the improvement is larger without it.
-        rivals: effects that the data cannot tell it from: then the answer is "this or one of those".
-        experiment: the motion that would tell them apart; empty where there is no rival.
+        rivals: effects from which the data cannot separate it: then the answer is "this or one of those".
+        experiment: the motion that would separate them; empty if there is no rival.
         plan: that motion, where one was found; None else.
     """
 
@@ -104,7 +104,7 @@ class Considered:
         suspect: the effect and where it acts.
         probability: marginal posterior probability: the sum over all structures that hold it [1].
         log_bayes_factor: natural logarithm of the evidence of the best structure with it over the best without it.
-        note: what else decided, a sentence; empty where nothing did.
+        note: a further reason, as a sentence; empty if there is none.
     """
 
     suspect: Suspect

@@ -1,4 +1,4 @@
-"""The verdict in whole sentences, each generated from the numbers of the diagnosis that it tells."""
+"""The verdict in whole sentences, each generated from the numbers of the diagnosis."""
 
 from __future__ import annotations
 

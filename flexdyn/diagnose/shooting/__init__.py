@@ -1,1 +1,1 @@
-"""Short windows simulated open loop from first states that suit them: the gap."""
+"""Short windows, simulated in open loop from fitted first states: the gap."""

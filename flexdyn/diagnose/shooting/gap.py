@@ -1,4 +1,4 @@
-"""The gap: simulated against measured positions over windows, in units of what noise alone makes there."""
+"""The gap: errors of simulated positions over windows, divided by the values that noise alone would give."""
 
 from __future__ import annotations
 
@@ -16,33 +16,32 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 NOISE_GAP = 1.3
-"""A median window that is off by no more than so many times the floor is noise [1]: a window of one joint holds some
-twenty independent errors, whose root mean square strays by 16 %."""
+"""If the median window's gap is at most this multiple of the floor, it is noise [1]: a window of one joint has about
+twenty independent errors, whose root mean square has a standard deviation of 16 %."""
 FRAGILE_RATIO = 3.0
-"""A window in which drawn noise makes more than so many times what the linear response says is a fragile one."""
+"""A window is fragile if drawn noise has a larger effect than this multiple of the linear response [1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """A model simulated over windows, each from the first state that suits it best.
+    """A model simulated over windows, each from its best first state.
 
-    The first state of a window is a nuisance with a loose Gaussian prior: with S its sensitivities, P its prior
-    covariance, G Q G^T the torque noise carried through the simulation and R the sensors' noise, the residual r at the
-    loose start has the covariance C = R + G Q G^T + S P S^T. The start is moved by P S^T C^-1 r and the window is
-    simulated again; what is left then has the covariance R + G Q G^T - S P+ S^T, P+ = P - P S^T C^-1 S P, of which
-    `std` is the diagonal's root.
+    The first state of a window is a nuisance parameter with a wide Gaussian prior. Let S be its sensitivities, P its
+    prior covariance, G Q G^T the torque noise carried through the simulation and R the sensors' noise. Then the
+    residual r at the prior mean has the covariance C = R + G Q G^T + S P S^T. The first state is changed by P S^T C^-1
+    r and the window is simulated again. The remaining residual has the covariance R + G Q G^T - S P+ S^T, P+ = P - P
+    S^T C^-1 S P; `std` is the root of its diagonal.
 
     Attributes:
         model: that was simulated.
-        windows: over which.
+        windows: that were simulated.
         x0: first states (windows, nx).
         residual: simulated - measured (windows, rows, channels), 0 where nothing was measured.
-        std: what noise alone makes of it, likewise.
+        std: its standard deviation from noise alone, likewise.
         used: samples that count, likewise.
-        fragile: factor on `std` of windows in which drawn noise does more than it does in the linear response, because
-            it decides whether a joint sticks (windows,) [1].
-        failed: windows that could not be simulated to their end, or in which noise would excuse anything, as it would
-            in many (windows,).
+        fragile: factor on `std` of windows in which drawn noise has a larger effect than in the linear response,
+            because it decides whether a joint sticks (windows,) [1].
+        failed: windows that could not be simulated to their end, or in which the noise covers any error (windows,).
     """
 
     model: FlexibleJointModel
@@ -63,7 +62,7 @@ class Shot:
 
     @property
     def gap(self) -> float:
-        """Root mean square of `scaled` over all that was measured [1]."""
+        """Root mean square of `scaled` over all measured samples [1]."""
         return float(np.sqrt((self.scaled[self.used] ** 2).mean()))
 
     @property
@@ -73,38 +72,38 @@ class Shot:
         return np.asarray(np.sqrt((self.scaled**2 * self.used).sum(axis=(1, 2)) / count))
 
     def whitened(self, model: FlexibleJointModel | None = None) -> Array:
-        """Residuals made white: of unit variance and uncorrelated if the model is right (windows, rows of each).
+        """Whitened residuals: uncorrelated with unit variance if the model is right (windows, rows of each).
 
         Samples are averaged over blocks; rows are the innovations of a Kalman filter on the linear response, divided
         by their standard deviations. The sum of squares is r^T C^-1 r, linear in r.
 
         Args:
-            model: another one, simulated from this shot's first states under its weights; None: this one. Differences
-                between such models over a step in a parameter are the Jacobian for Gauss and Newton.
+            model: another model, simulated from the same first states with the same weights; None: this model.
+                Differences of such residuals over a step of a parameter give the Jacobian for Gauss-Newton.
         """
         residual = self.residual if model is None else self.residual_of(model)
         return self._filter.whitened(residual, self._moved) / self.fragile[:, None]
 
     def is_noise(self, floor: float = 1.0) -> bool:
-        """Whether the median window is as near as a perfect model's; one on the wrong side of a stick says little.
+        """Whether the gap of the median window is noise; a single window with wrong sticking has little influence.
 
         Args:
-            floor: the gap of a perfect model, where it is more than 1.
+            floor: the gap of a perfect model, if it is more than 1.
         """
         return float(np.median(self.by_window)) <= NOISE_GAP * max(floor, 1.0)
 
     @property
     def misfit(self) -> Array:
-        """Mean square of the innovations of every window (windows,) [1]: 1 where the model is right."""
+        """Mean square of the innovations of every window (windows,) [1]: 1 if the model is right."""
         white = self._filter.whitened(self.residual, self._moved)
         return np.asarray((white**2).sum(axis=1) / np.maximum(self._rows, 1.0))
 
     @property
     def log_likelihood(self) -> float:
-        """Of the model, the error of each window beyond noise as large as it most likely is.
+        """Log likelihood of the model, with the most likely size of the error beyond noise in each window.
 
-        With N innovations, their mean square v and covariance C, a window adds ``- N l(v) - log|C|/2`` with
-        ``l(v) = (1 + log v)/2`` where v > 1, else ``v/2``: one on the wrong side of a stick does not outvote the rest.
+        With N innovations, their mean square v and covariance C, a window adds ``- N l(v) - log|C|/2`` with ``l(v) = (1
+        + log v)/2`` if v > 1, else ``v/2``: a single window with wrong sticking does not dominate the others.
         """
         v = self.misfit
         each = np.where(v > 1.0, 0.5 * (1.0 + np.log(np.maximum(v, 1.0))), 0.5 * v)
@@ -116,13 +115,13 @@ class Shot:
         return np.asarray(self._filter.counted.sum(axis=(1, 2)))
 
     def residual_of(self, model: FlexibleJointModel) -> Array:
-        """Simulated - measured of another model from this shot's first states (windows, rows, channels)."""
+        """Simulated - measured for another model with the same first states (windows, rows, channels)."""
         shooter = Shooter(model, self.windows)
         x0 = _fitting(self.x0, self.model, shooter)
         return bounded_residual(shooter, shooter.run(x0), self.used)
 
     def floor(self, seed: int = 1) -> float:
-        """The gap that a perfect model has: torques and sensors with drawn noise, simulated by the model itself."""
+        """The gap of a perfect model: torques and sensors with drawn noise, simulated by the model itself."""
         shooter, used = Shooter(self.model, self.windows), self.used
         residual = _drawn(shooter, self.x0, self.residual, used, seed)
         wanted = -self._filter.first_error(residual, np.zeros_like(self._moved))
@@ -135,15 +134,15 @@ class Shot:
 
 
 def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None) -> Shot:
-    """Simulate every window open loop and find the first state that suits it best.
+    """Simulate every window in open loop and find its best first state.
 
-    A window that cannot be simulated to its end counts with a bounded residual: three times what the channel moves in
-    the recordings plus 1 rad, for every sample that was not reached or is further off than that.
+    A window that cannot be simulated to its end has a bounded residual: three times the range of the channel in the
+    recordings plus 1 rad, for every sample that was not reached or has a larger error.
 
     Args:
-        model: with any effects; those of sensors act on what is simulated before it is compared.
+        model: with any effects; those of sensors act on the simulated signals before the comparison.
         windows: with noise levels.
-        near: first states that suited a similar model (windows, nx), for windows that stray from their own.
+        near: best first states of a similar model (windows, nx), for windows with large residuals.
     """
     shooter = Shooter(model, windows)
     starts = first_states(shooter)
@@ -152,7 +151,7 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None
     x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
     std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
     failed = motion.written < windows.rows
-    if filter_.wild.mean() > FAILED_WINDOW_SHARE:  # a response that is none excuses nothing
+    if filter_.wild.mean() > FAILED_WINDOW_SHARE:  # without a finite response the noise covers no error
         failed |= filter_.wild
     drawn = _drawn(shooter, x0, residual, used, seed=0)
     expected = np.repeat(filter_.unfitted, windows.block, axis=1)
@@ -164,9 +163,9 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None
 
 
 def _used(shooter: Shooter) -> NDArray[np.bool_]:
-    """Samples that were measured, by whole blocks.
+    """Measured samples, in whole blocks.
 
-    A window into which torques of before the recording arrive does not count, unless there is no other.
+    A window that needs torques from before the recording does not count, unless there is no other.
     """
     windows = shooter.windows
     measured = np.isfinite(shooter.measured).reshape(len(windows), windows.blocks, windows.block, -1)
@@ -178,7 +177,7 @@ def _used(shooter: Shooter) -> NDArray[np.bool_]:
 
 
 def _drawn(shooter: Shooter, x0: Array, residual: Array, used: NDArray[np.bool_], seed: int) -> Array:
-    """What drawn noise of torques and sensors makes of the residual, if the model is right."""
+    """The residual from drawn noise of torques and sensors, if the model is right."""
     windows, draw = shooter.windows, np.random.default_rng(seed)
     noisy = Shooter(
         shooter.given, windows, draw.standard_normal((*used.shape[:2], shooter.model.n)) * windows.noise.tau
@@ -188,7 +187,7 @@ def _drawn(shooter: Shooter, x0: Array, residual: Array, used: NDArray[np.bool_]
 
 
 def _fitting(x0: Array, model: FlexibleJointModel, shooter: Shooter) -> Array:
-    """First states of one model as another one takes them; what the other alone has is made up for by it."""
+    """Convert first states of one model to those of another one; states that only the other has are computed by it."""
     if x0.shape[1] == shooter.size and (model.elastic == shooter.model.elastic).all():
         return x0
     return first_states(shooter).x

@@ -1,4 +1,4 @@
-"""First states that suit the windows best, found by linear responses to noise and to the states themselves."""
+"""Best first states of the windows, from linear responses to noise and to the states themselves."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ from flexdyn.diagnose.shooting.whiten import Filter
 
 Array = NDArray[np.float64]
 LARGEST_FIRST_STATE_SHIFT = 100.0
-"""Standard deviations that a first state is moved at most: beyond, it is no correction but a response that explodes."""
+"""Largest change of a first state, in standard deviations [1]: a larger one comes from a divergent response."""
 FAILED_WINDOW_SHARE = 0.3
-"""Share of windows that cannot be simulated, or in which noise would excuse anything, from which a law is no law."""
+"""A law is rejected if more than this share of windows cannot be simulated, or if noise covers any error there [1]."""
 CORRECTION_ROUNDS = 6
-"""Corrections of the first states at most, each with a new linear response."""
+"""Largest number of corrections of the first states, each with a new linear response."""
 WORTHWHILE_REMAINDER = 0.8
-"""Another correction is worth its time if the last one left less than this of the squared residual."""
+"""Another correction is made if the last one reduced the squared residual below this share [1]."""
 STRAY_WINDOW_RATIO = 4.0
-"""A window so many times as far off as the median one may still be on the wrong side of a stick: it is tried on."""
+"""A window with a gap above this multiple of the median may have wrong sticking: it is corrected further [1]."""
 SHORTENED_CORRECTION = 0.3
-"""A correction that made it worse is tried again, this much shorter."""
+"""A correction that increased the residual is tried again with this share of its length [1]."""
 FAILED_SAMPLE_ERROR = 3.0
-"""A sample that the simulation did not reach counts as off by so many times what its channel moves (plus 1 rad)."""
+"""Error of a sample that the simulation did not reach, as a multiple of its channel's range (plus 1 rad) [1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Matched:
-    """Windows from the first states that suit them best.
+    """Windows from their best first states.
 
     Attributes:
-        moved: how far these are from the loose starts (windows, nx).
-        residual: what is left, simulated - measured (windows, rows, channels).
+        moved: changes of the first states from their prior means (windows, nx).
+        residual: simulated - measured (windows, rows, channels).
         motion: that was simulated.
-        filter: by which it is measured.
+        filter: Kalman filter that whitens the residual.
     """
 
     moved: Array
@@ -48,21 +48,22 @@ class Matched:
     filter: Filter
 
     def stray(self, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Windows that are much further off than the others (windows,)."""
+        """Windows with much larger residuals than the others (windows,)."""
         size = self.filter.scaled(self.residual)
         return np.asarray(size > STRAY_WINDOW_RATIO**2 * max(float(np.median(size)), float(used[0].sum())))
 
 
 def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], near: Array | None = None) -> Matched:
-    """Move first states until it does not pay any more.
+    """Correct first states until the residual hardly decreases.
 
-    Strays are tried again from rest, where friction may hold what nobody sees, and from where a similar model began.
+    Windows with large residuals are tried again with unmeasured joints at rest, where friction may hold them, and from
+    the first states of a similar model.
 
     Args:
         shooter: of the model and the windows.
-        starts: first states and how loosely they are known.
+        starts: prior means and widths of the first states.
         used: samples that count (windows, rows, channels).
-        near: first states that suited a similar model (windows, nx); None: there is none.
+        near: best first states of a similar model (windows, nx); None: there is none.
     """
     found = _from(shooter, starts, used, np.zeros_like(starts.x))
     for other in (starts.stuck, near):
@@ -75,7 +76,7 @@ def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], near: Arr
 
 
 def within(starts: Starts, moved: Array) -> Array:
-    """Moves (windows, nx) that are corrections still."""
+    """Limit changes (windows, nx) to their largest allowed size."""
     return np.clip(
         np.nan_to_num(moved), -LARGEST_FIRST_STATE_SHIFT * starts.std, LARGEST_FIRST_STATE_SHIFT * starts.std
     )
@@ -89,14 +90,14 @@ def _from(
     rest: Matched | None = None,
     some: NDArray[np.bool_] | None = None,
 ) -> Matched:
-    """Correct the first states by linear responses until it does not pay any more.
+    """Correct the first states by linear responses until the residual hardly decreases.
 
     Args:
         shooter: of the model and the windows.
-        starts: first states and how loosely they are known.
+        starts: prior means and widths of the first states.
         used: samples that count (windows, rows, channels).
-        moved: where to begin (windows, nx).
-        rest: windows as they were, of which only some are corrected; None: all of them.
+        moved: first changes (windows, nx).
+        rest: present result, of which only some windows are corrected; None: all of them.
         some: windows to correct (windows,).
     """
     some = np.ones(len(moved), bool) if some is None else some
@@ -129,7 +130,7 @@ def _filter(
     shooter: Shooter, starts: Starts, used: NDArray[np.bool_], motion: SimulatedWindows, some: NDArray[np.bool_],
     rest: Matched | None,
 ) -> Filter:  # fmt: skip
-    """By which a motion is measured: made anew for some windows, for the rest as it was."""
+    """The filter of a motion: computed again for some windows, unchanged for the others."""
     which = np.flatnonzero(some)
     if rest is not None and not len(which):
         return rest.filter
@@ -138,7 +139,7 @@ def _filter(
 
 
 def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matched, other: Matched) -> Matched:
-    """Window by window the fit that leaves less."""
+    """For each window the fit with the smaller residual."""
     wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
     motion = _chosen(wins, other.motion, one.motion)
     moved = np.where(wins[:, None], other.moved, one.moved)
@@ -147,7 +148,7 @@ def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matc
 
 
 def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: NDArray[np.bool_]) -> Array:
-    """Simulated - measured, bounded also where the simulation failed."""
+    """Simulated - measured, bounded, also if the simulation failed."""
     windows = shooter.windows
     measured = windows.measured
     limit = 1.0 + FAILED_SAMPLE_ERROR * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
@@ -159,7 +160,7 @@ def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: NDArray[n
 
 
 def _chosen(better: NDArray[np.bool_], one: SimulatedWindows, other: SimulatedWindows) -> SimulatedWindows:
-    """Window by window the better of two."""
+    """For each window the better of two results."""
 
     def pick(name: str) -> Any:
         a, b = getattr(one, name), getattr(other, name)

@@ -1,4 +1,4 @@
-"""Sensor effects of a model, forwards on what is simulated and backwards on what was measured."""
+"""Sensor effects of a model, applied to simulated signals, and removed from measured ones."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ Law = Callable[[Sequence[SensorEffect], Array, Array], Array]
 
 
 def sensors(model: FlexibleJointModel, channel: str) -> tuple[SensorEffect, ...]:
-    """Those of a model that act on a channel and do something."""
+    """The effects of a model on a channel that are not neutral."""
     effects = (effect for effect in model.resolved().effects if isinstance(effect, SensorEffect))
     return tuple(effect for effect in effects if effect.channel == channel and not effect.is_neutral)
 
 
 def lag(effects: Sequence[SensorEffect]) -> float:
-    """How late a channel is [s]."""
+    """The lag of a channel [s]."""
     return math.fsum(effect.delay for effect in effects if isinstance(effect, ChannelLag))
 
 
 def seen(effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
-    """A simulated channel as the sensor reports it, but for its lag (see `early`)."""
+    """A simulated channel as the sensor reports it, without its lag (see `early`)."""
     return measure([effect for effect in effects if not isinstance(effect, ChannelLag)], x, t)
 
 
 def early(recording: Recording, channel: str, late: float, t: Array) -> Array:
-    """A recorded channel without its lag: what it said that much later, by a cubic spline; NaN beyond its end.
+    """A recorded channel without its lag: its later value, by a cubic spline; NaN beyond its end.
 
     Args:
         recording: that has it.
@@ -48,14 +48,14 @@ def early(recording: Recording, channel: str, late: float, t: Array) -> Array:
 
 
 def slope(effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
-    """How a reported channel changes with the true one [1]; its lag is left out."""
+    """Derivative of a reported channel by the true one, without its lag [1]."""
     instant = [effect for effect in effects if not isinstance(effect, ChannelLag)]
     step = 1e-6
     return (measure(instant, x + step, t) - measure(instant, x - step, t)) / (2.0 * step)
 
 
 def of_windows(law: Law, effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
-    """A law of samples, such as `seen` or `slope`, over windows that know nothing of one another.
+    """Evaluate a law of samples, such as `seen` or `slope`, over independent windows.
 
     Args:
         law: of effects, samples and times.

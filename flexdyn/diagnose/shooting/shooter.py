@@ -1,4 +1,4 @@
-"""The windows of a recording simulated by the core, over native threads."""
+"""Simulate the windows of a recording in the core, on native threads."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, RungeKutta4, S
 
 Array = NDArray[np.float64]
 LARGEST_PHASE_STEP = 0.25
-"""Largest rate times step of the classical method [rad]: 0.5 s of a vibration then end within 0.5 % of it."""
+"""Largest rate times step for the classical method [rad]: then the error of a vibration after 0.5 s is below 0.5 %."""
 MOST_EVALUATIONS = 100_000
-"""Evaluations of the equations after which a window has failed: as many as 0.5 s in classical steps of 20 us take."""
+"""Largest number of evaluations for a window: as many as for 0.5 s in classical steps of 20 us."""
 INTERNAL_STATE_LIMIT = 2.0
-"""Internal states of first states are at most so many times their reach: corrections are linear, bristles are not."""
+"""Largest internal state in a first state, as a multiple of its reach [1]: linear corrections may be too large."""
 AT_ONCE = 256
-"""Runs that are given to the threads together."""
+"""Number of runs that are given to the threads together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +42,9 @@ class SimulatedWindows:
 
     Attributes:
         q: (windows, rows, n).
-        theta: likewise; q where the joint is rigid.
-        x: whole states at the first sample of every block (windows, blocks, nx).
-        written: samples of each window that were reached; fewer than its rows where the simulation failed (windows,).
+        theta: likewise; q for a rigid joint.
+        x: states at the first sample of every block (windows, blocks, nx).
+        written: number of samples of each window that were reached; fewer than its rows if it failed (windows,).
     """
 
     q: Array
@@ -53,19 +53,19 @@ class SimulatedWindows:
     written: NDArray[np.int64]
 
     def copy(self) -> SimulatedWindows:
-        """The same, in arrays of its own."""
+        """A copy with its own arrays."""
         return SimulatedWindows(self.q.copy(), self.theta.copy(), self.x.copy(), self.written.copy())
 
     def part(self, which: NDArray[np.int64]) -> SimulatedWindows:
-        """Some of the windows."""
+        """A selection of the windows."""
         return SimulatedWindows(self.q[which], self.theta[which], self.x[which], self.written[which])
 
 
 class Shooter:
-    """One model made ready to be simulated over windows.
+    """One model, prepared for the simulation of windows.
 
     A command delay, and a lag of the recorded torque, become a shift of the torque in time, so that a window has the
-    torques of before its start; laws that depend on time since the run's start are moved to the window's.
+    torques from before its start. Laws that depend on the time since the run's start are shifted to that of the window.
 
     Args:
         model: the arm.
@@ -90,7 +90,7 @@ class Shooter:
 
     @property
     def size(self) -> int:
-        """Of the state."""
+        """Size of the state."""
         return self.plants[0].state_size
 
     def run(
@@ -107,7 +107,7 @@ class Shooter:
             x0: first states of all (windows, nx).
             tight: factor on step or tolerance, below 1 for a check.
             which: windows to simulate; None: all.
-            others: what the rest of them did.
+            others: results of the other windows.
         """
         windows, n = self.windows, self.model.n
         count, rows = len(windows), windows.rows
@@ -146,7 +146,7 @@ class Shooter:
         motion.written[which] = reached
 
     def bounded(self, x0: Array) -> Array:
-        """First states whose internal states are not far beyond their reach, where no path takes them (windows, nx)."""
+        """First states with internal states that are limited to possible values (windows, nx)."""
         reach = INTERNAL_STATE_LIMIT * np.array([effect.reach for effect in self.memory])
         x0 = x0.copy()
         x0[:, x0.shape[1] - len(reach) :] = np.clip(x0[:, x0.shape[1] - len(reach) :], -reach, reach)
@@ -160,7 +160,7 @@ class Shooter:
 
     @lazy
     def measured(self) -> Array:
-        """What was measured, channels that lag by the model set right (windows, rows, channels); NaN: nothing."""
+        """The measured channels, without the lags of the model (windows, rows, channels); NaN if unmeasured."""
         windows, table = self.windows, self.windows.measured
         for column, name in enumerate(windows.channels):
             late = lag(sensors(self.model, name))
@@ -175,12 +175,12 @@ class Shooter:
 
     @property
     def torques_known(self) -> NDArray[np.bool_]:
-        """Windows in which no torque of before the recording arrives (windows,)."""
+        """Windows that need no torques from before the recording (windows,)."""
         begins = np.array([self.windows.recordings[k].t[0] for k in self.windows.places[:, 0]])
         return np.asarray(self.windows.t[:, 0] - begins >= _shifts(self.given.resolved()).max())
 
     def reported(self, motion: SimulatedWindows) -> Array:
-        """What the model's sensors would have said, but for their lag (windows, rows, channels)."""
+        """The readings of the model's sensors, without their lag (windows, rows, channels)."""
         windows = self.windows
         table = np.empty((len(windows), windows.rows, len(windows.channels)))
         for k, name in enumerate(windows.channels):
@@ -192,7 +192,7 @@ class Shooter:
         return table
 
     def _solver(self, x0: Array, tight: float) -> Solver:
-        """Errors well below the sensors' noise, no more."""
+        """Solver settings for errors well below the sensors' noise."""
         some = range(0, len(x0), max(1, len(x0) // 5))
         rate = max(fastest_rate(self.plants[w], np.ascontiguousarray(x0[w])) for w in some)
         fast = np.abs(x0[:, self.model.n + len(self.elastic) :]).max()
@@ -207,8 +207,8 @@ class Shooter:
 
 
 def _simulated(jobs: Sequence[_core.Job], q: Array, *, python: bool) -> NDArray[np.int64]:
-    """Run jobs and say how many samples each reached; those that take too many steps are stopped."""
-    if python:  # the interpreter takes one at a time, and knows this thread already
+    """Run jobs and return how many samples each reached; those with too many steps are stopped."""
+    if python:  # laws in Python run one at a time, and in this thread
         for each in jobs:
             with contextlib.suppress(Exception):
                 _core.simulate(each, None)
@@ -244,13 +244,13 @@ def _torques(model: FlexibleJointModel, windows: Windows, extra: Array | None) -
 
 
 def _shifts(model: FlexibleJointModel) -> Array:
-    """How much later than recorded the torques arrive (n,) [s]."""
+    """Delay between recorded and acting torques (n,) [s]."""
     lags = [lag(sensors(model, f"tau.{joint}")) for joint in model.joint_names]
     return np.asarray(command_delays(model) - np.array(lags))
 
 
 def _held(t: Array, tau: Array, shifts: Array, row: int, rows: int) -> tuple[Array, Array]:
-    """The torques that arrive within one window, which begins at a row; before the first one that one holds."""
+    """The torques that act within one window, which begins at a row; before the first one, its value is used."""
     if not shifts.any():
         return t[row : row + rows] - t[row], tau[row : row + rows]
     begin, end = t[row], t[row + rows - 1]

@@ -1,4 +1,4 @@
-"""How noise spreads through a window: sensitivities to first state and torques along the simulated motion."""
+"""The propagation of noise through a window: sensitivities to first state and torques along the simulated motion."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from flexdyn.diagnose.shooting.windows import Windows
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 GAINS_EVERY = 5
-"""Blocks over which the effect of torques on accelerations is taken as one."""
+"""Number of blocks over which the effect of torques on accelerations is taken as constant."""
 LARGEST_SLOPE = 1e9
-"""Slopes and responses beyond it belong to motions that explode; they are cut off there."""
+"""Bound of slopes and responses: larger ones belong to divergent motions."""
 STEEP_FEEDBACK = 20.0
-"""A velocity that feeds itself faster (1/s), as falling friction near rest does, does so for an instant only."""
+"""Bound of growth rates [1/s]: a larger one, from falling friction near rest, lasts only for an instant."""
 SLOW_CONTACT_RATIO = 10.0
-"""A contact below so many times what noise adds to its velocity over a block may stick by noise."""
+"""Noise may decide about sticking if a velocity is below this multiple of its change by noise over a block [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,9 +30,10 @@ class Spread:
     """The linear response of every window, from the middle of one block to that of the next.
 
     Attributes:
-        flow: transition into the middle of every block, the first from the window's start (windows, blocks, nx, nx).
-        push: covariance that the torque noise adds on the way (windows, blocks, nx, nx).
-        seen: channels per state at the middle of every block, sensors' slopes included (windows, blocks, channels, nx).
+        flow: transition to the middle of every block, for the first from the window's start (windows, blocks, nx, nx).
+        push: covariance that the torque noise adds in between (windows, blocks, nx, nx).
+        seen: derivative of channels by states at the middle of every block, with sensors (windows, blocks, channels,
+            nx).
     """
 
     flow: Array
@@ -40,7 +41,7 @@ class Spread:
     seen: Array
 
     def replaced(self, which: Indices, other: Spread) -> Spread:
-        """The same with the responses of some windows from another one, which holds these alone."""
+        """A copy with the responses of some windows from another object, which has only these."""
         parts = {"flow": self.flow.copy(), "push": self.push.copy(), "seen": self.seen.copy()}
         for name, part in parts.items():
             part[which] = getattr(other, name)
@@ -50,19 +51,19 @@ class Spread:
 def spread(shooter: Shooter, whole: SimulatedWindows, which: Indices) -> Spread:
     """Linear response of windows along their simulated motion.
 
-    The plant's Jacobian holds over a block; a contact that sticks at its beginning takes its velocity out. What a
-    reversal does to a velocity that slides on is left out.
+    The plant's Jacobian is taken as constant over a block; the velocity of a contact that sticks at its beginning is
+    removed. The effect of a reversal on a sliding velocity is neglected.
 
     Args:
         shooter: that simulated them.
         whole: motion of all windows.
-        which: of them are wanted.
+        which: windows to use.
     """
     windows, n, motion = shooter.windows, shooter.model.n, whole.part(which)
     A, B = _slopes(shooter, motion, which)
     still = _still(shooter, motion)
     free, A[still], B[still] = B.copy(), 0.0, 0.0
-    # A block's mean stands (block - 1)/2 samples after its first one.
+    # The mean of a block belongs to the time (block - 1)/2 samples after its first one.
     to, fro = (0.5 * (windows.block + side) * windows.period for side in (-1, 1))
     (into, pushed_in), (out, pushed_out) = abreast(
         lambda h: _over(h, A, B, windows, n + len(shooter.elastic)), (to, fro)
@@ -71,7 +72,7 @@ def spread(shooter: Shooter, whole: SimulatedWindows, which: Indices) -> Spread:
     positions = np.arange(unsure.shape[2])
     pushed_out[:, :, positions, positions] += unsure * (to + fro) ** 2
     keep = 1.0 - still[:, :, None, :]
-    first = into * keep  # out of a state whose sticking velocities are gone
+    first = into * keep  # from a state without sticking velocities
     flow, pushed = first.copy(), pushed_in.copy()
     flow[:, 1:] = first[:, 1:] @ out[:, :-1]
     pushed[:, 1:] += first[:, 1:] @ pushed_out[:, :-1] @ first[:, 1:].transpose(0, 1, 3, 2)
@@ -79,7 +80,7 @@ def spread(shooter: Shooter, whole: SimulatedWindows, which: Indices) -> Spread:
 
 
 def _over(h: float, A: Array, B: Array, windows: Windows, positions: int) -> tuple[Array, Array]:
-    """Transition over a time h and the covariance that white torque noise adds meanwhile."""
+    """Transition over a time h, and the covariance that white torque noise adds in this time."""
     count, knots, nx, n = B.shape
     if h == 0.0:
         return np.broadcast_to(np.eye(nx), A.shape), np.zeros_like(A)
@@ -87,14 +88,14 @@ def _over(h: float, A: Array, B: Array, windows: Windows, positions: int) -> tup
     flow = _exponential(both * h)
     kick = flow[:, :, :nx, nx:] * (windows.noise.tau * np.sqrt(windows.period / h))
     push = kick @ kick.transpose(0, 1, 3, 2)
-    # Noise that is held over m samples of h moves a position by h^3/3 (1 - 1/4m^2), noise held over h by h^3/4 only.
+    # Noise that is held over h/m gives the position variance h^3/3 (1 - 1/4m^2), noise that is held over h only h^3/4.
     x, u = np.arange(positions), np.arange(positions, 2 * positions)
     push[:, :, x, x] += push[:, :, u, u] * max(h**2 - windows.period**2, 0.0) / 12.0
     return flow[:, :, :nx, :nx], push
 
 
 def _slopes(shooter: Shooter, motion: SimulatedWindows, which: Indices) -> tuple[Array, Array]:
-    """A and B at the start of every block; in B all contacts are free, and no friction falls steeply."""
+    """A and B at the start of every block; in B all contacts are free, and steeply falling friction is limited."""
     count, knots, nx = motion.x.shape
     n = shooter.model.n
     A, B = np.zeros((count, knots, nx, nx)), np.zeros((count, knots, nx, n))
@@ -110,7 +111,7 @@ def _slopes(shooter: Shooter, motion: SimulatedWindows, which: Indices) -> tuple
 
 
 def _still(shooter: Shooter, motion: SimulatedWindows) -> NDArray[np.bool_]:
-    """States that are velocities of contacts which stick (windows, blocks, nx)."""
+    """States that are velocities of sticking contacts (windows, blocks, nx)."""
     half = shooter.model.n + len(shooter.elastic)
     still = np.zeros(motion.x.shape, bool)
     for place in dry_velocities(shooter.model):
@@ -121,7 +122,7 @@ def _still(shooter: Shooter, motion: SimulatedWindows) -> NDArray[np.bool_]:
 def _undecided(shooter: Shooter, motion: SimulatedWindows, B: Array) -> Array:
     """Variance of velocities where noise decides whether a contact sticks or slides (windows, blocks, positions).
 
-    There the motion is not linear in the noise: the contact may have moved, or not, by what noise does to a free one.
+    There the motion is not linear in the noise: the contact may stick, or move like a free one.
     """
     windows, half = shooter.windows, shooter.model.n + len(shooter.elastic)
     h = windows.block * windows.period
@@ -135,7 +136,7 @@ def _undecided(shooter: Shooter, motion: SimulatedWindows, B: Array) -> Array:
 
 
 def _around(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Within two blocks of one that has the flag."""
+    """Whether a block is within two blocks of one with the flag."""
     padded = np.pad(flags, ((0, 0), (2, 2)))
     return np.asarray(np.logical_or.reduce([padded[:, k : k + flags.shape[1]] for k in range(5)]))
 
@@ -143,7 +144,7 @@ def _around(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _exponential(A: Array) -> Array:
     """Matrix exponentials of a stack, by scaling, a Taylor series of order 6 and squaring.
 
-    States are measured in units in which rows and columns are alike: stiff springs then ask for few squarings.
+    The states are scaled so that rows and columns have similar sizes: then stiff springs need few squarings.
     """
     from scipy.linalg import matrix_balance
 
@@ -163,7 +164,7 @@ def _exponential(A: Array) -> Array:
 
 
 def _outputs(shooter: Shooter) -> Array:
-    """Which state every channel shows (channels, nx)."""
+    """The state that every channel measures (channels, nx)."""
     model, e = shooter.model, shooter.elastic.tolist()
     C = np.zeros((len(shooter.windows.channels), shooter.size))
     for k, name in enumerate(shooter.windows.channels):

@@ -1,4 +1,4 @@
-"""Where every window starts: positions and velocities from the samples around, the rest from the model."""
+"""First states of the windows: positions and velocities from the neighbouring samples, the rest from the model."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
 REACHES = (0.04, 0.02, 0.01, 0.005)
-"""Half widths of the local cubic [s]; the widest that the noise allows is taken."""
+"""Half widths of the local cubic [s]; the widest one whose error is only noise is used."""
 LEAST_REST_TIME = 0.02
-"""A joint rests where it stays within its noise for so long to both sides [s]."""
+"""A joint rests if it stays within its noise for this time before and after [s]."""
 INTERNAL_STATE_WIDTH = 0.3
-"""Standard deviation of an internal state at a window's start, by its reach or by how far the joint moves, if less."""
+"""Standard deviation of an internal state at a window's start, relative to its reach or the joint's motion, if less."""
 START_BOUND_WIDTH = 5.0
-"""The window itself says where it started; what the smoothing found is a bound so many times as wide as its error."""
+"""The width of a first state's prior is this multiple of the smoothing error [1]: the window itself determines it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Starts:
-    """First states and how loosely they are known.
+    """Prior means and standard deviations of first states.
 
     Attributes:
-        x: (windows, nx).
-        std: (windows, nx); 0 for what is certain, such as the velocity of a joint that sticks.
-        stuck: the same states with all contacts at rest on unmeasured sides, where friction may hold what
-            nobody sees; None without such contacts.
+        x: means (windows, nx).
+        std: standard deviations (windows, nx); 0 if certain, as for the velocity of a sticking joint.
+        stuck: the same states with all contacts at rest on unmeasured sides, where friction may hold them; None without
+            such contacts.
     """
 
     x: Array
@@ -43,7 +43,7 @@ class Starts:
 
 @dataclass(frozen=True, eq=False)
 class _Local:
-    """One channel around the starts: value, first and second derivative with their errors, and whether it rests."""
+    """One channel near the starts: value, first and second derivative with their errors, and whether it rests."""
 
     value: Array
     rate: Array
@@ -54,11 +54,11 @@ class _Local:
 
 
 def first_states(shooter: Shooter) -> Starts:
-    """First states of every window under a model.
+    """First states of every window for a model.
 
-    Positions and velocities come from a local cubic over the samples before and after the start. Where one encoder is
-    missing, the springs carry what the links need for the acceleration that the other one shows. Contacts that rest
-    within the noise start with velocity 0, to the last bit. Internal states follow the measured path up to the start.
+    Positions and velocities come from a local cubic over the samples before and after the start. If one encoder is
+    missing, the springs carry the torques that the links need for the measured acceleration. Contacts that rest within
+    the noise start with velocity 0, to the last bit. Internal states follow the measured path up to the start.
     """
     windows, model = shooter.windows, shooter.model
     n, count = model.n, len(windows)
@@ -122,7 +122,7 @@ def _around(shooter: Shooter, name: str) -> _Local:
 
 
 def _cubics(t: Array, x: Array, at: Array, rows: NDArray[np.int64], noise: float, period: float) -> Array:
-    """Value, rate, bend, their errors and rest (starts, 7), by the widest cubic that leaves only noise."""
+    """Value, two derivatives, their errors and rest (starts, 7), by the widest cubic that leaves only noise."""
     best = np.full((len(rows), 7), np.nan)
     open_ = np.ones(len(rows), bool)
     for reach in REACHES:
@@ -167,7 +167,7 @@ def _resting(x: Array, rows: NDArray[np.int64], half: int, noise: float) -> Arra
 
 
 def _wound(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
-    """Deflection (windows, n) under which the model's links accelerate as measured."""
+    """Deflection (windows, n) at which the model's links have the measured acceleration."""
     model, elastic = shooter.model, shooter.elastic
     delta = np.zeros_like(q)
     if not len(elastic):
@@ -193,10 +193,10 @@ def _wound(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
 
 
 def _stick(shooter: Shooter, x: Array, std: Array, rests: NDArray[np.bool_]) -> list[int]:
-    """Contacts with dry friction that rest within the noise have velocity 0 and no doubt about it.
+    """Set the velocities of contacts with dry friction that rest within the noise to 0, without uncertainty.
 
-    Not so on an unmeasured side: there the other side's rest says little, for springs wind up. Velocities of
-    such contacts are returned by their place in the state.
+    This is not done on an unmeasured side: it may move while the other side rests, because the spring deflects. The
+    indices of such velocities in the state are returned.
     """
     model, e = shooter.model, shooter.elastic.tolist()
     half, unseen = model.n + len(e), []
@@ -230,7 +230,7 @@ def _memories(shooter: Shooter) -> tuple[Array, Array]:
 
 
 def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
-    """What drives a memory: position on its side, or the deflection, smoothed; None where it is unmeasured."""
+    """The smoothed input of an effect with memory: position on its side, or deflection; None if it is unmeasured."""
     model, recording = shooter.model, shooter.windows.recordings[k]
     joint = str(getattr(effect, "joint", ""))
 

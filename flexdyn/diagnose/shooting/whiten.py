@@ -1,4 +1,4 @@
-"""Residuals of windows made white: a Kalman filter on the linear response to first state and torque noise."""
+"""Whitening of the residuals of windows: a Kalman filter on the linear response to first state and torque noise."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from flexdyn.diagnose.shooting.windows import Windows
 
 Array = NDArray[np.float64]
 EXCUSED_SHARE = 0.2
-"""Noise excuses no more than this of what a channel moves: an unstable model makes much of little."""
+"""Largest standard deviation from noise, relative to a channel's range [1]: an unstable model amplifies noise."""
 
 
 @dataclass(frozen=True, eq=False)
 class Filter:
-    """A filter that knows how noise goes through every window; it is linear in the residuals.
+    """A filter with the propagation of noise through every window; it is linear in the residuals.
 
     Its state is the error e of the simulated state (simulated - true): e' = flow e + torque noise, and the block means
     of the residual are ``seen e`` + sensor noise. The error at the window's start is estimated along with it.
@@ -30,9 +30,9 @@ class Filter:
         whitener: inverse Cholesky factors of the innovations' covariances (windows, blocks, channels, channels).
         variance: of a single sample of the residual after the best first state (windows, blocks, channels).
         unfitted: the same with the true first state.
-        counted: 1 where a block was measured, else 0 (windows, blocks, channels).
-        block: samples in a block.
-        wild: windows in which noise would excuse anything (windows,).
+        counted: 1 if a block was measured, else 0 (windows, blocks, channels).
+        block: number of samples in a block.
+        wild: windows in which the noise covers any error (windows,).
     """
 
     response: Spread
@@ -47,14 +47,14 @@ class Filter:
 
     @classmethod
     def of(cls, windows: Windows, response: Spread, std: Array, used: NDArray[np.bool_], which: Indices) -> Filter:
-        """Run the covariances through, for some windows.
+        """Compute the covariances for some windows.
 
         Args:
-            windows: all, with the noise levels.
-            response: linear, of the motion of those that are wanted.
+            windows: all windows, with the noise levels.
+            response: linear response of the selected windows.
             std: of the prior of the first states (windows, nx).
             used: samples that count (windows, rows, channels).
-            which: windows are wanted.
+            which: selected windows.
         """
         flow, push, std = response.flow, response.push, std[which]
         count, blocks, nx, _ = flow.shape
@@ -94,7 +94,7 @@ class Filter:
         return cls(response, gain, first_gain, whitener, variance, unfitted, counted, windows.block, wild)
 
     def replaced(self, which: Indices, other: Filter) -> Filter:
-        """The same for all windows but some, for which it is as in another one, which holds these alone."""
+        """A copy in which some windows come from another filter, which has only these."""
         names = [field.name for field in dataclasses.fields(self) if field.name not in ("response", "block")]
         parts = {name: getattr(self, name).copy() for name in names}
         for name, part in parts.items():
@@ -116,7 +116,7 @@ class Filter:
         return white, first[:, :, 0]
 
     def first_error(self, residual: Array, moved: Array) -> Array:
-        """How far the first states are off by all that was measured (windows, nx); moved: from the prior's centre."""
+        """Estimated errors of the first states from all measurements (windows, nx); moved: from the prior's centre."""
         return self._run(residual, moved)[1]
 
     def whitened(self, residual: Array, moved: Array) -> Array:
@@ -136,7 +136,7 @@ class Filter:
 
 
 def _root(carried: Array, sensor: Array) -> Array:
-    """Inverse Cholesky factors of a sum of covariances; where it is lost to rounding, of its diagonal."""
+    """Inverse Cholesky factors of a sum of covariances; if rounding makes it indefinite, of its diagonal."""
     whole = carried + sensor
     try:
         return np.asarray(np.linalg.inv(np.linalg.cholesky(whole)))

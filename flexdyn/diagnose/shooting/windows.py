@@ -20,15 +20,15 @@ Array = NDArray[np.float64]
 WINDOW_LENGTH = 0.5
 """Length of a window [s]: contract, section 8."""
 MOST_WINDOWS = 400
-"""More than these are thinned out evenly: 200 s say what there is to say, and memory stays bounded."""
+"""Largest number of windows; of more, evenly spaced ones are used: 200 s are enough, and memory stays bounded."""
 WINDOW_GAP_STEPS = 1.5
-"""A step in time longer than this many usual ones is a gap [1]."""
+"""A time step longer than this multiple of the usual one is a gap [1]."""
 POSITIONS = ("q", "theta")
 
 
 @dataclass(frozen=True, eq=False)
 class WindowNoise:
-    """Standard deviations by joint, in the order of the model's q; what is unmeasured takes no part.
+    """Standard deviations by joint, in the order of the model's q; those of unmeasured channels are not used.
 
     Attributes:
         q: of the link encoders, quantisation included (n,) [rad or m].
@@ -41,7 +41,7 @@ class WindowNoise:
     tau: Array
 
     def __post_init__(self) -> None:
-        """Copy and lock.
+        """Copy the arrays and make them read-only.
 
         Raises:
             InputError: a torque without a level, or a level below 0.
@@ -55,22 +55,22 @@ class WindowNoise:
 
     @classmethod
     def of(cls, q: ArrayLike, theta: ArrayLike, tau: ArrayLike, n: int) -> WindowNoise:
-        """One number for all joints, or n of them each."""
+        """Convert one number for all joints, or n numbers."""
         return cls(*(np.broadcast_to(np.asarray(level, dtype=float), (n,)) for level in (q, theta, tau)))
 
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Where the windows lie in the recordings, and what was measured there.
+    """The windows of recordings, and the measurements in them.
 
     Attributes:
-        recordings: that they are cut from.
+        recordings: from which they are cut.
         joints: of the model, in the order of q.
         channels: measured positions, ``q.<joint>`` and ``theta.<joint>``.
         noise: of the channels and torques.
         places: recording and first row of every window (windows, 2).
-        rows: samples in a window.
-        block: samples that are averaged before whitening, some 5 ms.
+        rows: number of samples in a window.
+        block: number of samples that are averaged before whitening, about 5 ms.
     """
 
     recordings: tuple[Recording, ...]
@@ -90,17 +90,17 @@ class Windows:
         seconds: float = WINDOW_LENGTH,
         most: int = MOST_WINDOWS,
     ) -> Windows:
-        """Cut recordings; a window never crosses a gap in time, and the last partial one is dropped.
+        """Cut recordings into windows; a window never crosses a gap in time, and the last partial one is dropped.
 
         Args:
             model: that names the joints.
             recordings: of one rate; each with tau and a measured position.
             noise: of the channels.
             seconds: length of a window [s].
-            most: number of windows; beyond it they are thinned out evenly.
+            most: largest number of windows; of more, evenly spaced ones are used.
 
         Raises:
-            InputError: no position is measured, rates differ, or nothing is as long as a window.
+            InputError: no position is measured, rates differ, or no recording is as long as a window.
         """
         joints = model.joint_names
         names = (f"{signal}.{joint}" for signal in POSITIONS for joint in joints)
@@ -129,7 +129,7 @@ class Windows:
         return cls(tuple(recordings), joints, channels, noise, np.array(places, np.int64), rows, block).thinned(most)
 
     def thinned(self, most: int) -> Windows:
-        """At most so many of the windows, evenly."""
+        """At most `most` windows, evenly spaced."""
         kept = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.int64))
         return dataclasses.replace(self, places=self.places[kept])
 
@@ -149,7 +149,7 @@ class Windows:
 
     @lazy
     def measured(self) -> Array:
-        """What the sensors said (windows, rows, channels); NaN where a recording lacks the channel."""
+        """The readings of the sensors (windows, rows, channels); NaN if a recording lacks the channel."""
         nothing = np.full(self.rows, np.nan)
         stacks = [
             [each[name][row : row + self.rows] if name in each else nothing for name in self.channels]

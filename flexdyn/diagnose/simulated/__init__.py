@@ -1,1 +1,1 @@
-"""Hypotheses compared by what they simulate: numbers fitted over windows, and structures weighed by them."""
+"""Hypotheses compared by simulations: numbers are fitted to windows, and structures are compared by them."""

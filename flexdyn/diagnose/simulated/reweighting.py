@@ -1,4 +1,4 @@
-"""Structures weighed by the windows that they simulate, where the equations cannot tell them apart."""
+"""Structures compared by simulated windows, if the equations cannot separate them."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Reading in a process of its own, for libraries that damaged files crash: `caller` asks, `server` reads."""
+"""Reading in another process, for libraries that crash on damaged files: `caller` sends requests, `server` reads."""

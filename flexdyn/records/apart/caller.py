@@ -1,7 +1,7 @@
-"""A file read by another process: whatever the file does to it, here it is a table or one line.
+"""Read a file in another process: even if the file crashes that process, the result is a table or one line.
 
-The process is started at the first file and kept for the next; each thread that reads has one of its own. It works in
-daemonic processes too, which may not have children of multiprocessing.
+The process is started at the first file and kept for the next; each thread that reads has its own process. It also
+works in daemonic processes, which may not have children of multiprocessing.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from flexdyn.records.apart.server import SIGNALLED
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table
 
-# The package's own __init__ loads the simulation too, which no reader needs: an empty one stands in for it.
+# The package's __init__ also loads the simulation, which no reader needs: an empty module replaces it.
 _START = """\
 import json, sys, types
 module, package, sys.path[:] = json.loads(sys.stdin.buffer.readline())
@@ -40,18 +40,18 @@ class _Server:
     """A process that reads one file after the other.
 
     Attributes:
-        between: whether it has answered all that it was asked, and nothing of an answer is left in the pipe.
+        between: whether it has answered all requests, and no part of an answer is left in the pipe.
     """
 
     def __init__(self, module: str) -> None:
         self.between = False
-        # The code stands above and the interpreter is this one: nothing of any file is executed.
+        # The code is the text above and the interpreter is this one: nothing from a file is executed.
         self.process = subprocess.Popen(  # noqa: S603
             [sys.executable, "-I", "-c", _START],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # forking wants a single thread
+            env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # forking needs a single thread
             cwd="/",
             start_new_session=True,
         )
@@ -66,8 +66,8 @@ class _Server:
         """The table of a file.
 
         Raises:
-            InputError: what the reader says.
-            Lost: the process ended, or said what it should not.
+            InputError: the error that the reader reports.
+            Lost: the process ended, or its answer is not valid.
         """
         stream = self._streams[1]
         self.between = False
@@ -84,9 +84,9 @@ class _Server:
         raise received_error(content) if kind == "error" else _too_much(on_disk)
 
     def end(self) -> int:
-        """End the process and its child; its exit code, which is its own if it had ended already."""
+        """End the process and its child; return its exit code, which is its own if it had ended before."""
         for stream in self._streams:
-            with contextlib.suppress(OSError):  # what it was told last may not have reached it
+            with contextlib.suppress(OSError):  # the last message may not have reached it
                 stream.close()
         try:
             return self.process.wait(0.5)
@@ -95,7 +95,7 @@ class _Server:
             return self.process.wait()
 
     def forget(self) -> None:
-        """Let go of it in a child of this process, to which it does not belong."""
+        """Release it in a child of this process: it belongs to the parent."""
         for stream in self._streams:
             stream.close()
         self.process.returncode = 0
@@ -116,12 +116,13 @@ def read_apart(module: str, path: Path, request: Request) -> Table:
     """Read a file in another process.
 
     Args:
-        module: that reads it, by `read_here`.
+        module: whose `read_here` reads it.
         path: of the file.
-        request: what to read; its progress is told here.
+        request: what to read; its progress is reported in this process.
 
     Raises:
-        InputError: what the reader says, or that the file ended the process, took too long or too much memory.
+        InputError: the error that the reader reports, or the file crashed the process, took too long or too much
+            memory.
     """
     waiting = _idle.setdefault(module, [])
     on_disk = os.path.getsize(path)
@@ -142,7 +143,7 @@ def read_apart(module: str, path: Path, request: Request) -> Table:
 
 
 def _alive(waiting: list[_Server]) -> _Server | None:
-    """One that waits for a file and was not ended meanwhile."""
+    """A process that waits for a file and has not ended meanwhile."""
     while waiting:
         server = waiting.pop()
         if server.process.poll() is None:
@@ -157,7 +158,7 @@ def _too_much(on_disk: int) -> InputError:
 
 
 def _ended(code: int, on_disk: int) -> InputError:
-    """What is said of a file whose reader did not answer."""
+    """The error for a file whose reader did not answer."""
     by = code - SIGNALLED
     if by in (signal.SIGXCPU, signal.SIGALRM):
         seconds = seconds_for(on_disk)
@@ -169,7 +170,7 @@ def _ended(code: int, on_disk: int) -> InputError:
 
 
 def _enlarge(stream: Any) -> None:
-    """A wider pipe, where the system lets one have it: columns of a gigabyte go through it."""
+    """Make the pipe larger, if the system allows it: columns of a gigabyte go through it."""
     if sys.platform == "linux":
         import fcntl
 

@@ -1,4 +1,4 @@
-"""What a process that reads one file may take: bounds that depend on the size of the file alone."""
+"""Limits of a process that reads one file, which depend only on the size of the file."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import signal
 from flexdyn.records.bounds import most_bytes
 
 COMPUTING_SECONDS = 10
-"""Seconds of computing that any file may take; a good one of a megabyte takes about 0.01 s."""
+"""Computing time that any file may take [s]; a sound file of a megabyte takes about 0.01 s."""
 BYTES_A_SECOND = 20_000_000
-"""A larger file may take a second more for so many bytes on disk."""
+"""Bytes on disk for which a larger file may take one more second."""
 WAITING = 10
-"""Seconds by the clock for a second of computing: a busy machine or a slow disk is no fault of the file."""
+"""Clock time per computing time [1]: a busy machine or a slow disk is no fault of the file."""
 BYTES = 2**30
-"""Bytes of memory that any file may take beyond the process itself."""
+"""Bytes of memory that any file may take in addition to the process itself."""
 
 
 def seconds_for(on_disk: int) -> int:
@@ -29,7 +29,7 @@ def seconds_for(on_disk: int) -> int:
 
 
 def bytes_for(on_disk: int) -> int:
-    """Bytes of memory that reading a file may take: what it may announce, twice, and room to work in.
+    """Bytes of memory that reading a file may take: twice the bytes that it may declare, and a constant.
 
     Args:
         on_disk: bytes of the file.
@@ -38,7 +38,7 @@ def bytes_for(on_disk: int) -> int:
 
 
 def limit_this_process(seconds: int, memory: int) -> None:
-    """Bound time and memory of this process for good; the system ends it where it takes more time.
+    """Limit time and memory of this process permanently; the system ends it if it takes more time.
 
     Memory is bounded on Linux only: other systems do not keep to the limit.
 

@@ -1,6 +1,6 @@
-"""What the process that reads says to the one that asked: JSON with its length in front, and the bytes of columns.
+"""Messages from the reading process to the caller: JSON with its length in front, and the bytes of columns.
 
-Nothing that comes back is trusted: a damaged file may have made anything of the process that read it.
+No answer is trusted: a damaged file may have changed the process that read it in any way.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ _STRANGE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 
 
 class Lost(Exception):
-    """The other side has ended, or says what makes no sense."""
+    """The other process has ended, or its message is not valid."""
 
 
 def request_as_data(request: Request) -> dict[str, Any]:
-    """A request without its progress, as JSON can hold it."""
+    """A request without its progress, in a form for JSON."""
     return {
         "columns": None if request.columns is None else sorted(request.columns, key=str),
         "layout": asdict(request.layout),
@@ -37,7 +37,7 @@ def request_as_data(request: Request) -> dict[str, Any]:
 
 
 def request_of(data: Mapping[str, Any]) -> Request:
-    """The request that `request_as_data` gave."""
+    """The request from the data of `request_as_data`."""
     columns = None if data["columns"] is None else frozenset(data["columns"])
     return Request(columns, Layout(**data["layout"]), None, data["mapped"], frozenset(data["named"]))
 
@@ -48,19 +48,19 @@ def send(out: int, kind: str, content: Any) -> None:
     Args:
         out: file descriptor.
         kind: what it is: ``ready``, ``progress``, ``error``, ``memory`` or ``table``.
-        content: what JSON can hold.
+        content: data for JSON.
     """
     text = json.dumps({kind: content}, default=str).encode()
     _write(out, len(text).to_bytes(8, "little") + text)
 
 
 def send_error(out: int, error: FlexdynError) -> None:
-    """Write what is wrong with the file."""
+    """Write the error of the file."""
     send(out, "error", {"problem": error.problem, **error.data})
 
 
 def send_table(out: int, table: Table) -> None:
-    """Write a table, and the bytes of its columns behind it."""
+    """Write a table, followed by the bytes of its columns."""
     columns = {name: np.ascontiguousarray(values) for name, values in table.columns.items()}
     about = {
         "columns": [[name, values.dtype.str, len(values)] for name, values in columns.items()],
@@ -75,10 +75,10 @@ def send_table(out: int, table: Table) -> None:
 
 
 def received(stream: IO[bytes]) -> tuple[str, Any]:
-    """One message.
+    """Read one message.
 
     Raises:
-        Lost: the other side has ended, or it is no message.
+        Lost: the other process has ended, or the data are no message.
     """
     length = int.from_bytes(_exactly(stream, 8), "little")
     if length > _LONGEST_MESSAGE:
@@ -91,15 +91,15 @@ def received(stream: IO[bytes]) -> tuple[str, Any]:
 
 
 def received_table(stream: IO[bytes], about: Any, on_disk: int) -> Table:
-    """The table that a message announces, with the columns that follow it.
+    """Read the table of a message, with the columns that follow it.
 
     Args:
-        stream: that the message came from.
+        stream: from which the message came.
         about: content of the message.
         on_disk: bytes of the file.
 
     Raises:
-        Lost: the other side has ended, or it is no table, or larger than the file can be.
+        Lost: the other process has ended, or the data are no table, or larger than the file can be.
     """
     try:
         columns = [(str(name), np.dtype(str(kind)), int(count)) for name, kind, count in about["columns"]]
@@ -120,10 +120,10 @@ def received_table(stream: IO[bytes], about: Any, on_disk: int) -> Table:
 
 
 def received_error(content: Any) -> InputError:
-    """The error that a message tells.
+    """The error in a message.
 
     Raises:
-        Lost: it tells none.
+        Lost: the message has none.
     """
     try:
         data = {str(name): value for name, value in content.items()}

@@ -1,7 +1,7 @@
 """The process that reads: it has the library loaded, and forks a child for every file.
 
-A child that dies takes the server with it: whoever asked sees the end, and starts another one. A file that was read,
-or refused in words, leaves no trace, for its child is gone too.
+If a child crashes, the server ends too: the caller notices the end and starts another one. A file that was read or
+refused leaves no trace, because its child has ended.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ _OUT = 1
 
 
 def serve(module: str) -> None:
-    """Read the files that are asked for on stdin, one line of JSON each, until it ends.
+    """Read the files that are requested on stdin, one line of JSON for each, until stdin ends.
 
     Args:
         module: whose `read_here` gives the table of a path and a request, and whose `library` loads what it needs.
     """
     reader = import_module(module)
     reader.library()
-    gc.freeze()  # no child goes through what was there before it, which would copy it
+    gc.freeze()  # the child's garbage collection skips older objects; visiting them would copy their memory
     send(_OUT, "ready", None)
     for line in sys.stdin.buffer:
         child = os.fork()

@@ -1,4 +1,4 @@
-"""A channel map applied: a file's raw columns become SI channels."""
+"""Apply a channel map: a file's raw columns become SI channels."""
 
 from __future__ import annotations
 
@@ -19,24 +19,23 @@ from flexdyn.records.repairs import Repair, repaired
 from flexdyn.records.table import FloatArray, Table, as_floats, check_lengths
 
 
-@np.errstate(
-    over="ignore", invalid="ignore", divide="ignore"
-)  # what overflows is no finite number, and refused as such
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # an overflow gives no finite number, which is refused
 def apply_map(table: Table, channel_map: ChannelMap, repairs: Sequence[Repair] = ()) -> Table:
-    """The table that a map makes of a file's.
+    """Convert a file's table by a channel map.
 
-    Units and gears come first, then repairs, delays, couplings, channels computed from others, and the clock's start.
+    The order is: units and gears, repairs, delays, couplings, channels computed from others, and the clock's start.
 
     Args:
-        table: raw columns by name, numbered ones as ``column n``; used up.
-        channel_map: what they mean.
-        repairs: asked for beyond the map's own.
+        table: raw columns by name, numbered ones as ``column n``; it is emptied.
+        channel_map: the meaning of the columns.
+        repairs: requested in addition to the map's own.
 
     Returns:
-        ``t`` and channels in SI; ``meta["map"]`` is the map, ``meta["units"]`` what the names do not tell.
+        ``t`` and channels in SI; ``meta["map"]`` is the map, ``meta["units"]`` has the units that names do not
+        determine.
 
     Raises:
-        InputError: a column that is not there, units that do not fit, or a repair that is not possible.
+        InputError: an unknown column, units that do not fit, or a repair that is not possible.
     """
     stated = stated_units(table)
     conversions = conversions_of(channel_map, stated)
@@ -66,7 +65,7 @@ def apply_map(table: Table, channel_map: ChannelMap, repairs: Sequence[Repair] =
 
 
 class _Raw:
-    """The raw columns, each let go when its last user has taken it."""
+    """The raw columns; each is released after its last use."""
 
     def __init__(self, table: Table, channel_map: ChannelMap) -> None:
         sources = [channel.source for channel in channel_map.channels]
@@ -77,10 +76,10 @@ class _Raw:
         self._uses = Counter(map(column_name, sources))
 
     def take(self, source: str | int, key: str) -> npt.NDArray[Any]:
-        """A column as the file has it.
+        """A raw column of the file.
 
         Raises:
-            InputError: there is none of that name.
+            InputError: there is no column of that name.
         """
         name = column_name(source)
         if name not in self._columns:
@@ -105,7 +104,7 @@ def _counted(columns: dict[str, FloatArray], rate: float) -> FloatArray:
 
 
 def _meta(meta: dict[str, Any], channel_map: ChannelMap, units: dict[str, str]) -> dict[str, Any]:
-    """What the file knew, and the map; maps that the numbers went through before stay beside it."""
+    """The meta data of the file and the map; maps that were applied before are kept."""
     known = {key: value for key, value in meta.items() if key not in ("units", "map")}
     if "map" in meta:
         known["earlier_maps"] = [*meta.get("earlier_maps", ()), meta["map"]]

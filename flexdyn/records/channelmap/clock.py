@@ -1,4 +1,4 @@
-"""Clocks of a channel map: the common times, and channels whose stamps are late."""
+"""Clocks of a channel map: the common times, and channels with delayed stamps."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from flexdyn.records.units import UNITLESS
 
 _EXACT = 2**53
 _SLACK = 1e-6
-"""Part of a sample step that a sample may lie beyond the end of a delayed channel: what rounding does."""
+"""Share of a sample step by which a sample may be beyond the end of a delayed channel, because of rounding [1]."""
 
 
 def with_times(time: TimeSource, raw: npt.NDArray[Any], stated: Mapping[str, str | None]) -> FloatArray:
-    """A raw column of time in seconds; counts of nanoseconds since 1970 lose nothing where the first is subtracted.
+    """A raw column of time in seconds; nanoseconds since 1970 are exact if the first one is subtracted.
 
     Raises:
-        InputError: units that contradict or are no times, or integers that doubles cannot hold.
+        InputError: contradictory units, units that are no times, or integers that doubles cannot represent.
     """
     name = column_name(time.source)
     unit = UNITS[_unit(time, stated.get(name, ""))]
@@ -39,9 +39,9 @@ def with_times(time: TimeSource, raw: npt.NDArray[Any], stated: Mapping[str, str
 def undelayed(table: Table, delays: Mapping[str, float]) -> Table:
     """The table with delayed channels moved back to the common times.
 
-    A sample of a channel with delay d that is stamped t was taken at t - d. Its value at the common time t is therefore
-    read off at the stamp t + d, on the straight line between the two samples around it. Rows at which some
-    channel has no sample on either side are left out: the last d seconds, the first where d is negative.
+    A sample with stamp t of a channel with delay d was taken at t - d. Therefore the value at the common time t is the
+    one with the stamp t + d, interpolated linearly between the two samples around it. Rows without samples on both
+    sides are left out: the last d seconds, or the first if d is negative.
 
     Raises:
         InputError: times that do not increase, gaps in such a channel, or a delay as long as the recording.
@@ -66,14 +66,14 @@ def undelayed(table: Table, delays: Mapping[str, float]) -> Table:
 
 
 def clocked(time: TimeSource, t: FloatArray) -> FloatArray:
-    """The times from the start that is asked for, shifted."""
+    """The times from the requested start, shifted."""
     if time.start == "zero" and len(t):
         t = t - t[0]
     return t + time.shift if time.shift else t
 
 
 def _unit(time: TimeSource, stated: str | None) -> str:
-    """The unit that holds: the map's, else the file's, else s."""
+    """The valid unit: the map's, else the file's, else s."""
     given = None if time.unit is None else plain_unit(time.unit)
     found = "" if stated is None or stated.strip() in UNITLESS else plain_unit(stated)
     if given is None and (stated is None or (found and UNITS.get(found, UNITS["m"]).quantity != "time")):

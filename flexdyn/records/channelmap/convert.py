@@ -1,4 +1,4 @@
-"""The straight line that leads from a raw column's numbers to a channel's SI values."""
+"""The linear conversion from a raw column's numbers to a channel's SI values."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class Conversion:
     """value = raw * numerator / denominator + offset.
 
     Attributes:
-        numerator: carries the sign.
+        numerator: with the sign.
         denominator: positive.
         offset: in the channel's SI unit.
-        quantity: what the raw unit tells about the channel; empty where it tells nothing.
-        unit: SI unit of the values as far as the raw unit tells it.
+        quantity: of the raw unit; empty if the unit does not determine it.
+        unit: SI unit of the values, if the raw unit determines it.
     """
 
     numerator: float
@@ -33,7 +33,7 @@ class Conversion:
     unit: str
 
     def __call__(self, raw: FloatArray) -> FloatArray:
-        """The channel's values, a new array; numbers in SI already come through bit for bit."""
+        """The channel's values, a new array; numbers that are in SI already do not change, bit for bit."""
         values = raw * self.numerator
         if self.denominator != 1.0:
             values /= self.denominator
@@ -43,17 +43,17 @@ class Conversion:
 
 
 def conversion(channel: Channel, stated: str | None = None) -> Conversion:
-    """What a channel's entry in a map asks for: sign * (raw in SI) [/ or * gear ratio] + offset.
+    """The conversion of a channel's entry in a map: sign * (raw in SI) [/ or * gear ratio] + offset.
 
     Args:
         channel: the entry.
-        stated: unit that the file states for the column, if any; the map may repeat it and not contradict it.
+        stated: unit of the column in the file, if any; the map may repeat it but not contradict it.
 
     Returns:
         The conversion.
 
     Raises:
-        InputError: a unit that is unknown or does not fit the signal, or a number missing that the conversion needs.
+        InputError: a unit that is unknown or does not fit the signal, or a missing number.
     """
     name = _unit_name(channel, stated)
     unit = _unit(channel, name)
@@ -74,14 +74,16 @@ def conversion(channel: Channel, stated: str | None = None) -> Conversion:
             denominator *= ratio
         else:
             remedy = "it fits positions, velocities and torques: leave it out"
-            raise InputError("no channel that a gear changes", key=_key(channel, "side"), value="motor", remedy=remedy)
-        # A rotary motor drives a prismatic joint as well as a revolute one, so its angles tell nothing of the joint.
+            raise InputError(
+                "a gear does not change this channel", key=_key(channel, "side"), value="motor", remedy=remedy
+            )
+        # A rotary motor can drive a prismatic joint too, so its angles do not determine the kind of the joint.
         told = "" if told in SLIDING else told
     return Conversion(numerator, denominator, unit.zero * channel.sign + channel.offset, told, label)
 
 
 def _unit_name(channel: Channel, stated: str | None) -> str:
-    """The unit that holds: the map's, else the file's."""
+    """The valid unit: the map's, else the file's."""
     given = None if channel.unit is None else plain_unit(channel.unit)
     found = None if stated is None or stated.strip() in UNITLESS else plain_unit(stated)
     if given is not None and found is not None and given != found:
@@ -101,7 +103,7 @@ def _unit(channel: Channel, name: str) -> Unit:
         raw = unit is not None and unit.quantity in ELECTRICAL and signal != "voltage"  # the factor says what it drives
         if unit is not None and unit.quantity in fitting and not raw:
             key, remedy = _key(channel, "factor"), "leave one of them out"
-            raise InputError("both factor and a unit that tells it", key=key, value=name, remedy=remedy)
+            raise InputError("factor and unit both give the scale", key=key, value=name, remedy=remedy)
         return Unit("", channel.factor)
     if not name or (unit is None and not signal):
         return Unit("")
@@ -117,14 +119,14 @@ def _unit(channel: Channel, name: str) -> Unit:
 def _converter(channel: Channel, name: str) -> Unit:
     """Counts of a PWM or an ADC."""
     if channel.factor is not None or name not in ("", "counts"):
-        problem, key = "full_counts says it all", _key(channel, "full_counts")
+        problem, key = "full_counts gives the scale already", _key(channel, "full_counts")
         raise InputError(problem, key=key, remedy="leave factor and unit out; the offset may stay")
     counts = _needed(channel, "full_counts", "full_scale")
     return Unit("", 1.0 if channel.signal == "duty" else _needed(channel, "full_scale", "full_counts"), counts)
 
 
 def _quantity(signal: str) -> str:
-    """Quantity of a signal at a revolute joint; empty for a channel that is none."""
+    """Quantity of a signal at a revolute joint; empty for a channel that is no signal."""
     return next((quantity for quantity, unit in SI.items() if unit == SIGNALS.get(signal)), "")
 
 

@@ -61,7 +61,7 @@ def _coupling(key: str, entry: Any, known: Sequence[str], taken: Collection[str]
         raise InputError("two joints or more are needed", key=f"{key}.joints", value=entry["joints"])
     for joint in joints:
         if joint in taken:
-            remedy = "give one matrix for all joints that hang together"
+            remedy = "give one matrix for all joints that are coupled"
             raise InputError("the joint is in two couplings", key=f"{key}.joints", value=joint, remedy=remedy)
     position = _matrix(f"{key}.position", entry["position"], len(joints))
     signals = _words(f"{key}.signals", entry.get("signals", ["theta", "omega"]), MOTIONS)
@@ -75,7 +75,7 @@ def _coupling(key: str, entry: Any, known: Sequence[str], taken: Collection[str]
 
 
 def _check_complete(key: str, coupling: Coupling, names: Collection[str]) -> None:
-    """A signal that is mapped for one of the joints is needed of all, and some must be."""
+    """Check that a signal is mapped for all joints of a coupling or for none, and that at least one is."""
     found = False
     for signal in (*coupling.signals, *TORQUES):
         there = [f"{signal}.{joint}" in names for joint in coupling.joints]
@@ -85,7 +85,7 @@ def _check_complete(key: str, coupling: Coupling, names: Collection[str]) -> Non
         found = found or all(there)
     if not found:
         remedy = f"map one of {', '.join((*coupling.signals, *TORQUES))} for its joints, or say which in signals"
-        raise InputError("nothing that the coupling acts on", key=key, remedy=remedy)
+        raise InputError("no channel of the coupled joints is mapped", key=key, remedy=remedy)
 
 
 def _words(key: str, value: Any, known: Sequence[str]) -> tuple[str, ...]:
@@ -98,7 +98,7 @@ def _words(key: str, value: Any, known: Sequence[str]) -> tuple[str, ...]:
 
 
 def _matrix(key: str, value: Any, size: int) -> Matrix:
-    """Rows of numbers, as many as there are joints."""
+    """A square matrix with one row for each joint."""
     rows = value if isinstance(value, list) and all(isinstance(row, list) for row in value) else []
     if len(rows) != size or any(len(row) != size for row in rows):
         raise InputError(f"a matrix of {size} rows of {size} numbers is needed", key=key, value=value)

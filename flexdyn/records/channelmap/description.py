@@ -1,4 +1,4 @@
-"""A channel map: what the columns of somebody's log mean, as plain immutable data."""
+"""A channel map: the meaning of a log's columns, as plain immutable data."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ TIME = "t"
 
 @dataclass(frozen=True)
 class Channel:
-    """One channel and where its numbers come from: value = sign * (raw in SI) [/ or * gear ratio] + offset.
+    """One channel and the source of its numbers: value = sign * (raw in SI) [/ or * gear ratio] + offset.
 
     Attributes:
         name: ``<signal>.<joint>`` or any other.
         source: raw column by name, or by number from 1 in text files.
-        unit: of the raw numbers; None: what the file states, else SI.
+        unit: of the raw numbers; None: the unit in the file, else SI.
         sign: 1 or -1.
         offset: added last, in the channel's SI unit.
-        factor: SI per raw unit, where no unit tells it.
+        factor: SI per raw unit, if there is no unit.
         counts_per_turn: of an encoder.
         full_counts: of a PWM or an ADC: raw counts at the full scale.
-        full_scale: what those are in the channel's SI unit; 1 for a duty.
-        side: ``motor`` where the raw numbers hold at the motor's shaft: positions and velocities are then divided by
+        full_scale: value at the full scale in the channel's SI unit; 1 for a duty.
+        side: ``motor`` if the raw numbers are those of the motor's shaft: positions and velocities are then divided by
             the gear ratio, torques multiplied by it.
         gear_ratio: 1, or rad/m for a prismatic joint.
         torque_constant: N m/A.
-        delay: by how much the stamps of this channel are late [s].
+        delay: delay of this channel's stamps [s].
     """
 
     name: str
@@ -57,18 +57,18 @@ class Channel:
 
     @property
     def joint(self) -> str:
-        """What follows the first dot of the name."""
+        """Joint of the channel: the part of the name after the first dot."""
         return self.name.partition(".")[2]
 
 
 @dataclass(frozen=True)
 class TimeSource:
-    """Where the times come from.
+    """The source of the times.
 
     Attributes:
         source: raw column by name, or by number from 1 in text files.
         unit: of that column.
-        rate: samples per second where the file has no column of time [Hz].
+        rate: samples per second, if the file has no column of time [Hz].
         start: ``zero`` subtracts the first time, ``keep`` does not.
         shift: added to all times, after that [s].
     """
@@ -85,7 +85,7 @@ class Coupling:
     """Motors that move several joints together: x_joints = P x_motors, tau_joints = T tau_motors.
 
     Attributes:
-        joints: whose channels hold the motors' values before and the joints' after.
+        joints: whose channels have the motors' values before and the joints' values after the conversion.
         position: P, by rows.
         torque: T, by rows; the inverse transpose of P keeps the power.
         signals: that P acts on; T acts on tau and tau_applied.
@@ -99,15 +99,15 @@ class Coupling:
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """What the columns of a log mean: names, units, gears, couplings, clocks. Made by `read_map` or `from_dict`.
+    """The meaning of a log's columns: names, units, gears, couplings, clocks. Made by `read_map` or `from_dict`.
 
     Attributes:
-        channels: by the map's order.
-        time: where the times come from.
+        channels: in the map's order.
+        time: source of the times.
         couplings: applied last.
-        prismatic: joints said to be so; others are where a unit of theirs says it.
-        keep_others: whether columns that the map does not name are carried along as they are.
-        repair: repairs asked for, in order.
+        prismatic: joints that the map declares prismatic; for others a unit may show it.
+        keep_others: whether columns that the map does not name are kept as they are.
+        repair: requested repairs, in order.
         layout: of the file.
         computed: channels made of others, in SI, each with its expression, in order.
         prescribed: joints whose motion a test rig prescribes.
@@ -130,7 +130,7 @@ class ChannelMap:
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> ChannelMap:
-        """The map that the mapping of a map file describes.
+        """Make the map that the mapping of a map file describes.
 
         Raises:
             InputError: a key or number that does not fit.
@@ -140,7 +140,7 @@ class ChannelMap:
         return map_from_dict(content)
 
     def to_dict(self) -> dict[str, Any]:
-        """The mapping of a map file, in plain data; `from_dict` takes it back."""
+        """The mapping of a map file, as plain data for `from_dict`."""
         content: dict[str, Any] = {"flexdyn_map": MAP_FORMAT}
         entries = {
             "source": _changed(self.layout),
@@ -156,7 +156,7 @@ class ChannelMap:
         return content | {"others": "keep" if self.keep_others else "drop"}
 
     def request(self, progress: Any = None) -> Request:
-        """What the reader of the file is asked for: no column is read that nobody names."""
+        """The request for the reader of the file: only named columns are read."""
         wanted = {channel.source for channel in self.channels}
         if self.time.rate is None:
             wanted.add(self.time.source)
@@ -165,12 +165,12 @@ class ChannelMap:
 
 
 def column_name(source: str | int) -> str:
-    """Name of a source in a table: readers keep a column that was asked for by its number as ``column n``."""
+    """Name of a source in a table: a column that was requested by its number is ``column n``."""
     return source if isinstance(source, str) else f"column {source}"
 
 
 def _changed(entry: Any) -> dict[str, Any]:
-    """Fields that are not as they would be unsaid, by their keys in a map file."""
+    """Fields that do not have their default, by their keys in a map file."""
     plain: dict[str, Any] = {}
     for item in fields(entry):
         value = getattr(entry, item.name)

@@ -1,4 +1,4 @@
-"""Channels computed from others: sums, differences, products and quotients of channels and numbers, and nothing else.
+"""Channels computed from others: sums, differences, products and quotients of channels and numbers.
 
 ::
 
@@ -6,7 +6,7 @@
     term       = factor (("*" | "/") factor)*
     factor     = ("+" | "-") factor | number | name | "(" expression ")"
 
-A name is that of a channel, such as ``alpha`` or ``q.elbow``; one with other letters stands in single quotes.
+A name is that of a channel, such as ``alpha`` or ``q.elbow``; a name with other letters needs single quotes.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from flexdyn.errors import InputError, did_you_mean
 
 Array = NDArray[np.float64]
 LONGEST_EXPRESSION = 1000
-"""Letters of an expression."""
+"""Largest number of letters of an expression."""
 DEEPEST = 50
-"""Brackets and signs within one another."""
+"""Deepest nesting of brackets and signs."""
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[^\W\d][\w.]*)|'(?P<quoted>[^']+)'|(?P<mark>[-+*/()]))"
 )
@@ -46,10 +46,10 @@ class Expression:
     _tree: Any = field(compare=False, repr=False)
 
     def value(self, channels: Mapping[str, Array]) -> Array:
-        """Its values, an array as long as the channels.
+        """Its values, an array of the length of the channels.
 
         Args:
-            channels: by name; every one of `names` is among them.
+            channels: by name; they contain all of `names`.
         """
         return np.asarray(_value(self._tree, channels), dtype=float)
 
@@ -59,10 +59,10 @@ def expression_of(text: Any, key: str) -> Expression:
 
     Args:
         text: as it was written.
-        key: that it stands under, for errors.
+        key: its path in the file, for errors.
 
     Raises:
-        InputError: it is none, or it names no channel.
+        InputError: the text is no expression, or it names no channel.
     """
     if not isinstance(text, str) or len(text) > LONGEST_EXPRESSION:
         raise InputError("an expression is needed", key=key, value=text, remedy="such as: alpha + beta")
@@ -77,10 +77,10 @@ def expression_of(text: Any, key: str) -> Expression:
 
 
 def check_names(expression: Expression, known: Mapping[str, Any] | tuple[str, ...], key: str) -> None:
-    """Refuse an expression of channels that are not there.
+    """Refuse an expression with unknown channels.
 
     Raises:
-        InputError: with the near miss.
+        InputError: an unknown channel, with the most similar name.
     """
     for name in expression.names:
         if name not in known:
@@ -129,7 +129,7 @@ class _Reader:
 
     def _factor(self, depth: int) -> Any:
         if depth > DEEPEST:
-            raise self.refused("more brackets within one another than anybody reads")
+            raise self.refused("brackets nest too deep")
         kind, text = self.token
         if kind == "number":
             return float(self._take())

@@ -1,6 +1,6 @@
 """map.yaml -> ChannelMap, validated: every mistake is one line that names file, key and remedy.
 
-An example of what a map can say; `Channel`, `TimeSource`, `Coupling` and `Layout` tell what each entry means::
+An example of all entries; `Channel`, `TimeSource`, `Coupling` and `Layout` explain their meaning::
 
     flexdyn_map: 1
     source: {names_line: 13, first_line: 15, delimiter: ";", decimal: ",", encoding: latin-1}  # of text
@@ -75,7 +75,7 @@ def read_map(path: str | os.PathLike[str]) -> ChannelMap:
         The map, for ``read_recording(..., map=...)``.
 
     Raises:
-        InputError: no such file, or anything in it that does not fit.
+        InputError: no such file, or an entry in it that does not fit.
 
     Example:
         >>> with open("map.yaml", "w") as file:
@@ -95,7 +95,7 @@ def read_map(path: str | os.PathLike[str]) -> ChannelMap:
 
 
 def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
-    """The map that a file's mapping describes.
+    """Make the map that a file's mapping describes.
 
     Raises:
         InputError: a key, unit or number that does not fit.
@@ -121,12 +121,12 @@ def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
         _prescribed(entry.get("prescribed", []), channels, keep=keep),
     )
     _check_numbered(made)
-    units_of(made, conversions_of(made, {}))  # and again with what the file states when that is known
+    units_of(made, conversions_of(made, {}))  # and again with the units in the file when they are known
     return made
 
 
 def _check_numbered(made: ChannelMap) -> None:
-    """Columns that are carried along have names, so all of them must."""
+    """Check that all columns are given by name: other columns are kept under their names."""
     sources = {f"channels.{channel.name}.from": channel.source for channel in made.channels}
     for key, source in {"time.from": made.time.source, **sources}.items():
         if made.keep_others and isinstance(source, int):
@@ -135,7 +135,7 @@ def _check_numbered(made: ChannelMap) -> None:
 
 
 def _channels(entries: Any, joints: Any) -> tuple[tuple[Channel, ...], tuple[str, ...]]:
-    """Channels with the numbers of their joints filled in, and the joints said to be prismatic."""
+    """Channels with the numbers of their joints, and the joints that are declared prismatic."""
     check_keys(entries, list(entries) if isinstance(entries, Mapping) else (), key="channels")
     for name in entries:
         _check_channel_name(name)
@@ -147,7 +147,7 @@ def _channels(entries: Any, joints: Any) -> tuple[tuple[Channel, ...], tuple[str
 
 
 def _computed(entries: Any, channels: tuple[Channel, ...], *, keep: bool) -> tuple[tuple[str, Expression], ...]:
-    """Channels with their expressions, each of channels before it; with others: keep, of those of the file too."""
+    """Computed channels with their expressions of channels before them; with others: keep, also those of the file."""
     check_keys(entries, list(entries) if isinstance(entries, Mapping) else (), key="computed")
     known = [channel.name for channel in channels]
     found = []
@@ -155,7 +155,7 @@ def _computed(entries: Any, channels: tuple[Channel, ...], *, keep: bool) -> tup
         key = f"computed.{name}"
         _check_channel_name(name, "computed")
         if name in known:
-            remedy = "give it another name in channels: it is carried along under that"
+            remedy = "give it another name in channels: it is kept under that name"
             raise InputError("the channel is there already", key=key, value=text, remedy=remedy)
         expression = expression_of(text, key)
         if not keep:
@@ -222,7 +222,7 @@ def _channel(name: str, entry: Any, shared: Mapping[str, Any]) -> Channel:
 
 
 def _with_shared(key: str, given: dict[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
-    """The numbers of the joint where the channel uses them; numbers of its own that it does not use are refused."""
+    """The joint's numbers that the channel uses; its own numbers that it does not use are refused."""
     unit = plain_unit(given["unit"]) if "unit" in given else None
     quantity = UNITS[unit].quantity if unit is not None and unit in UNITS else None
     uses = {
@@ -233,7 +233,7 @@ def _with_shared(key: str, given: dict[str, Any], shared: Mapping[str, Any]) -> 
     for number, (used, where) in uses.items():
         used = used and (number == "gear_ratio" or "factor" not in given)
         if number in given and not used:
-            raise InputError("a number that nothing uses", key=f"{key}.{number}", remedy=f"it goes with {where}")
+            raise InputError("the number is not used", key=f"{key}.{number}", remedy=f"it goes with {where}")
         if used and number in shared:
             given.setdefault(number, shared[number])
     return given

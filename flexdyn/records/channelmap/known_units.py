@@ -1,4 +1,4 @@
-"""Units that raw columns come in."""
+"""Units of raw columns."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ SI: Mapping[str, str] = {
 """Quantities, and the unit that their values are converted to."""
 
 SLIDING: Mapping[str, str] = {"angle": "length", "angular velocity": "velocity", "torque": "force"}
-"""What a quantity of a revolute joint is at a prismatic one."""
+"""The quantity at a prismatic joint for each quantity at a revolute one."""
 ELECTRICAL = ("current", "voltage")
-"""Quantities that a drive turns into others; the factor of a channel may say into how much."""
+"""Quantities that a drive converts to others, such as current to torque; the factor of a channel may give the ratio."""
 
 
 @dataclass(frozen=True)
 class Unit:
-    """SI value = raw * numerator / denominator + zero; two numbers, for 1/1000 is exact only as a division."""
+    """SI value = raw * numerator / denominator + zero; two numbers, because 1/1000 is exact only as a division."""
 
     quantity: str
     numerator: float = 1.0

@@ -1,4 +1,4 @@
-"""Entries ``source`` and ``time`` of a channel map: how the file is laid out, and its clock."""
+"""Entries ``source`` and ``time`` of a channel map: the layout of the file, and its clock."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SOURCE_KEYS = tuple(item.name for item in fields(Layout))
 
 
 def time_of(entry: Any) -> TimeSource:
-    """Where the times come from, as a map's ``time`` says.
+    """The source of the times, from a map's ``time``.
 
     Raises:
         InputError: a key, unit or number that does not fit.
@@ -43,7 +43,7 @@ def time_of(entry: Any) -> TimeSource:
 
 
 def layout_of(entry: Any) -> Layout:
-    """How the file is laid out, as a map's ``source`` says.
+    """The layout of the file, from a map's ``source``.
 
     Raises:
         InputError: a key or value that does not fit.
@@ -69,7 +69,7 @@ def layout_of(entry: Any) -> Layout:
 
 
 def _check_encoding(name: Any) -> None:
-    """Refuse what names no letters.
+    """Refuse an unknown encoding.
 
     Raises:
         InputError: it is none of Python's text encodings.

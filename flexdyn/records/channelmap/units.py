@@ -1,4 +1,4 @@
-"""Units in a channel map: which hold for each channel, and what they say of its joint."""
+"""Units in a channel map: the valid unit of each channel, and the kind of its joint."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from flexdyn.records.units import PRISMATIC, SIGNALS, split_name
 
 
 def conversions_of(channel_map: ChannelMap, stated: Mapping[str, str | None]) -> list[Conversion]:
-    """From raw numbers to SI, channel by channel.
+    """The conversions to SI, channel by channel.
 
     Args:
         channel_map: what the columns mean.
         stated: units that the file states, by column.
 
     Raises:
-        InputError: as `conversion`, or a unit that the file states and nobody can read.
+        InputError: as `conversion`, or an unreadable unit in the file.
     """
     return [_conversion(channel, stated) for channel in channel_map.channels]
 
 
 def stated_units(table: Table) -> dict[str, str | None]:
-    """Units that the file states, beside the columns or in its meta."""
+    """Units in the file, with the columns or in its meta data."""
     units = table.meta.get("units", {})
     stated = {str(name): str(unit) for name, unit in units.items()} if isinstance(units, dict) else {}
     return {**stated, **table.units}
@@ -42,10 +42,10 @@ def _conversion(channel: Channel, stated: Mapping[str, str | None]) -> Conversio
 
 
 def units_of(channel_map: ChannelMap, conversions: Sequence[Conversion]) -> dict[str, str]:
-    """Units that the channels' names do not tell: those of prismatic joints, and of channels that are no signals.
+    """Units that the channels' names do not determine: of prismatic joints, and of channels that are no signals.
 
     Raises:
-        InputError: a joint slides by one of its units and turns by another.
+        InputError: a joint is prismatic by one of its units and revolute by another.
     """
     told: dict[str, tuple[bool, str]] = {joint: (True, f"joints.{joint}") for joint in channel_map.prismatic}
     for channel, convert in zip(channel_map.channels, conversions, strict=True):

@@ -10,14 +10,14 @@ from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
 
 POSITIVE = ("gear_ratio", "torque_constant", "counts_per_turn", "full_counts")
-"""Numbers that a reversed sign would be hidden in: they have none."""
+"""Numbers that must be positive, because a negative one would hide a reversed sign."""
 
 
 def as_choice(key: str, value: Any, known: Collection[str]) -> str:
-    """One of a few words.
+    """Check that a value is one of the allowed words.
 
     Raises:
-        InputError: another.
+        InputError: it is another one.
     """
     if not isinstance(value, str) or value not in known:
         raise InputError("no such choice", key=key, value=value, remedy=did_you_mean(str(value), known))
@@ -25,10 +25,10 @@ def as_choice(key: str, value: Any, known: Collection[str]) -> str:
 
 
 def as_source(key: str, value: Any) -> str | int:
-    """A column by name or number.
+    """Check a column, given by name or number.
 
     Raises:
-        InputError: neither.
+        InputError: it is neither.
     """
     if isinstance(value, int) and not isinstance(value, bool) and value >= 1:
         return value
@@ -38,10 +38,10 @@ def as_source(key: str, value: Any) -> str | int:
 
 
 def as_text(key: str, value: Any) -> str:
-    """A text that is not blank.
+    """Check for a text that is not blank.
 
     Raises:
-        InputError: something else.
+        InputError: it is something else.
     """
     if not isinstance(value, str) or not value.strip():
         raise InputError("a text is needed", key=key, value=value)
@@ -49,10 +49,10 @@ def as_text(key: str, value: Any) -> str:
 
 
 def as_finite(key: str, name: str, value: Any, *, positive: bool = False) -> float:
-    """A finite number; some are never zero, some always above it.
+    """Check a finite number; some must not be zero, some must be above zero.
 
     Args:
-        key: of the mapping that it stands in.
+        key: path of the mapping that contains it.
         name: its key there.
         value: as given.
         positive: whether it must be above zero, as those of `POSITIVE` must.

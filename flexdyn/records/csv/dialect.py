@@ -1,4 +1,4 @@
-"""What separates the cells of a CSV file and how its numbers are written; lines parsed by it."""
+"""The separator of the cells of a CSV file and the form of its numbers; parsing of lines."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexdyn.records.csv.stamps import Stamps
 from flexdyn.records.table import FloatArray
 
 NOTHING = r"(?:|NA|N/A|#N/A|null|NULL|None)"
-"""What stands in a cell without a number, as pandas, R, Excel and databases write it; ``nan`` is a number already."""
+"""Contents of a cell without a number, as written by pandas, R, Excel and databases; ``nan`` is a number already."""
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class Dialect:
     """How lines are read.
 
     Attributes:
-        delimiter: between the cells; a space stands for any white space.
-        decimal: sign.
-        stamps: what reads the column of dates and times, if there is one.
+        delimiter: between the cells; a space means any white space.
+        decimal: decimal sign.
+        stamps: reader of the column of dates and times, if there is one.
     """
 
     delimiter: str
@@ -32,7 +32,7 @@ class Dialect:
     stamps: Stamps | None = None
 
     def split(self, line: str) -> list[str]:
-        """The cells of a line without the quotes and spaces round them."""
+        """The cells of a line without surrounding quotes and spaces."""
         if '"' in line:
             try:
                 reader = csv.reader([line], delimiter=self.delimiter, skipinitialspace=True)
@@ -42,7 +42,7 @@ class Dialect:
         return line.split() if self.delimiter == " " else [cell.strip() for cell in line.split(self.delimiter)]
 
     def plain(self, lines: list[str]) -> list[str]:
-        """The lines without quotes, with decimal points; a delimiter within quotes gives way."""
+        """The lines without quotes, with decimal points; a delimiter within quotes is replaced."""
         if '"' in "".join(lines):
             lines = [self._without_quotes(line) if '"' in line else line for line in lines]
         return lines if self.decimal == "." else [line.replace(self.decimal, ".") for line in lines]
@@ -56,17 +56,17 @@ class Dialect:
         return len(line.split()) if self.delimiter == " " else line.count(self.delimiter) + 1
 
     def blank(self, line: str) -> bool:
-        """Whether nothing stands in any cell: a row of separators, as spreadsheets write them, has none."""
+        """Whether all cells are empty, as in the rows of separators that spreadsheets write."""
         return not line.strip().strip(self.delimiter + " \t")
 
     def parse(self, lines: list[str], width: int, columns: Sequence[int] | None = None) -> FloatArray | None:
-        """Numbers (lines, columns), all columns by default, NaN where a cell holds nothing.
+        """Numbers (lines, columns), all columns by default, NaN for an empty cell.
 
         Returns:
-            None if any other cell is no number, or a line has not `width` cells.
+            The numbers; None if another cell is no number, or a line has not `width` cells.
         """
         lines = self.plain(lines)
-        if not all(map(str.strip, lines)):  # loadtxt would skip an empty one, and warn where nothing is left
+        if not all(map(str.strip, lines)):  # loadtxt would skip an empty line, and warn if no line is left
             return None
         if columns is not None and any(self.width(line) != width for line in lines):
             return None
@@ -87,7 +87,7 @@ class Dialect:
             return None
 
     def _filled(self, lines: list[str]) -> list[str] | None:
-        """The lines with nan where nothing stands; None if that changes nothing."""
+        """The lines with nan in empty cells; None if there are none."""
         if self.delimiter == " ":
             pattern = rf"(?<!\S){NOTHING}(?!\S)".replace("(?:|", "(?:")
         else:

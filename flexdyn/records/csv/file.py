@@ -26,7 +26,7 @@ _CSV_ROWS_AT_ONCE = 4096
 
 
 def write(rec: Recording, path: Path, delimiter: str = ",") -> None:
-    """Write the shortest digits that give every double back; meta has no place in a plain table."""
+    """Write the shortest digits that determine every double; a plain table has no meta data."""
     columns = [rec.t, *rec.channels.values()]
     with open(path, "x", encoding="utf-8", newline="\n") as stream:
         stream.write(delimiter.join(["t", *map(_quoted, rec.channels)]) + "\n")
@@ -36,9 +36,9 @@ def write(rec: Recording, path: Path, delimiter: str = ",") -> None:
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read block by block: the text is never held whole, the numbers at most one and a half times.
+    """Read block by block: memory never holds the whole text, and the numbers at most one and a half times.
 
-    A column asked for by its number n stands under ``column n`` in the table, one asked for by its name under the name.
+    A column that was requested by its number n is ``column n`` in the table; one requested by name has its name.
 
     Raises:
         InputError: with line and channel.
@@ -60,14 +60,14 @@ def read(path: Path, request: Request) -> Table:
 
 
 def _guessed(header: Header) -> str:
-    """That a decimal sign was guessed, where it makes a difference."""
+    """A note that the decimal sign was guessed, if it matters."""
     if header.told or header.dialect.decimal == ".":
         return ""
     return "numbers were read with a decimal comma; if that is wrong, say source: {decimal: .} in a channel map"
 
 
 class _Columns:
-    """Columns that grow in place: the system moves their pages, so no second copy is made."""
+    """Columns that grow in place, without a second copy: the system moves their pages."""
 
     def __init__(self, count: int) -> None:
         self._arrays = [np.empty(0) for _ in range(count)]
@@ -93,12 +93,12 @@ class _Columns:
 
 
 def _quoted(name: str) -> str:
-    """A name as a reader of quoted cells gives it back."""
+    """A name in quotes, if a reader of quoted cells needs them."""
     return '"' + name.replace('"', '""') + '"' if '"' in name else name
 
 
 def _blocks(stream: TextIO, size: int, request: Request) -> Iterator[Block]:
-    """The file block by block, none held longer than its turn; says how far it is."""
+    """Yield the file block by block, and report the progress."""
     number, rest = 1, ""
     while text := stream.read(_CSV_BLOCK):
         head, newline, rest = (rest + text).rpartition("\n")

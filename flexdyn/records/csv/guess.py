@@ -1,4 +1,4 @@
-"""What a CSV file does not say about itself, guessed from its first megabyte: letters, separator, decimal sign."""
+"""Guess from the first megabyte of a CSV file: encoding, separator, decimal sign."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from flexdyn.records.request import Layout
 
 DELIMITERS = (",", ";", "\t")
 SAMPLE = 2**20
-"""Bytes from which letters are guessed."""
+"""Number of bytes from which the encoding is guessed."""
 WESTERN = "cp1252"
-"""Windows' letters of Western Europe, which contain all of latin-1 that prints."""
+"""Windows' encoding of Western Europe, which contains all printable characters of latin-1."""
 
 _COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 _POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
 
 
 def encoding_of(path: Path, told: str | None) -> tuple[str, str, str]:
-    """How the file's bytes become letters.
+    """The encoding of a file.
 
     Args:
         path: of the file.
-        told: by a channel map.
+        told: encoding in the channel map, if any.
 
     Returns:
-        Encoding, what becomes of bytes that do not fit it (nothing that is a number), and what was guessed, to be
-        said; empty where nothing was.
+        The encoding, the treatment of bytes that do not fit it (they are never part of a number), and a note about the
+        guess; empty if nothing was guessed.
     """
     if told is not None:
         plain = codecs.lookup(told).name
@@ -39,21 +39,21 @@ def encoding_of(path: Path, told: str | None) -> tuple[str, str, str]:
     if sample.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16", "replace", ""
     try:
-        codecs.getincrementaldecoder("utf-8")().decode(sample)  # a letter may be cut at the end of the sample
+        codecs.getincrementaldecoder("utf-8")().decode(sample)  # the sample may end within a letter
     except UnicodeDecodeError:
-        guess = "the letters are not UTF-8 and were read as Windows-1252 (latin-1)"
+        guess = "the text is not UTF-8 and was read as Windows-1252 (latin-1)"
         return WESTERN, "replace", f"{guess}; if names look wrong, say source: {{encoding: ...}} in a channel map"
     return "utf-8-sig", "surrogateescape", ""
 
 
 def dialect_of(line: str, samples: Sequence[str], layout: Layout, names: str = "") -> Dialect:
-    """What separates the cells and the decimals, as the layout says or as it looks.
+    """The separator of cells and the decimal sign, from the layout or guessed.
 
     Args:
         line: that has every cell.
-        samples: lines of numbers, as many as are at hand.
-        layout: what is known.
-        names: another line that may hold the names.
+        samples: some lines of numbers.
+        layout: known properties.
+        names: another line that may contain the names.
     """
     delimiter = layout.delimiter or _delimiter(line, layout.decimal, names)
     if layout.decimal is not None or delimiter == ",":
@@ -62,10 +62,10 @@ def dialect_of(line: str, samples: Sequence[str], layout: Layout, names: str = "
 
 
 def _delimiter(line: str, decimal: str | None, names: str) -> str:
-    """The separator that sets a column t apart; without one, that which `names` has as often, or the commonest.
+    """The separator that gives a column t; else the one that occurs as often in `names`; else the most frequent one.
 
-    White space separates where there is none of the others. A comma between two numbers of digits is taken for a
-    decimal sign where semicolons or tabs separate such cells.
+    White space is the separator if there is no other. A comma between two groups of digits is taken as a decimal sign
+    if semicolons or tabs separate such cells.
     """
     known = [delimiter for delimiter in DELIMITERS if delimiter != decimal]
     spaced: tuple[str, ...] = () if any(delimiter in line for delimiter in known) else (" ",)

@@ -1,4 +1,4 @@
-"""The head of a CSV file: where names and samples stand, what separates the cells, which columns are wanted."""
+"""The head of a CSV file: the lines of names and samples, the separator, the requested columns."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def header_of(blocks: Iterator[Block], request: Request) -> tuple[Header, Block]
     """The header, and what follows it in its block.
 
     Raises:
-        InputError: no header, names that no channel can have, or a column wanted that is not there.
+        InputError: no header, names that no channel can have, or a requested column that does not exist.
     """
     layout = request.layout
     start = _found(blocks, layout) if layout.names_line is None and layout.first_line is None else _told(blocks, layout)
@@ -46,7 +46,7 @@ def header_of(blocks: Iterator[Block], request: Request) -> tuple[Header, Block]
 
 
 def _found(blocks: Iterator[Block], layout: Layout) -> _Start:
-    """Names in the first line that is no comment; if that is numbers, in the comment above (numpy.savetxt)."""
+    """Names in the first line that is no comment; if that line has numbers, in the comment above (numpy.savetxt)."""
     comment = (0, "")
     for number, lines in blocks:
         for offset, line in enumerate(lines):
@@ -64,11 +64,11 @@ def _found(blocks: Iterator[Block], layout: Layout) -> _Start:
 
 
 def _told(blocks: Iterator[Block], layout: Layout) -> _Start:
-    """Names and samples in the lines that the layout says; without a line of names, in the one above the samples."""
+    """Names and samples in the lines that the layout gives; without a line of names, the line above the samples."""
     first = layout.first_line or (layout.names_line or 0) + 1
     at = layout.names_line or first - 1
     if at >= first:
-        remedy = "samples follow their names"
+        remedy = "the samples must come after their names"
         raise InputError(
             "the first line of samples is not below the names", key="first_line", value=first, remedy=remedy
         )
@@ -82,7 +82,7 @@ def _told(blocks: Iterator[Block], layout: Layout) -> _Start:
 
 
 def _every(start: _Start, request: Request) -> Header:
-    """Every column, a channel where no map follows."""
+    """Every column; without a map each is a channel."""
     if not start.at:
         raise InputError("no header", remedy="begin with a header t,q.<joint>,...")
     dialect = dialect_of(start.text, start.samples[1], request.layout)
@@ -92,7 +92,7 @@ def _every(start: _Start, request: Request) -> Header:
     units: dict[str, str] = {}
     for column, name in enumerate(names):
         if name == "" and len(names) > 1 and (column == 0 or (column == len(names) - 1 and first[column:] == [""])):
-            continue  # labels of rows (pandas), or nothing after a separator at the end of the line
+            continue  # labels of rows (pandas), or an empty cell after a separator at the end of the line
         key, unit = _channel(name, request)
         if key != "t" and not request.mapped:
             check_name(key)
@@ -109,13 +109,13 @@ def _every(start: _Start, request: Request) -> Header:
 
 
 def _with_gaps(dialect: Dialect, names: tuple[str, ...], lines: list[str]) -> set[str]:
-    """Columns in which cells of these lines hold nothing."""
+    """Columns with empty cells in these lines."""
     rows = (dialect.split(line) for line in lines)
     return {name for row in rows for name, cell in zip(names, row, strict=False) if re.fullmatch(NOTHING, cell)}
 
 
 def _channel(name: str, request: Request) -> tuple[str, str]:
-    """Key of a column in the table, and the unit that its name states."""
+    """Key of a column in the table, and the unit in its name."""
     bare, unit = split_unit(name)
     if request.mapped:
         return (bare if bare in request.named and name not in request.named else name), unit
@@ -123,7 +123,7 @@ def _channel(name: str, request: Request) -> tuple[str, str]:
 
 
 def _as_asked(start: _Start, layout: Layout, asked: frozenset[str | int]) -> Header:
-    """The columns asked for; the first row tells how many there are, whatever stands above it."""
+    """The requested columns; the first row determines their number."""
     _, lines = start.samples
     row = lines[0] if lines else start.text
     dialect = dialect_of(row, lines, layout, start.text)
@@ -143,7 +143,7 @@ def _header(
     units: dict[str, str],
     layout: Layout,
 ) -> Header:
-    """The header, with a reader of stamps for the first wanted column that holds dates."""
+    """The header, with a reader of stamps for the first requested column with dates."""
     check_count(width)
     first = _first_sample(dialect, start)
     dated = [column for column in wanted.values() if column < len(first) and is_stamp(first[column])]
@@ -163,7 +163,7 @@ def _key(asked: str | int) -> str:
 
 
 def _column(asked: str | int, names: tuple[str, ...], width: int) -> int:
-    """Index of a column asked for by name, or by number from 1."""
+    """Index of a column that was requested by name, or by number from 1."""
     if isinstance(asked, int):
         if not 1 <= asked <= width:
             raise InputError("no such column", key=_key(asked), remedy=f"there are {width}", channel=_key(asked))

@@ -1,4 +1,4 @@
-"""The lines of a CSV file as numbers, and what is wrong with the first line that is none."""
+"""The lines of a CSV file as numbers, and the error of the first line that is not a row of numbers."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ Block = tuple[int, list[str]]
 
 @dataclass(frozen=True)
 class Header:
-    """What the head of a file tells about its rows.
+    """The properties of the rows, from the head of a file.
 
     Attributes:
-        dialect: what the cells are separated by.
+        dialect: separator and form of numbers.
         width: number of cells in every row.
-        names: of the columns, as far as they have some.
-        wanted: column by the key that it gets in the table.
-        first_row: line that the first sample stands on, from 1.
-        units: that names state, by the key in the table.
-        told: whether the layout says what the decimal sign is.
+        names: of the columns, if they have any.
+        wanted: column by its key in the table.
+        first_row: line of the first sample, from 1.
+        units: units in the names, by the key in the table.
+        told: whether the layout gives the decimal sign.
     """
 
     dialect: Dialect
@@ -45,10 +45,10 @@ class Header:
 
 
 def blocks_of_numbers(header: Header, blocks: Iterator[Block]) -> Iterator[FloatArray]:
-    """Numbers (rows, wanted columns) block by block; blank lines may only end the file.
+    """Yield numbers (rows, requested columns) block by block; blank lines are allowed only at the end of the file.
 
     Raises:
-        InputError: a line is no row of numbers; it is named with the channel.
+        InputError: a line is no row of numbers; the message names it and the channel.
     """
     blank = 0
     for number, lines in blocks:
@@ -67,7 +67,7 @@ def blocks_of_numbers(header: Header, blocks: Iterator[Block]) -> Iterator[Float
 
 
 def _explain(header: Header, number: int, lines: list[str]) -> NoReturn:
-    """Raise what is wrong with the first line that is no row of numbers."""
+    """Raise the error of the first line that is no row of numbers."""
     dialect, width = header.dialect, header.width
     bad = _first_bad(dialect, lines, width, header.columns)
     row, cells = number + bad, dialect.split(lines[bad])
@@ -82,7 +82,7 @@ def _explain(header: Header, number: int, lines: list[str]) -> NoReturn:
 
 
 def _bad_cell(header: Header, row: int, cells: list[str]) -> InputError:
-    """What is wrong with the first cell wanted that is no number."""
+    """The error of the first requested cell that is no number."""
     dialect = header.dialect
     asked = [cells[column] for column in header.wanted.values()]
     if dialect.stamps is not None:
@@ -103,7 +103,7 @@ def _bad_cell(header: Header, row: int, cells: list[str]) -> InputError:
 
 
 def _first_bad(dialect: Dialect, items: list[str], width: int, columns: Sequence[int] | None) -> int:
-    """Index of the first of `items` that does not parse, by halving: some item is known to be bad."""
+    """Index of the first of `items` that cannot be parsed, by bisection; at least one item is bad."""
     low, high = 0, len(items)
     while high - low > 1:
         middle = (low + high) // 2

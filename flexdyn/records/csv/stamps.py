@@ -20,7 +20,7 @@ def is_stamp(cell: str) -> bool:
 
 @dataclass
 class Stamps:
-    """Reads one column of stamps, row by row; without a zone they are taken as UTC.
+    """Reads one column of stamps, row by row; stamps without a time zone are taken as UTC.
 
     Attributes:
         column: of the file, from 0.
@@ -49,7 +49,7 @@ class Stamps:
         return (stamp - self.start_ns) / 1e9
 
     def _second(self, whole: str, zone: str) -> int:
-        """Whole seconds since 1970; samples of one second stand together, so the last is kept."""
+        """Whole seconds since 1970; the last result is kept, because samples of one second follow each other."""
         key = (whole, zone)
         if key not in self._known:
             made = datetime.fromisoformat(whole + zone)

@@ -1,7 +1,7 @@
 """HDF5: one dataset per channel and ``t``, flat or grouped by signal; nothing outside the file is opened.
 
-Files are read by a process of its own, because HDF5 crashes or hangs on some that are damaged (HDFGroup/hdf5 issue 1707
-is one of many): see `flexdyn.records.apart`.
+Another process reads the files, because HDF5 crashes or hangs on some damaged ones (HDFGroup/hdf5 issue 1707 is one of
+many): see `flexdyn.records.apart`.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def write(rec: Recording, path: Path) -> None:
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read in another process what `read_here` reads.
+    """Call `read_here` in another process.
 
     Raises:
         InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
@@ -64,12 +64,12 @@ def read_here(path: Path, request: Request) -> Table:
     ``robot/arm/q[:,0]``, the first column of a two-dimensional one.
 
     Raises:
-        InputError: not an HDF5 file, cut, links or storage outside the file, wrong types or sizes.
+        InputError: not an HDF5 file, truncated, links or storage outside the file, wrong types or sizes.
         MissingExtra: h5py is not installed.
     """
     h5py = library()
     table = Table()
-    with damage_named("not an HDF5 file, or cut"), h5py.File(path, "r") as file:
+    with damage_named("not an HDF5 file, or truncated"), h5py.File(path, "r") as file:
         datasets = dict(_anywhere(h5py, file) if request.mapped else _datasets(h5py, file))
         meta = datasets.pop(RESERVED, None)
         if meta is not None:
@@ -91,7 +91,7 @@ def read_here(path: Path, request: Request) -> Table:
 
 
 def _fixed(h5py: Any, text: str) -> Any:
-    """Text of fixed length in UTF-8: text of variable length lies in a heap that no checksum guards."""
+    """Text of fixed length in UTF-8: text of variable length is in a heap without checksum."""
     data = text.encode() or b"\0"
     return np.array(data, h5py.string_dtype(length=len(data)))
 
@@ -126,7 +126,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _anywhere(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
-    """Every dataset of a file that follows no convention, by its path; those that follow ours by channel name."""
+    """Every dataset of a file without our convention, by its path; those with our convention by channel name."""
     groups = [("", file)]
     met = 0
     for path, group in groups:
@@ -144,9 +144,9 @@ def _anywhere(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
 
 
 def member(h5py: Any, group: Any, link: str) -> Any:
-    """What a link leads to, if it leads there directly: soft and external links could lead anywhere."""
+    """The object of a hard link; soft and external links are refused, because they could lead anywhere."""
     if not isinstance(group.get(link, getlink=True), h5py.HardLink):
-        raise InputError("the file links elsewhere", value=link, remedy="copy the linked dataset into the file")
+        raise InputError("a link leads out of the file", value=link, remedy="copy the linked dataset into the file")
     return group[link]
 
 
@@ -167,7 +167,7 @@ def attribute(h5py: Any, dataset: Any, name: str) -> str | None:
 
 
 def check_storage(dataset: Any, name: str) -> None:
-    """Refuse a dataset whose bytes lie in other files or in chunks of more than 1 GiB."""
+    """Refuse a dataset whose bytes are in other files or in chunks of more than 1 GiB."""
     if dataset.is_virtual or dataset.external:
         remedy = "copy the samples into the file"
         raise InputError("the samples lie in another file", key=name, remedy=remedy, channel=name)

@@ -1,4 +1,4 @@
-"""h5py, and a new file of it that survives a full disk."""
+"""h5py, and a new HDF5 file that does not crash on a full disk."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from flexdyn.errors import MissingExtra, needed
 
 
 def check_library() -> None:
-    """Refuse where h5py is not installed, without loading it.
+    """Check that h5py is installed, without loading it.
 
     Raises:
-        MissingExtra: it is not there.
+        MissingExtra: it is not installed.
     """
     if find_spec("h5py") is None:
         raise MissingExtra("h5py", "hdf5")
@@ -34,11 +34,11 @@ def new_file(path: Path, **settings: Any) -> Iterator[Any]:
     """A new file to write to, in a layout that HDF5 1.10 reads.
 
     Args:
-        path: of the file, which must not be there.
-        settings: more of them for `h5py.File`.
+        path: of the file, which must not exist.
+        settings: further arguments of `h5py.File`.
 
     Raises:
-        OSError: the disk is full, or refuses otherwise.
+        OSError: the disk is full, or cannot be written to.
         MissingExtra: h5py is not installed.
     """
     h5py = library()
@@ -50,9 +50,9 @@ def new_file(path: Path, **settings: Any) -> Iterator[Any]:
 
 
 class _Target(io.RawIOBase):
-    """A file that never refuses to take what is written to it; what the disk refuses is noted, and goes into memory.
+    """A file whose writes never fail; if the disk cannot be written to, this is noted, and the data go into memory.
 
-    HDF5 crashes the process, then or later, where it cannot close a file because the disk is full (h5py issue 914).
+    HDF5 crashes the process, immediately or later, if it cannot close a file because the disk is full (h5py issue 914).
     """
 
     def __init__(self, path: Path) -> None:
@@ -99,7 +99,7 @@ class _Target(io.RawIOBase):
         super().close()
 
     def _go_on_in_memory(self, refusal: OSError) -> None:
-        """From where the file stands."""
+        """Read from the present position of the file."""
         self.refusal = refusal
         place = self._at.tell()
         self._at.seek(0)

@@ -1,6 +1,6 @@
-"""Columns out of the variables of a MATLAB workspace.
+"""Columns from the variables of a MATLAB workspace.
 
-A column is named as MATLAB writes it: a dot leads into a struct, brackets take a row or column of a two-dimensional
+A column is named as in MATLAB: a dot selects a field of a struct, brackets select a row or column of a two-dimensional
 array, counted from 1: ``t``, ``q.elbow``, ``rec.act_pos(1,:)``, ``ref.phi(:,3)``.
 """
 
@@ -22,10 +22,10 @@ from flexdyn.records.suggestion import columns_of_arrays, suggested_map
 from flexdyn.records.table import Rows, Table, as_floats, check_name
 
 KEY = "flexdyn"
-"""Variable of text that says which channel lies where, in order, and keeps meta."""
+"""Text variable with the place of each channel, in order, and the meta data."""
 
 MOST_SHOWN = 12
-"""Variables that an error lists."""
+"""Largest number of variables that an error lists."""
 
 _COLUMN = re.compile(r"(?P<path>[^()]+?)\s*(?:\(\s*(?P<row>:|[0-9]{1,9})\s*,\s*(?P<column>:|[0-9]{1,9})\s*\))?")
 
@@ -35,10 +35,10 @@ class Leaf:
     """A variable, or a field of a struct, that is no struct itself.
 
     Attributes:
-        name: as MATLAB writes it.
-        kind: ``numbers``, ``text``, or what else it is, in words.
-        shape: as MATLAB says it.
-        values: reads it: an array of that shape, or a string.
+        name: as in MATLAB.
+        kind: ``numbers``, ``text``, or another kind in words.
+        shape: as in MATLAB.
+        values: function that reads it: an array of that shape, or a string.
     """
 
     name: str
@@ -47,13 +47,13 @@ class Leaf:
     values: Callable[[], Any]
 
     def __str__(self) -> str:
-        """As MATLAB's `whos` lists it, whatever letters the file has for a name."""
+        """Name and shape as in MATLAB's `whos`, without control characters of the name."""
         name = "".join(letter for letter in self.name[:80] if letter.isprintable())
         return f"{name} ({'x'.join(map(str, self.shape))})" if self.kind == "numbers" else name
 
 
 class LeafColumns:
-    """Takes leaves one by one and keeps what was asked for; without a map, every vector of numbers."""
+    """Takes leaves one by one and keeps the requested ones; without a map, every vector of numbers."""
 
     def __init__(self, request: Request) -> None:
         self._table = Table(rows=Rows(first=1))
@@ -65,7 +65,7 @@ class LeafColumns:
         self._shapes: dict[str, tuple[int, ...]] = {}
 
     def wants(self, variable: str) -> bool:
-        """Whether a variable is or holds something that is to be read; one that does not is remembered by its name."""
+        """Whether a variable is requested or contains a requested one; names of others are remembered."""
         if self._asked is None or any(path.split(".")[0] == variable for path in self._asked):
             return True
         self._seen.append(variable)
@@ -88,7 +88,7 @@ class LeafColumns:
         """The columns, in the order in which they were written if the file tells it.
 
         Raises:
-            InputError: something that was asked for is not there; without a map, something is no channel.
+            InputError: a requested variable does not exist; without a map, a variable is no channel.
         """
         table = self._table
         if self._asked is None:
@@ -140,12 +140,12 @@ class LeafColumns:
                 self._add(key, _part(leaf, values, key, index))
 
     def _add(self, key: str, values: npt.NDArray[Any]) -> None:
-        # A copy of its own, so that the variable's bytes can go.
+        # A copy, so that the variable's memory can be released.
         self._table.add(key, as_floats(values, key, copy=True))
 
 
 def _by_path(columns: frozenset[str | int]) -> dict[str, list[tuple[str, str]]]:
-    """Path of a leaf -> keys asked for, each with its index: "", "3,:" or ":,3"."""
+    """Path of a leaf -> requested keys, each with its index: "", "3,:" or ":,3"."""
     asked: dict[str, list[tuple[str, str]]] = {}
     for key in sorted(columns, key=str):
         match = _COLUMN.fullmatch(key) if isinstance(key, str) else None
@@ -158,7 +158,7 @@ def _by_path(columns: frozenset[str | int]) -> dict[str, list[tuple[str, str]]]:
 
 
 def _part(leaf: Leaf, values: npt.NDArray[Any], key: str, index: str) -> npt.NDArray[Any]:
-    """A vector, or the row or column asked for."""
+    """A vector, or the requested row or column."""
     if not index:
         if max(leaf.shape, default=0) != values.size:
             remedy = f"take a row or column, such as {leaf.name}(1,:) or {leaf.name}(:,1)"
@@ -174,7 +174,7 @@ def _part(leaf: Leaf, values: npt.NDArray[Any], key: str, index: str) -> npt.NDA
 
 
 def _as_written(table: Table, text: str) -> Table:
-    """Channels under their own names and in their order; columns that came later follow."""
+    """Channels under their own names and in their order; columns that were added later follow."""
     try:
         content = json.loads(text)
         pairs = {str(place): str(name) for name, place in content["channels"]}

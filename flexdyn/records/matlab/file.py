@@ -1,8 +1,8 @@
 """MATLAB's MAT-files: version 5 through SciPy, version 7.3 (HDF5) where a variable is too large for that.
 
-Written are ``t``, a struct per signal with a field per joint (``q.elbow``), and plain variables for other channels;
-names that MATLAB could not have stand in a struct ``other`` as ``c1``, ``c2``, ... The text ``flexdyn`` tells which
-channel lies where, in order, and keeps meta (MATLAB: ``jsondecode(flexdyn)``).
+A file contains ``t``, a struct per signal with a field per joint (``q.elbow``), and plain variables for other channels.
+Channels whose names are not valid in MATLAB are ``c1``, ``c2``, ... in a struct ``other``. The text ``flexdyn`` has the
+place of each channel, in order, and the meta data (MATLAB: ``jsondecode(flexdyn)``).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 LARGEST_V5 = 2**31 - 2**20
-"""Bytes that a variable of version 5 may have; MATLAB itself writes no more than 2 GB."""
+"""Largest variable of version 5 [bytes]; MATLAB itself writes at most 2 GB."""
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _OTHER = "other"
@@ -47,7 +47,7 @@ _KEYWORDS += ("if", "otherwise", "parfor", "persistent", "return", "spmd", "swit
 def write(rec: Recording, path: Path) -> None:
     """Write version 5, or 7.3 if a variable has 2 GB or more."""
     places = _places(list(rec.channels))
-    # The list comes first, so that a file that was cut lacks something that it lists.
+    # The list comes first, so that a truncated file lacks a variable of the list.
     listed = json.dumps({"channels": list(places.items()), "meta": as_plain(rec.meta)})
     variables: dict[str, Any] = {KEY: listed, "t": rec.t}
     for name, place in places.items():
@@ -64,12 +64,12 @@ def write(rec: Recording, path: Path) -> None:
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read what is asked for; without a map, every vector of numbers is a channel, and other things are left out.
+    """Read the requested columns; without a map, all vectors of numbers, which are the channels.
 
-    Rows count from 1, as MATLAB counts.
+    Rows count from 1, as in MATLAB.
 
     Raises:
-        InputError: not a MAT-file, cut, a column that is not there or is no column of numbers.
+        InputError: not a MAT-file, truncated, an unknown column, or one without numbers.
         MissingExtra: version 7.3 needs h5py.
     """
     with open(path, "rb") as stream:
@@ -77,7 +77,7 @@ def read(path: Path, request: Request) -> Table:
     if _HDF5 in (head[:8], head[512:520]):
         return v73.read(path, request)
     columns = LeafColumns(request)
-    with damage_named("not a MAT-file, or cut"):
+    with damage_named("not a MAT-file, or truncated"):
         v5.read(path, request, columns)
         return columns.table()
 
@@ -90,7 +90,7 @@ def _write_v5(variables: dict[str, Any], path: Path) -> None:
 
 
 def _places(names: list[str]) -> dict[str, str]:
-    """Where each channel stands: ``q.elbow``, ``power``, or ``other.c1``."""
+    """The place of each channel: ``q.elbow``, ``power``, or ``other.c1``."""
     places: dict[str, str] = {}
     odd = 0
     for name in names:
@@ -104,5 +104,5 @@ def _places(names: list[str]) -> dict[str, str]:
 
 
 def _is_name(text: str) -> bool:
-    """Whether MATLAB takes it as the name of a variable or field."""
+    """Whether it is a valid name of a variable or field in MATLAB."""
     return _NAME.fullmatch(text) is not None and text not in _KEYWORDS

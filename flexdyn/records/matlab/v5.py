@@ -1,7 +1,7 @@
 """MATLAB's MAT-file version 5 (``save -v6`` and ``-v7``), read by its tags.
 
-SciPy's reader recurses in C as deep as the file says, which a small hostile file turns into a crash, and reads
-structs whole. This one holds one variable at a time, bounds what it unpacks, and skips what is not asked for.
+SciPy's reader recurses in C as deep as the file says, so that a small hostile file can crash it, and reads structs as a
+whole. This reader holds one variable at a time, limits the unpacked size, and skips variables that are not requested.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ _VERSION = 0x0100
 
 
 def read(path: Path, request: Request, columns: LeafColumns) -> None:
-    """Give what `columns` wants of the file to it, one variable after the other.
+    """Pass the variables that `columns` needs to it, one after the other.
 
     Raises:
-        InputError: no MAT-file of version 5, cut, or sizes that cannot be.
+        InputError: no MAT-file of version 5, truncated, or impossible sizes.
     """
     size = os.path.getsize(path)
     unpacked = 0
@@ -68,7 +68,7 @@ def read(path: Path, request: Request, columns: LeafColumns) -> None:
 
 
 def _byte_order(header: bytes) -> str:
-    """``<`` or ``>``; refuses what is no MAT-file of version 5."""
+    """The byte order ``<`` or ``>``; refuses a file that is no MAT-file of version 5."""
     order = {b"IM": "<", b"MI": ">"}.get(header[126:128])
     if order is None or struct.unpack(f"{order}H", header[124:126])[0] != _VERSION:
         old = 0 in header[:4] and len(header) >= 4
@@ -88,12 +88,12 @@ class _Variable:
     order: str
 
     def name(self) -> str:
-        """Its name; empty for what MATLAB keeps for itself."""
+        """Its name; empty for MATLAB's internal variables."""
         skip = 8 if self.compressed else 0
         return _head(Cursor(self._data(skip + min(_HEAD, self.length())), self.order, skip)).name
 
     def length(self) -> int:
-        """Bytes that it takes in memory, as the file says."""
+        """Its size in memory according to the file [bytes]."""
         if not self.compressed:
             return self.end - self.begin
         kind, start, stop = Cursor(self._data(8), self.order).tag()
@@ -102,7 +102,7 @@ class _Variable:
         return stop - start
 
     def leaves(self) -> Iterator[Leaf]:
-        """What it holds."""
+        """Its content."""
         data = self._data(None)
         skip = 8 if self.compressed else 0
         if len(data) != skip + self.length():
@@ -110,7 +110,7 @@ class _Variable:
         return _leaves(Cursor(data, self.order, skip), None, 0)
 
     def _data(self, most: int | None) -> bytes:
-        """The first bytes of it, or all, unpacked and with their checksum compared."""
+        """Its first bytes, or all of them, unpacked, with checked checksum."""
         self.stream.seek(self.begin)
         there = self.end - self.begin
         if not self.compressed:
@@ -136,7 +136,7 @@ class _Head:
 
 
 def _head(cursor: Cursor) -> _Head:
-    if cursor.at == cursor.end:  # how an empty field is written
+    if cursor.at == cursor.end:  # the form of an empty field
         return _Head(_CELL, False, (0, 0), "")
     flags = cursor.numbers()
     if flags.size < 1:
@@ -144,12 +144,12 @@ def _head(cursor: Cursor) -> _Head:
     kind = int(flags[0]) & 0xFF
     shape = () if kind == _OPAQUE else tuple(int(extent) for extent in cursor.numbers())
     if min(shape, default=0) < 0 or len(shape) > _MOST_DIMENSIONS:
-        raise InputError("an array has no possible shape", value=shape, remedy="the file is damaged")
+        raise InputError("an array has an impossible shape", value=shape, remedy="the file is damaged")
     return _Head(kind, bool(int(flags[0]) & _COMPLEX), shape, cursor.text())
 
 
 def _leaves(cursor: Cursor, name: str | None, depth: int) -> Iterator[Leaf]:
-    """The matrix at the cursor, or what its fields hold."""
+    """The matrix at the cursor, or the content of its fields."""
     head = _head(cursor)
     name = head.name if name is None else name
     if depth > _DEEPEST:

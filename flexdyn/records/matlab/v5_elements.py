@@ -16,14 +16,14 @@ TEXTS = {1: "latin-1", 2: "latin-1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18:
 
 
 class Cursor:
-    """Goes from element to element; none reaches beyond the bytes that are there."""
+    """Goes from element to element; no element may extend beyond the existing bytes."""
 
     def __init__(self, data: bytes, order: str, at: int = 0, end: int | None = None) -> None:
         self.data, self.order, self.at = data, order, at
         self.end = len(data) if end is None else end
 
     def tag(self) -> tuple[int, int, int]:
-        """Type of the element here, and where its bytes begin and end; they may lie beyond these."""
+        """Type of the present element, and begin and end of its bytes; these may be beyond the end of the data."""
         if self.at + 8 > self.end:
             raise cut()
         first, second = struct.unpack_from(f"{self.order}II", self.data, self.at)
@@ -32,7 +32,7 @@ class Cursor:
         return first, self.at + 8, self.at + 8 + second
 
     def element(self) -> tuple[int, int, int]:
-        """The same, and on to the next."""
+        """The same, then move to the next element."""
         kind, start, stop = self.tag()
         if stop > self.end:
             raise cut()
@@ -59,5 +59,5 @@ class Cursor:
 
 
 def cut() -> InputError:
-    """What is said of bytes that are not there."""
-    return InputError("the file is cut or damaged", remedy="copy the file again")
+    """The error for missing bytes."""
+    return InputError("the file is truncated or damaged", remedy="copy the file again")

@@ -57,7 +57,7 @@ def _write_column(group: Any, name: str, values: FloatArray) -> None:
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read in another process, as HDF5 files are, what `read_here` reads.
+    """Call `read_here` in another process, as for HDF5 files.
 
     Raises:
         InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
@@ -68,15 +68,15 @@ def read(path: Path, request: Request) -> Table:
 
 
 def read_here(path: Path, request: Request) -> Table:
-    """The columns that are asked for, from one variable after the other.
+    """Read the requested columns, from one variable after the other.
 
     Raises:
-        InputError: not an HDF5 file, cut, links or storage outside the file, sizes that cannot be.
+        InputError: not an HDF5 file, truncated, links or storage outside the file, impossible sizes.
         MissingExtra: h5py is not installed.
     """
     h5py = library()
     columns = LeafColumns(request)
-    with damage_named("not a MAT-file, or cut"), h5py.File(path, "r") as file:
+    with damage_named("not a MAT-file, or truncated"), h5py.File(path, "r") as file:
         reader = _Reader(h5py, os.path.getsize(path))
         names = [name for name in file if not name.startswith("#")]
         for place, name in enumerate(names):
@@ -87,14 +87,14 @@ def read_here(path: Path, request: Request) -> Table:
 
 
 class _Reader:
-    """Walks through the groups of a file and counts what it meets, so that no cycle of them goes on for long."""
+    """Visits the groups of a file and counts them, so that a cycle of groups ends soon."""
 
     def __init__(self, h5py: Any, on_disk: int) -> None:
         self._h5py, self._on_disk = h5py, on_disk
         self._met = self._bytes = 0
 
     def leaves(self, group: Any, link: str, name: str, depth: int) -> Iterator[Leaf]:
-        """The leaves that a member of a group is or holds."""
+        """The leaves in a member of a group."""
         self._met += 1
         if depth > _DEEPEST or self._met > MOST_COLUMNS:
             problem = f"structs nest deeper than {_DEEPEST} or have more than {MOST_COLUMNS} fields"

@@ -1,19 +1,19 @@
 """Bags of ROS 1 and ROS 2: .bag, .mcap, .db3 and the folder of a ROS 2 bag, through rosbags; no ROS is needed.
 
-Raw columns, as a channel map names them, are the fields of a message, with the joint's name for the index where a list
-goes along with the message's list of joints: ``position.elbow`` (JointState), ``feedback.positions.elbow``
-(JointTrajectoryControllerState), ``position.elbow`` (DynamicJointState: interface, joint), ``wrench.force.x``,
-``data.0`` (Float64MultiArray), ``data`` (Float64). Any message made of numbers is read so. With its topic in front,
-``/joint_states.position.elbow``, a column is taken from that topic; without, from the one that ``source.topic`` names,
-or the only one there is. Columns of several topics make one recording: those of other times are put on the
-times of one, see `flexdyn.records.ros.merging`, and a `RecordingWarning` says how.
+A channel map names raw columns by the fields of a message. If a list belongs to the message's list of joints, the index
+is the joint's name: ``position.elbow`` (JointState), ``feedback.positions.elbow`` (JointTrajectoryControllerState),
+``position.elbow`` (DynamicJointState: interface, joint), ``wrench.force.x``, ``data.0`` (Float64MultiArray), ``data``
+(Float64). Any message made of numbers is read in this way. A column with
+its topic in front, ``/joint_states.position.elbow``, is taken from that topic; otherwise from ``source.topic``, or from
+the only topic. Columns of several topics make one recording: all are converted to the times of one topic, see
+`flexdyn.records.ros.merging`, and a `RecordingWarning` says how.
 
-Without a map the only topic of joint states is read: position is ``q``, velocity ``v``, effort ``tau``; of the state of
-a controller, feedback (older: actual) gives ``q`` and ``v``, and output ``tau``. What was assumed stands in
+Without a map the only topic of joint states is read: position is ``q``, velocity ``v``, effort ``tau``. Of the state of
+a controller, feedback (older: actual) gives ``q`` and ``v``, and output ``tau``. The assumptions are in
 ``meta["notes"]``.
 
 Time is the stamp in the header, or with ``clock: bag`` the time of recording: whole nanoseconds, divided once. Stamps
-from one year on (the time of day) are counted from the first, which is kept in ``meta["start_ns"]``.
+of more than one year (the time of day) are counted from the first one, which is kept in ``meta["start_ns"]``.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read the topics asked for.
+    """Read the requested topics.
 
     Raises:
-        InputError: not a bag, damaged, no topic to choose, joints that come and go, no stamps.
+        InputError: not a bag, a damaged one, no clear topic, joints that change between messages, no stamps.
         MissingExtra: rosbags is not installed.
     """
     _library()
@@ -43,14 +43,14 @@ def read(path: Path, request: Request) -> Table:
 
 
 def write(rec: Recording, path: Path, suffix: str) -> None:
-    """Write a bag of the kind that the suffix (``.bag``, ``.mcap``, ``.db3``) names to a path that may have another.
+    """Write a bag in the format of a suffix (``.bag``, ``.mcap``, ``.db3``); the path may have another suffix.
 
     Standard signals become JointState on ``/joint_states`` (q, v, tau), ``/motor_states`` (theta, omega, tau_applied)
-    and ``/transmission_states`` (effort: tau_s); the lists of a JointState go along with its names, so joints with
-    other fields than the first get a topic of their own below it, ``/joint_states/position``. Everything else becomes
-    DynamicJointState on ``/flexdyn/channels``; what ROS has no place for stands in ``/flexdyn/meta``. Stamps are times
-    rounded to whole nanoseconds; where they do not give the times back, these stand among the channels as ``t``. So
-    every double comes back bit for bit.
+    and ``/transmission_states`` (effort: tau_s). The lists of a JointState must have the length of its names, so joints
+    with other fields than the first get a separate topic below it, ``/joint_states/position``. All other channels
+    become DynamicJointState on ``/flexdyn/channels``; data without a place in ROS are in ``/flexdyn/meta``. Stamps are
+    times rounded to whole nanoseconds; if they do not determine the times exactly, these are an additional channel
+    ``t``. So every double can be read back bit for bit.
 
     Raises:
         InputError: two samples fall on one nanosecond, or times that ROS cannot hold.

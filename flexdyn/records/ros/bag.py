@@ -1,4 +1,4 @@
-"""Any bag, opened: its topics, and their messages as bytes in the order of recording."""
+"""An open bag: its topics, and their messages as bytes in the order of recording."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class Topic:
     Attributes:
         name: such as ``/joint_states``.
         msgtype: such as ``sensor_msgs/msg/JointState``.
-        connections: rosbags' connections, by number of the storage that holds them.
-        count: messages that the index announces; None if it does not tell.
+        connections: rosbags' connections, by the number of their storage.
+        count: number of messages in the index; None if it is not there.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Bag:
         topics: by name.
         cdr: whether messages are encoded as in ROS 2.
         size: bytes on disk.
-        total: messages in the whole bag.
+        total: number of messages in the whole bag.
     """
 
     storages: Sequence[Any]
@@ -77,7 +77,7 @@ class Bag:
                 yield connection.topic, time, raw if unpack is None else unpack(raw)
 
     def layout(self, topic: Topic, raw: bytes) -> MessageLayout:
-        """The layout of a message; where the bag does not define its type, as the first type that fits."""
+        """The layout of a message; if the bag does not define its type, that of the first type that fits."""
         if topic.name not in self._fields:
             connection = next(iter(topic.connections.values()))[0]
             self._fields[topic.name] = list(stored(connection.msgdef, topic.msgtype, cdr=self.cdr))
@@ -95,7 +95,7 @@ def opened(path: Path) -> Iterator[Bag]:
     """Open a bag: a file by its suffix, or the folder of a ROS 2 bag.
 
     Raises:
-        InputError: it is none, or damaged.
+        InputError: it is no bag, or damaged.
     """
     with ExitStack() as stack:
         files, unpack = _files(path, stack) if path.is_dir() else ([path], None)
@@ -110,12 +110,12 @@ def opened(path: Path) -> Iterator[Bag]:
 
 @contextmanager
 def _library() -> Iterator[None]:
-    """Whatever rosbags stumbles over, as one line."""
+    """Any error of rosbags as one line."""
     try:
-        with damage_named("not a bag, cut, or damaged"):
+        with damage_named("not a bag, truncated, or damaged"):
             yield
     except MemoryError:
-        problem = "cut or damaged: a part of it announces more than fits into memory"
+        problem = "truncated or damaged: a part of it declares more than fits into memory"
         raise InputError(problem, remedy="copy the file again") from None
 
 
@@ -140,7 +140,7 @@ def _storage(path: Path, stack: ExitStack) -> Any:
 
 
 def _check_journal(path: Path) -> None:
-    """Refuse a database whose last messages still stand in its journal: rosbags reads the main file alone."""
+    """Refuse a database whose last messages are still in its journal: rosbags reads only the main file."""
     journal = path.with_name(f"{path.name}-wal")
     if journal.is_file() and journal.stat().st_size:
         remedy = "open it once with sqlite3 and run PRAGMA wal_checkpoint(TRUNCATE) to take them in"
@@ -169,7 +169,7 @@ def _list(bag: Bag, number: int, storage: Any) -> None:
 
 
 def _files(path: Path, stack: ExitStack) -> tuple[list[Path], Callable[[bytes], bytes] | None]:
-    """The files of a ROS 2 bag's folder, in order, and how its messages are unpacked."""
+    """The files of a ROS 2 bag's folder, in order, and the unpacking of its messages."""
     info = read_yaml(path / "metadata.yaml").get("rosbag2_bagfile_information")
     names = info.get("relative_file_paths") if isinstance(info, dict) else None
     if not isinstance(info, dict) or not isinstance(names, list) or not names:
@@ -178,7 +178,7 @@ def _files(path: Path, stack: ExitStack) -> tuple[list[Path], Callable[[bytes], 
     mode = str(info.get("compression_mode") or "none").lower()
     kind = str(info.get("compression_format") or "none").lower()
     if mode not in ("none", "file", "message") or (mode != "none" and kind != "zstd"):
-        problem = "a compression that is not read"
+        problem = "this compression is not supported"
         raise InputError(
             problem, file=path / "metadata.yaml", value=f"{mode} {kind}", remedy="convert it with ros2 bag"
         )
@@ -191,12 +191,12 @@ def _files(path: Path, stack: ExitStack) -> tuple[list[Path], Callable[[bytes], 
                 unpack_file(packed, plain)
             files[index] = plain
     if bad := [file.name for file in files if file.suffix.lower() not in (".mcap", ".db3")]:
-        raise InputError("a storage that is not read", value=bad[0], remedy="known: .mcap, .db3")
+        raise InputError("this storage is not supported", value=bad[0], remedy="known: .mcap, .db3")
     return files, (lambda raw: unpacked(raw, "zstd", MOST_MESSAGE)) if mode == "message" else None
 
 
 def _inside(folder: Path, name: object) -> Path:
-    """A file that the metadata name; the folder part of the name (older bags have one) does not count."""
+    """A file in the metadata; a folder in its name (as in older bags) is ignored."""
     file = folder / PurePath(str(name)).name
     if not file.is_file():
         remedy = "copy the whole folder"

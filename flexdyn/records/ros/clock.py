@@ -1,4 +1,4 @@
-"""Stamps in whole nanoseconds to times in seconds, and back, without a bit lost."""
+"""Convert stamps in whole nanoseconds to times in seconds, and back, exactly."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 NANO = 10**9
 YEAR = 365 * 86400 * NANO
-"""From this stamp on [ns], stamps are times of day, and counted from the first."""
+"""Larger stamps are times of day, and are counted from the first one [ns]."""
 
 _EXACT = 2**53
 _SAFE = 2**51

@@ -1,4 +1,4 @@
-"""From the numbers of a message to named columns, and from those to the channels of a recording."""
+"""Named columns from the numbers of a message, and channels of a recording from these columns."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ _SIGNALS: Mapping[str, tuple[tuple[str, str], ...]] = {
     ),
     DYNAMIC_JOINT_STATE: (("position", "q"), ("velocity", "v"), ("effort", "tau")),
 }
-"""Which columns are which signal; of several for one signal the first that a message has is taken."""
+"""The columns of each signal; the first one that a message has is used."""
 
 
 def columns_of(layout: MessageLayout, msgtype: str) -> dict[str, MessageNumber]:
     """The numbers of a message by the name of their column.
 
     Raises:
-        InputError: a list does not go along with the list of joints, or two columns would have one name.
+        InputError: a list has not the length of the list of joints, or two columns would have one name.
     """
     joints = _list(layout, ("name",)) or _list(layout, ("joint_names",))
     lengths: dict[Path, int] = {}
@@ -76,7 +76,7 @@ def stamp_of(layout: MessageLayout) -> tuple[MessageNumber, MessageNumber] | Non
 
 
 def channels_of(columns: Mapping[str, MessageNumber], msgtype: str) -> dict[str, str]:
-    """The channel that a column is without a map, by column; first the positions of all joints, then the others."""
+    """The channel of each column without a map; first the positions of all joints, then the others."""
     channels: dict[str, str] = {}
     for field, signal in _SIGNALS[msgtype]:
         for name in columns:
@@ -108,12 +108,16 @@ def _plain(number: MessageNumber, joints: list[str], lengths: Mapping[Path, int]
             last = joints[last]
         elif msgtype in CONVENTIONAL and not str(head[0]).startswith("multi_dof"):
             problem = f"{count} numbers for {len(joints)} joints"
-            raise InputError(problem, key=".".join(map(str, head)), remedy="the lists must go along, or be empty")
+            raise InputError(
+                problem,
+                key=".".join(map(str, head)),
+                remedy="lists must have the same length as the names, or be empty",
+            )
     return ".".join(str(part) for part in (*head, last))
 
 
 def _dynamic(layout: MessageLayout, number: MessageNumber) -> str | None:
-    """``temperature.elbow`` for a value of DynamicJointState; the interface alone where the joint has no name."""
+    """``temperature.elbow`` for a value of DynamicJointState; only the interface if the joint has no name."""
     if number.path[0] != "interface_values":
         return None
     _, joint, _, index = number.path

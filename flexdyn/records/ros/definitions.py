@@ -1,4 +1,4 @@
-"""Fields of message types: as the bag defines them, else as ROS does."""
+"""Fields of message types: as defined in the bag, else as in ROS."""
 
 from __future__ import annotations
 
@@ -54,10 +54,10 @@ _CONTROL: dict[str, tuple[str, ...]] = {
 
 
 def stored(definition: MessageDefinition, msgtype: str, *, cdr: bool) -> Iterator[Fields]:
-    """Fields of a message type and all it is made of: one answer if the bag defines it, else all that it may have been.
+    """Fields of a message type and of its parts: one answer if the bag defines it, else all versions that ROS has had.
 
     Args:
-        definition: as the bag holds it, perhaps none.
+        definition: in the bag, if any.
         msgtype: such as ``sensor_msgs/msg/JointState``.
         cdr: whether the bag is one of ROS 2.
 

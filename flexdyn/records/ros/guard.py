@@ -1,6 +1,6 @@
-"""What a bag unpacks to is measured before rosbags unpacks it: rosbags itself sets no bounds.
+"""Check the unpacked size of a bag before rosbags unpacks it: rosbags itself has no limits.
 
-Honest bags come nowhere near these limits; a file of kilobytes that unpacks to gigabytes is stopped here.
+Normal bags are far below these limits; a file of kilobytes that unpacks to gigabytes is refused here.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ else:
     from backports import zstd
 
 MOST_MESSAGE = 16 * 2**20
-"""Bytes of the longest message that is read."""
+"""Largest message that is read [bytes]."""
 
 _LARGEST_CHUNK = 2**30
 _MOST_OPEN = 2**31
@@ -38,10 +38,10 @@ _UNPACK = {
 
 
 def unpacked(data: bytes, compression: str, most: int) -> bytes:
-    """Unpack all frames of compressed data, unless they come to more than `most` bytes.
+    """Unpack all frames of compressed data, up to `most` bytes.
 
     Raises:
-        InputError: they do.
+        InputError: there are more bytes.
     """
     whole = bytearray()
     while data:
@@ -68,7 +68,7 @@ def unpack_file(source: Path, target: Path) -> None:
 
 
 class Chunk(NamedTuple):
-    """A chunk of an MCAP file as its own header tells."""
+    """A chunk of an MCAP file, from its header."""
 
     offset: int
     compression: str
@@ -83,7 +83,7 @@ def check_mcap(path: Path) -> dict[int, Chunk]:
         The chunks by offset.
 
     Raises:
-        InputError: a chunk is too large, or larger than it says.
+        InputError: a chunk is too large, or larger than it declares.
     """
     chunks = {}
     with open(path, "rb") as file:
@@ -117,9 +117,9 @@ def _chunks(file: Any, size: int) -> Iterator[tuple[Chunk, bytes]]:
 
 
 def check_index(index: Iterable[Any], chunks: dict[int, Chunk]) -> None:
-    """Refuse an index (rosbags' ChunkInfo) of other chunks than there are, or of too many at one time.
+    """Refuse an index (rosbags' ChunkInfo) that does not match the chunks, or with too many chunks at one time.
 
-    rosbags holds all chunks unpacked that overlap in time.
+    rosbags keeps all unpacked chunks that overlap in time.
     """
     seen = set()
     events: list[tuple[int, int]] = []
@@ -137,7 +137,7 @@ def check_index(index: Iterable[Any], chunks: dict[int, Chunk]) -> None:
 
 
 class BoundedReader(Reader):  # type: ignore[misc]
-    """rosbags' reader of ROS 1 bags that reads no more index than the file is long, and unpacks within bounds."""
+    """rosbags' reader of ROS 1 bags, with limits for the index and for unpacked data."""
 
     def open(self) -> None:
         """Open the bag and read its index."""
@@ -147,7 +147,7 @@ class BoundedReader(Reader):  # type: ignore[misc]
         super().open()
 
     def read_index_data(self, pos: int, indexes: dict[int, list[Any]]) -> None:
-        """Read one part of the index; parts that overlap come to more than the file in the end."""
+        """Read one part of the index; overlapping parts are together longer than the file."""
         begin = self.bio.tell()
         super().read_index_data(pos, indexes)
         self.index_left -= self.bio.tell() - begin
@@ -164,7 +164,7 @@ class BoundedReader(Reader):  # type: ignore[misc]
             plain = unpacked(data, kind, most) if kind in _UNPACK else data
             self.plain_left -= len(plain)
             if self.plain_left < 0:
-                raise InputError("chunks are unpacked again and again", remedy="sort the bag by time first")
+                raise InputError("the same chunks would be unpacked many times", remedy="sort the bag by time first")
             return plain
 
         return chunk._replace(decompressor=bounded)

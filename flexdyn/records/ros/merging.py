@@ -1,4 +1,4 @@
-"""Topics of different times put on those of one of them, and a sentence on how."""
+"""Convert topics with different times to the times of one of them, with a sentence that says how."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flexdyn.records.signals.gaps import in_gaps
 from flexdyn.records.table import FloatArray
 
 MERGES = ("linear", "hold")
-"""``linear``: on the straight line between two messages; ``hold``: as the last message said."""
+"""``linear``: interpolation between two messages; ``hold``: the value of the last message."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Merged:
     Attributes:
         stamps: of the samples (samples,) [ns].
         columns: by name.
-        said: how topics were aligned, a sentence each; none where their times are the same.
+        said: how topics were aligned, one sentence for each; empty if their times are the same.
     """
 
     stamps: Integers
@@ -38,9 +38,8 @@ class Merged:
 def merged(every: Sequence[Series], request: Request) -> Merged:
     """The columns of all topics at the times of one.
 
-    That one is the topic which ``source.topic`` names, else the only topic of joint states among them, else the one
-    with the most messages. Samples at which another topic is silent, before its first message, after its last or in
-    a gap, are left out.
+    That topic is ``source.topic``, else the only topic of joint states, else the one with the most messages. Samples at
+    which another topic has no data (before its first message, after its last one, or in a gap) are left out.
 
     Raises:
         InputError: topics without common times, or stamps of a topic that do not increase.
@@ -80,7 +79,7 @@ def _base(every: Sequence[Series], request: Request) -> Series:
 
 
 def _put(series: Series, values: FloatArray, stamps: Integers, zero: int, merge: str) -> FloatArray:
-    """A column at other stamps, all within its own."""
+    """A column at other stamps, which are within the range of its own."""
     if merge == "hold":
         return np.asarray(values[np.searchsorted(series.stamps, stamps, "right") - 1])
     return np.interp(seconds(stamps, zero), seconds(series.stamps, zero), values)
@@ -98,7 +97,7 @@ def _sentence(series: Series, base: Series, stamps: Integers, merge: str) -> str
 
 
 def _nearest(own: Integers, stamps: Integers) -> Integers:
-    """How far the nearest of its own stamps is [ns]."""
+    """Distance to the nearest of its own stamps [ns]."""
     right = np.clip(np.searchsorted(own, stamps), 1, len(own) - 1)
     return np.asarray(np.minimum(np.abs(stamps - own[right - 1]), np.abs(own[right] - stamps)))
 

@@ -1,4 +1,4 @@
-"""Which columns of a topic become which columns of the table: by convention, or those that were asked for."""
+"""The columns of a topic that become columns of the table: by convention, or the requested ones."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ class Pick(Protocol):
     """Chooses among the columns of a message."""
 
     def __call__(self, columns: Mapping[str, MessageNumber], row: int) -> dict[str, MessageNumber] | None:
-        """Numbers by name of the table's column, or None if the message is none of those wanted."""
+        """Numbers by name of the table's column, or None if the message is not needed."""
 
     def check(self) -> None:
-        """Refuse what was asked for and never came; called at the end."""
+        """Refuse requested columns that did not occur; called at the end."""
 
 
 class Conventional:
-    """The channels that a topic makes without a map; every message must have the same."""
+    """The channels of a topic without a map; every message must have the same ones."""
 
     def __init__(self, topic: str, msgtype: str, *, own: bool) -> None:
         self.topic, self.msgtype, self.own = topic, msgtype, own
@@ -47,11 +47,11 @@ class Conventional:
         return {channel: columns[name] for name, channel in channels.items()}
 
     def check(self) -> None:
-        """Nothing was asked for."""
+        """Accept: no column was requested."""
 
 
 class Wanted:
-    """Columns asked for by name; messages that have none of them belong to another publisher and are passed over."""
+    """Columns that are requested by name; messages without any of them belong to another publisher and are skipped."""
 
     def __init__(self, topic: str, names: Mapping[str, str]) -> None:
         self.topic, self.names = topic, names
@@ -59,7 +59,7 @@ class Wanted:
         self.known: dict[str, None] = {}
 
     def __call__(self, columns: Mapping[str, MessageNumber], row: int) -> dict[str, MessageNumber] | None:
-        """Numbers by the name that the table's column shall have."""
+        """Numbers by the name of the table's column."""
         missing = [name for name in self.names if name not in columns]
         if missing and len(self.known) < 1000:
             self.known.update(dict.fromkeys(columns))
@@ -67,7 +67,7 @@ class Wanted:
             return None
         if missing:
             alike = near(missing[0], columns)
-            problem = f"message {row} of {self.topic} has no such column, but others that were asked for"
+            problem = f"message {row} of {self.topic} has no such column, but has other requested ones"
             remedy = f"{alike} if {_TWO_PUBLISHERS}"
             raise InputError(problem, key=missing[0], remedy=remedy, row=row, channel=missing[0])
         self.found.update(self.names)

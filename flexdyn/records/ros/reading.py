@@ -22,14 +22,14 @@ from flexdyn.records.ros.words import listed, near
 from flexdyn.records.table import Rows, Table
 
 META_TOPIC = "/flexdyn/meta"
-"""Topic of what ROS has no place for: order of channels, zero of time, meta; one text."""
+"""Topic for data without a place in ROS: order of channels, zero of time, meta; one text."""
 
 _STRING = "std_msgs/msg/String"
 _CLOCKS = ("message", "bag")
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read the topics asked for; see the package's docstring."""
+    """Read the requested topics; see the package's docstring."""
     if request.layout.clock not in _CLOCKS:
         remedy = near(request.layout.clock, _CLOCKS)
         raise InputError("no such clock", key="source.clock", value=request.layout.clock, remedy=remedy)
@@ -61,7 +61,7 @@ def read(path: Path, request: Request) -> Table:
 
 
 def _own(bag: Bag, request: Request) -> dict[str, Any] | None:
-    """What flexdyn wrote about its bag; None for a bag of others, or if raw columns are asked for."""
+    """The text of flexdyn about its own bag; None for other bags, or if raw columns are requested."""
     topic = bag.topics.get(META_TOPIC)
     raw = request.layout.topic or any(str(name).startswith("/") for name in request.columns or ())
     if topic is None or topic.msgtype != _STRING or raw:
@@ -76,7 +76,7 @@ def _own(bag: Bag, request: Request) -> dict[str, Any] | None:
 
 
 def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tuple[Topic, Pick]]:
-    """The topics to read, and what of each."""
+    """The topics to read, and the columns of each."""
     if own or request.columns is None:
         names = [name for name in bag.topics if is_own(name)] if own else [_topic(bag, request)]
         if not names:
@@ -106,7 +106,7 @@ def _split(column: str) -> tuple[str, str]:
 
 
 def _topic(bag: Bag, request: Request) -> str:
-    """The topic that is named, or the only one that can be meant."""
+    """The named topic, or the only possible one."""
     if request.layout.topic is not None:
         return _known(bag, request.layout.topic)
     filled = [topic for topic in bag.topics.values() if topic.count != 0]
@@ -127,7 +127,7 @@ def _topic(bag: Bag, request: Request) -> str:
 
 
 def _together(first: str, second: str) -> str:
-    """A map of two topics of joint states, the second one that of motors (ROS has no message of currents)."""
+    """A map of two topics of joint states, the second one for motors (ROS has no message of currents)."""
     if re.search("cur|mot|eff|torq|tau", first) and not re.search("cur|mot|eff|torq|tau", second):
         first, second = second, first
     channels = f"{{q.JOINT: {first}.position.JOINT, tau.JOINT: {second}.effort.JOINT}}"
@@ -167,7 +167,7 @@ def _collect(bag: Bag, every: Sequence[Series], request: Request) -> None:
         announced = bag.topics[series.topic].count
         if announced is not None and series.seen != announced:
             problem = f"{series.seen} messages where the index announces {announced}"
-            raise InputError(problem, key=series.topic, remedy="the bag is cut or damaged; reindex or recover it")
+            raise InputError(problem, key=series.topic, remedy="the bag is truncated or damaged; reindex or recover it")
 
 
 def _zero(stamps: Integers) -> int:
@@ -177,13 +177,13 @@ def _zero(stamps: Integers) -> int:
 
 
 def _notes(table: Table, series: Series) -> list[str]:
-    """Leave out what was never measured, and say what was assumed."""
+    """Leave out columns that were never measured, and note the assumptions."""
     notes = []
     for name in [name for name, values in table.columns.items() if np.isnan(values).all() and len(values)]:
         del table.columns[name]
         notes.append(f"{name} of {series.topic} is NaN in every message and was left out")
     if any(name.startswith("tau.") for name in table.columns):
         notes.append(
-            f"effort of {series.topic} was taken as tau, the torque asked for; map it to tau_s if it is measured"
+            f"effort of {series.topic} was taken as tau, the commanded torque; map it to tau_s if it is measured"
         )
     return notes

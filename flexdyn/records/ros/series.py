@@ -28,10 +28,10 @@ class Series:
     Args:
         topic: name, for messages.
         msgtype: of its messages.
-        describe: gives the layout of a message.
+        describe: function that gives the layout of a message.
         pick: chooses the columns.
-        count: messages that the index announces, at most.
-        size: bytes of the bag on disk, for the check that it can hold so much.
+        count: number of messages in the index, an upper bound.
+        size: bytes of the bag on disk, for the check of the declared size.
         clock: ``message`` or ``bag``.
     """
 
@@ -56,7 +56,7 @@ class Series:
         self._bytes = 0
 
     def add(self, time: int, raw: bytes) -> bool:
-        """Take one message; true if a block was worked off."""
+        """Take one message; True if a block was processed."""
         self._times.append(time)
         self._raws.append(raw)
         self._bytes += len(raw)
@@ -66,7 +66,7 @@ class Series:
         return True
 
     def flush(self) -> None:
-        """Work off what was collected."""
+        """Process the collected messages."""
         raws, times = self._raws, self._times
         self._raws, self._times, self._bytes = [], [], 0
         if not raws:
@@ -95,7 +95,7 @@ class Series:
         self.seen += len(raws)
 
     def finish(self) -> None:
-        """Work off the rest and give back the memory that was not needed."""
+        """Process the rest and release the memory that was not needed."""
         self.flush()
         self.pick.check()
         if self.filled < len(self.stamps):

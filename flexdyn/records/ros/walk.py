@@ -1,8 +1,8 @@
-"""Where the numbers of a message lie in its bytes, worked out from its definition.
+"""The places of the numbers in the bytes of a message, from its definition.
 
-rosbags deserialises one message at a time into Python objects. Messages of one topic mostly differ in their numbers
-only; so one is walked through, and all that have the same texts and lengths are then read with NumPy. Unlike rosbags'
-own deserialiser this generates no code from definitions, which come from the file.
+rosbags deserialises one message at a time into Python objects. Messages of one topic usually differ only in their
+numbers. So one message is analysed, and all messages with the same texts and lengths are then read with NumPy. Unlike
+rosbags' own deserialiser, this one generates no code from definitions, which come from the file.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class MessageNumber:
 
 @dataclass(frozen=True, eq=False)
 class MessageLayout:
-    """What a message and all like it hold: numbers in order, texts by path, and the bytes that make them alike."""
+    """The content of a message and of similar ones: numbers in order, texts by path, and the equal bytes."""
 
     numbers: tuple[MessageNumber, ...]
     texts: Mapping[Path, str]
@@ -59,7 +59,7 @@ class MessageLayout:
     template: Bytes
 
     def matches(self, block: Bytes) -> npt.NDArray[np.bool_]:
-        """Which messages of a block, of the same length all, have this layout."""
+        """Whether each message of a block, all of the same length, has this layout."""
         same: npt.NDArray[np.bool_] = (block[:, self.fixed] == self.template).all(axis=1)
         return same
 
@@ -68,7 +68,7 @@ def lay_out(raw: bytes, msgtype: str, fields: Fields, *, cdr: bool) -> MessageLa
     """The layout of one message.
 
     Args:
-        raw: the message as it stands in the bag.
+        raw: bytes of the message in the bag.
         msgtype: such as ``sensor_msgs/msg/JointState``.
         fields: fields by message type, as rosbags parses them.
         cdr: ROS 2's encoding (aligned, either byte order), not ROS 1's (packed).
@@ -100,7 +100,7 @@ class _Walk:
         self.steps = 0
 
     def message(self, msgtype: str, path: Path, depth: int) -> None:
-        """Walk through the fields of a message."""
+        """Process the fields of a message."""
         if msgtype not in self.fields or depth > _MOST_DEPTH:
             problem = "nests too deep" if msgtype in self.fields else "is not defined in the bag"
             raise InputError(f"the message type {problem}", value=msgtype)
@@ -135,9 +135,9 @@ class _Walk:
             self._numbers(kind, path, None)
 
     def _numbers(self, kind: str, path: Path, count: int | None) -> None:
-        """One number (no count), or several side by side; lists of bytes are no columns (pictures, blobs)."""
+        """One number (no count), or several; lists of bytes are no columns (pictures, blobs)."""
         if kind not in _TYPES:
-            raise InputError("a type of field that is not read", key=".".join(map(str, path)), value=kind)
+            raise InputError("this type of field is not supported", key=".".join(map(str, path)), value=kind)
         size = np.dtype(_TYPES[kind]).itemsize
         code = _TYPES[kind] if size == 1 else self.order + _TYPES[kind]
         if count == 0:

@@ -1,4 +1,4 @@
-"""Names from a file as lines of text show them: they may be long, many, or made to fill a terminal."""
+"""Names from a file in messages: they may be long, many, or contain control characters."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Iterable
 from flexdyn.errors import InputError, did_you_mean
 
 LONGEST_ROS_NAME = 300
-"""Characters of the longest name of a topic, type or column."""
+"""Largest number of characters in the name of a topic, type or column."""
 
 _SHOWN = 60
 _LISTED = 8
 
 
 def check_word(name: str, what: str) -> None:
-    """Refuse a name that does not print or is far too long.
+    """Refuse a name that cannot be printed or is far too long.
 
     Raises:
-        InputError: it is one.
+        InputError: the name is refused.
     """
     if not name.isprintable() or len(name) > LONGEST_ROS_NAME:
         problem = f"the name of a {what} does not print, or is longer than {LONGEST_ROS_NAME} characters"
@@ -31,7 +31,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def near(word: str, known: Iterable[str]) -> str:
-    """The near miss, if there is one, else the first of what there is."""
+    """The most similar name, if there is one, else the first of the existing names."""
     every = list(known)
     found = did_you_mean(word, every)
     return found if found.startswith("did") else f"known: {listed(every)}"

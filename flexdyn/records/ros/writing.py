@@ -43,7 +43,7 @@ _BAG_BLOCK = 4096
 
 @dataclass(frozen=True)
 class Group:
-    """Channels that go into one topic: joints with the channels that are their position, velocity and effort."""
+    """Channels of one topic: joints with the channels of their position, velocity and effort."""
 
     topic: str
     msgtype: str
@@ -78,7 +78,7 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
 
 @contextmanager
 def _refusals_as_usual() -> Iterator[None]:
-    """A full disk is an OSError for SQLite too, which holds the messages of a .db3 bag."""
+    """Raise OSError for a full disk with SQLite too, which stores the messages of a .db3 bag."""
     try:
         yield
     except sqlite3.Error as error:

@@ -1,1 +1,1 @@
-"""What is done to the samples of a recording: cut, resampled, smoothed, differentiated, their noise estimated."""
+"""Processing of recordings: trimming, resampling, smoothing, differentiating, estimating noise."""

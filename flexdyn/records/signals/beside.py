@@ -17,22 +17,22 @@ if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 METHODS = ("linear", "hold")
-"""``linear``: on the straight line between two samples; ``hold``: as the last sample said."""
+"""``linear``: interpolation between two samples; ``hold``: the value of the last sample."""
 START = "start_ns"
 """Key of a recording's meta: the time of day of its zero [ns]."""
 
 
 def beside(first: Recording, others: Sequence[Recording], method: str = "linear") -> Recording:
-    """The channels of several recordings as one, at the times of the first.
+    """Combine the channels of several recordings at the times of the first.
 
-    Where two files tell the time of day of their start, that aligns them; else their times are taken to be of one
-    clock, which ``rec.shifted`` corrects beforehand. Times at which another recording has no samples on both sides,
-    or a gap, are left out: nothing is made up there. How each was aligned stands in ``meta["notes"]``.
+    If two files give the time of day of their start, it aligns them; otherwise they are taken to use the same clock,
+    which can be corrected before with ``rec.shifted``. Times at which another recording has a gap, or no samples on
+    both sides, are left out. ``meta["notes"]`` says how each recording was aligned.
 
     Args:
-        first: whose times hold.
+        first: the recording whose times are used.
         others: with other channels.
-        method: between their samples: ``linear``, or ``hold``.
+        method: interpolation of the others: ``linear`` or ``hold``.
 
     Raises:
         InputError: no such method, a channel that two of them have, or no two times in common.
@@ -68,24 +68,24 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
 
 
 def _on_the_clock_of(first: Recording, other: Recording) -> tuple[FloatArray, str]:
-    """Times of a recording on the clock of another, and in words why they are."""
+    """Times of a recording on the clock of another, and the reason in words."""
     began, later = (each.meta.get(START) for each in (first, other))
     if isinstance(began, int) and isinstance(later, int):
         late = (later - began) / 1e9
         return np.asarray(other.t + late), f"by the time of day: it started {late:.6g} s later"
-    return other.t, "both clocks are taken to be one"
+    return other.t, "both clocks are assumed to agree"
 
 
 def _at(times: FloatArray, t: FloatArray, values: FloatArray, method: str) -> FloatArray:
     if method == "linear":
         return np.asarray(np.interp(times, t, values))
-    slack = 1e-3 * float(np.median(np.diff(t)))  # clocks round
+    slack = 1e-3 * float(np.median(np.diff(t)))  # stamps are rounded
     row: npt.NDArray[np.intp] = np.clip(np.searchsorted(t, times + slack, "right") - 1, 0, None)
     return np.asarray(values[row])
 
 
 def _said(first: Recording, other: Recording, t: FloatArray, method: str, clock: str) -> str:
-    """How one was aligned, in a sentence."""
+    """A sentence that says how a recording was aligned."""
     right = np.clip(np.searchsorted(t, first.t), 1, len(t) - 1)
     off = np.minimum(np.abs(first.t - t[right - 1]), np.abs(first.t - t[right]))
     how = "on straight lines between its samples" if method == "linear" else "each sample held to the next"

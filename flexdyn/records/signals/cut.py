@@ -40,15 +40,15 @@ def trimmed(rec: Recording, start: float | None = None, end: float | None = None
 
 
 def split(rec: Recording, *, at: Sequence[float] | None = None, gaps: float | None = None) -> tuple[Recording, ...]:
-    """The recording in pieces: before and after given times, or wherever samples are missing.
+    """Split a recording at given times, or wherever samples are missing.
 
     Args:
         rec: the recording.
         at: times [s]; a sample at one of them begins the next piece.
-        gaps: split between samples that are longer apart than this [s].
+        gaps: split between samples with a longer distance than this [s].
 
     Returns:
-        Pieces in order. With `gaps`, lone samples between two gaps are left out.
+        Pieces in order. With `gaps`, single samples between two gaps are left out.
 
     Raises:
         InputError: neither or both of `at` and `gaps`, a piece shorter than two samples, or nothing left.
@@ -70,17 +70,17 @@ def split(rec: Recording, *, at: Sequence[float] | None = None, gaps: float | No
     rows = [0, *(int(end) for end in ends), len(rec)]
     pieces = tuple(_rows(rec, low, high) for low, high in pairwise(rows) if high - low >= 2)
     if not pieces:
-        raise InputError("every sample stands alone", key="gaps", value=gaps, remedy="give a longer gap")
+        raise InputError("every piece would have one sample", key="gaps", value=gaps, remedy="give a longer gap")
     return pieces
 
 
 def shifted(rec: Recording, seconds: float | Mapping[str, float]) -> Recording:
-    """The recording on another clock, or some of its channels moved against the rest.
+    """Shift the times of a recording, or of some of its channels against the others.
 
     Args:
         rec: the recording.
-        seconds: added to every time [s]; or a mapping of channels to what is added to theirs. Then the channel is
-            interpolated (held where it is a torque asked for) onto the times that all channels still cover.
+        seconds: offset of every time [s]; or a mapping from channels to their offsets. Then the channel is
+            interpolated (a commanded torque is held) at the times that all channels still cover.
 
     Raises:
         InputError: not finite, an unknown channel, or nothing left in common.

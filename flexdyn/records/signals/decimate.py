@@ -1,4 +1,4 @@
-"""A recording at a lower rate, behind a filter that lets nothing fold down."""
+"""A recording at a lower rate, after an anti-aliasing filter."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
 HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that are held from each sample to the next (contract, section 4)."""
 FILTER_REACH = 20
-"""Samples kept that the filter reaches to either side."""
+"""Reach of the filter to either side, in samples of the new rate."""
 CLOCK_JITTER = 0.02
-"""Share of a sample by which stamps may stray from a uniform clock."""
+"""Share of a sample by which stamps may differ from a uniform clock [1]."""
 
 
 def decimated(rec: Recording, factor: int) -> Recording:
-    """One sample of so many, of filtered signals.
+    """Keep one of every `factor` samples, after filtering.
 
-    What is sampled goes through a symmetric FIR filter (`scipy.signal.firwin`, Hamming window, half amplitude at half
-    of the new rate, as of `scipy.signal.decimate` and twice as steep): it moves nothing in time, and takes what would
-    fold down. What is held takes its mean over the samples that become one, which keeps its impulse. Samples at
-    either end that the filter does not cover are dropped, 20 of the new ones.
+    Sampled signals pass a symmetric FIR filter (`scipy.signal.firwin`, Hamming window, half amplitude at half of the
+    new rate, as in `scipy.signal.decimate` but twice as steep). It causes no delay and prevents aliasing. Held signals
+    are averaged over the samples that become one, which keeps their impulse. At either end 20 of the new samples, which
+    the filter does not cover, are dropped.
 
     Args:
         rec: the recording, of a uniform clock.
-        factor: samples that become one, 1 or more.
+        factor: number of samples that become one, 1 or more.
 
     Raises:
         InputError: no such factor, gaps, a clock that is not uniform, or too few samples.
@@ -60,7 +60,7 @@ def _filtered(values: FloatArray, kept: npt.NDArray[np.intp], factor: int) -> Fl
     from scipy.signal import firwin, resample_poly
 
     taps = firwin(2 * FILTER_REACH * factor + 1, 1.0 / factor, window="hamming")
-    level = values[0]  # taken off, so that small motions far from zero keep their digits
+    level = values[0]  # subtracted, so that small motions far from zero keep their digits
     low = resample_poly(values - level, 1, factor, window=taps, padtype="line")
     return np.asarray(low[kept // factor] + level)
 

@@ -1,4 +1,4 @@
-"""Recordings smoothed and differentiated, with what noise is left in every term."""
+"""Smoothed and differentiated recordings, with the remaining noise of every term."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class Derivatives(Locked):
     """One recording seen through one filter: every term of an equation of motion smoothed alike.
 
     Attributes:
-        recording: what was filtered.
+        recording: that is filtered.
         smoother: the filter.
-        noise: of the channels asked for, as found in their samples.
+        noise: of the requested channels, estimated from their samples.
 
     Example:
         >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
@@ -51,7 +51,7 @@ class Derivatives(Locked):
         return self.recording.t[self.smoother.valid]
 
     def value(self, channel: str) -> FloatArray:
-        """The channel smoothed; tau and tau_applied as what is held from each sample to the next."""
+        """The smoothed channel; tau and tau_applied are taken as held from each sample to the next."""
         held = _signal(channel) in HELD
         return self.smoother.held(self.recording[channel]) if held else self.smoother.value(self.recording[channel])
 
@@ -64,14 +64,14 @@ class Derivatives(Locked):
         return self.smoother.second(self.recording[channel])
 
     def std(self, channel: str, order: str = "value") -> float:
-        """Standard deviation of the noise left in an output, its colour in the samples accounted for.
+        """Standard deviation of the remaining noise of an output, including correlations of the samples.
 
         Args:
             channel: one of those in `noise`.
             order: ``"value"``, ``"first"`` or ``"second"``.
         """
         if channel not in self.noise:
-            raise InputError("the noise of the channel was not asked for", key=channel, remedy="name it in channels=")
+            raise InputError("the noise of the channel was not requested", key=channel, remedy="name it in channels=")
         held = order == "value" and _signal(channel) in HELD
         return self.smoother.noise_std("held" if held else order, self.noise[channel].autocovariance)
 
@@ -83,19 +83,20 @@ def derivatives(
     cutoff: float | None = None,
     smoother: Smoother | None = None,
 ) -> Derivatives:
-    """Smooth a recording for its derivatives, all channels with one filter, and say how much noise is left.
+    """Smooth a recording for its derivatives, all channels with one filter, and give the remaining noise.
 
-    The width is given by `smoother` or by `cutoff`; else it is the narrowest of those that make the second derivative
-    of each of the positions best (`best_smoother`): noise that is left is known and propagated, bias is not.
+    The width is given by `smoother` or by `cutoff`. By default, the best width for the second derivative of each
+    position is found (`best_smoother`), and the narrowest of these is used: the remaining noise is known and
+    propagated, bias is not.
 
     Args:
         rec: samples at a uniform rate.
-        channels: those whose noise is wanted; the positions if left out.
-        cutoff: where the filter's response is to be 1/sqrt(2) [Hz].
+        channels: whose noise is estimated; default: the positions.
+        cutoff: frequency at which the filter's response is 1/sqrt(2) [Hz].
         smoother: or the filter itself.
 
     Raises:
-        InputError: time that is not uniform, no such channel, no position to choose by, or two ways to set the width.
+        InputError: time that is not uniform, no such channel, no position that moves, or both `cutoff` and `smoother`.
 
     Example:
         >>> run = fd.simulate(fd.load_model("scara_two_link"), duration=0.5, v0=[1.0, -2.0])
@@ -113,7 +114,7 @@ def derivatives(
     if smoother is None:
         moving = [channel for channel in positions if np.ptp(rec[channel]) > 0]
         if not moving:
-            raise InputError("no position moves that a width could be chosen by", key="cutoff", remedy="give one [Hz]")
+            raise InputError("no position moves, so no width can be chosen", key="cutoff", remedy="give one [Hz]")
         found = {channel: noise[channel] if channel in noise else noise_of(rec, channel) for channel in moving}
         choices = [best_smoother(rec[channel], rate, found[channel]) for channel in moving]
         smoother = min(choices, key=lambda choice: choice.width)
@@ -122,7 +123,7 @@ def derivatives(
 
 
 def smoothed(rec: Recording, smoother: Smoother) -> Recording:
-    """Every channel through one filter, at the times at which it fits; torques as what is held between samples.
+    """Smooth every channel with one filter, at the times that it covers; torques are taken as held between samples.
 
     Args:
         rec: samples at a uniform rate.
@@ -137,7 +138,7 @@ def smoothed(rec: Recording, smoother: Smoother) -> Recording:
 
 
 def noise_of(rec: Recording, channel: str) -> Noise:
-    """The noise of one channel, estimated from its samples; a torque asked for that repeats itself is exact."""
+    """The noise of one channel, estimated from its samples; a commanded torque with repeated values is exact."""
     try:
         return estimate_noise(rec.t, rec[channel], unit=rec.unit(channel), held=_signal(channel) in HELD)
     except InputError as error:
@@ -145,10 +146,10 @@ def noise_of(rec: Recording, channel: str) -> Noise:
 
 
 def uniform_rate(rec: Recording) -> float:
-    """The rate of a recording whose samples stand on a grid, within a fiftieth of its period [Hz].
+    """The rate of a recording whose samples are on a uniform grid, within a fiftieth of its period [Hz].
 
     Raises:
-        InputError: they do not; row and remedy.
+        InputError: they are not; the message gives row and remedy.
     """
     rate = rec.rate
     off = np.abs((rec.t - rec.t[0]) * rate - np.arange(len(rec)))

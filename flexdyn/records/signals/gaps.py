@@ -1,4 +1,4 @@
-"""Gaps in a recording: times at which nothing was recorded, and across which nothing is made up."""
+"""Gaps in a recording: times without samples, across which nothing is interpolated."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 GAP_PERIODS = 10.0
-"""Median periods from which the time between two samples is a gap."""
+"""The time between two samples is a gap if it is longer than so many median periods [1]."""
 SHORTEST_PIECE = 1.0
-"""Pieces between gaps that are shorter tell too little of a motion to be diagnosed [s]."""
+"""Shortest piece between gaps that is used in a diagnosis [s]."""
 GAPS_LISTED = 3
 
 
-@np.errstate(over="ignore", invalid="ignore")  # times near the greatest double
+@np.errstate(over="ignore", invalid="ignore")  # times near the largest double
 def gap_limit(t: FloatArray) -> float:
     """Longest time between two samples that is no gap [s]."""
     return GAP_PERIODS * float(np.median(np.diff(t)))
@@ -30,7 +30,7 @@ def gap_limit(t: FloatArray) -> float:
 
 @np.errstate(over="ignore", invalid="ignore")
 def gap_rows(t: FloatArray) -> npt.NDArray[np.intp]:
-    """Samples after which a gap follows; none where times do not increase."""
+    """Indices of samples that are followed by a gap; none if times do not increase."""
     if len(t) < 3 or not np.isfinite(t).all():
         return np.zeros(0, np.intp)
     steps = np.diff(t)
@@ -43,7 +43,7 @@ def gaps_of(t: FloatArray) -> tuple[tuple[float, float], ...]:
 
 
 def told(t: FloatArray) -> str:
-    """What is said of gaps when a file is read; empty where there are none."""
+    """The text about gaps when a file is read; empty if there are none."""
     found = gaps_of(t)
     if not found:
         return ""
@@ -54,7 +54,7 @@ def told(t: FloatArray) -> str:
 
 
 def in_gaps(t: FloatArray, times: FloatArray) -> npt.NDArray[np.bool_]:
-    """Which times lie inside a gap of `t`, its ends not included."""
+    """Whether each time is inside a gap of `t`, without its ends."""
     rows = gap_rows(t)
     if not len(rows):
         return np.zeros(len(times), bool)
@@ -64,10 +64,10 @@ def in_gaps(t: FloatArray, times: FloatArray) -> npt.NDArray[np.bool_]:
 
 
 def apart_at_gaps(recordings: Iterable[Recording]) -> tuple[Recording, ...]:
-    """The pieces between gaps, as recordings of their own; what has no gap is handed on as it is.
+    """The pieces between gaps as separate recordings; a recording without gaps is returned as it is.
 
     Warns:
-        RecordingWarning: a piece is too short and left out.
+        RecordingWarning: a piece is too short and is left out.
     """
     found: list[Recording] = []
     for rec in recordings:

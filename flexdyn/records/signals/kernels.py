@@ -1,4 +1,4 @@
-"""Weights of the smoothing filters: local polynomials under a taper, and exact differences of them."""
+"""Weights of the smoothing filters: local polynomials with a taper, and exact differences of them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.records.table import FloatArray
 
 DIFFERENCE_REACH = 4
-"""Samples on each side that the differences need beyond the polynomial's own."""
+"""Additional samples on each side that the differences need."""
 
 _SQUARED = np.array([1.0, -2.0, 1.0])
 _CENTRAL = np.array([-0.5, 0.0, 0.5])
@@ -27,7 +27,7 @@ class Kernels:
         value: smooths; sums to 1 exactly.
         first: smoothed first derivative; antisymmetric, sums to 0 exactly.
         second: smoothed second derivative; symmetric, sums to 0 exactly.
-        held: smooths what is held from each sample to the next; sums to 1 exactly.
+        held: smooths a signal that is held from each sample to the next; sums to 1 exactly.
     """
 
     value: FloatArray
@@ -40,16 +40,16 @@ class Kernels:
 def kernels(half: int, degree: int, taper: int) -> Kernels:
     """The four kernels of one smoother.
 
-    The value is that of the polynomial of `degree` fitted at the centre under the weights (1 - (j/(half + 1))^2)^taper.
-    Derivatives are differences of it, exact on polynomials up to degree 8 (Fornberg 1988): with d the central
+    The value is that of the polynomial of `degree`, fitted with the weights (1 - (j/(half + 1))^2)^taper, at the
+    centre. Derivatives are differences of it, exact on polynomials up to degree 8 (Fornberg 1988): with d the central
     difference and m the mean of two neighbours,
 
         first  = m d (1 - d^2/6 + d^4/30 - d^6/140) value
         second = d^2 (1 - d^2/12 + d^4/90 - d^6/560) value
         held   = (x_k + x_(k-1))/2 (1 - d^2/12 + d^4/90 - d^6/560) value
 
-    so that one frequency response H multiplies every term: H, i w H, -w^2 H. What obeys x'' = u with u held between
-    samples has x_(k+1) - 2 x_k + x_(k-1) = (u_k + u_(k-1))/2 exactly, hence second(x) = held(u) without error.
+    so that one frequency response H multiplies every term: H, i w H, -w^2 H. If x'' = u with u held between samples,
+    then x_(k+1) - 2 x_k + x_(k-1) = (u_k + u_(k-1))/2 exactly, and therefore second(x) = held(u) without error.
 
     Args:
         half: samples on each side of the fit.
@@ -92,7 +92,7 @@ def _series(terms: tuple[float, ...]) -> FloatArray:
 
 
 def _symmetric(kernel: FloatArray, total: float) -> FloatArray:
-    """The kernel rounded to a grid on which sums are exact, its centre set so that it sums to `total` exactly."""
+    """The kernel, rounded to a grid with exact sums; its centre is chosen so that the sum is exactly `total`."""
     half = len(kernel) // 2
     side = _rounded(kernel[:half], kernel)
     return np.concatenate([side, [total - 2 * side.sum()], side[::-1]])
@@ -105,7 +105,7 @@ def _summing_to_one(kernel: FloatArray) -> FloatArray:
 
 
 def _rounded(part: FloatArray, kernel: FloatArray) -> FloatArray:
-    """Multiples of one power of two, coarse enough that no sum over the kernel needs rounding."""
+    """Multiples of a power of two that is so large that no sum over the kernel needs rounding."""
     grid = 2.0 ** (math.frexp(float(np.abs(kernel).sum()))[1] - 52)
     return np.asarray(np.round(part / grid) * grid)
 

@@ -1,4 +1,4 @@
-"""How noisy a channel is, estimated from its samples alone while the arm moves."""
+"""The noise of a channel, estimated from its samples alone while the arm moves."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexdyn.records.signals.quantisation import held_for, quantisation_step
 from flexdyn.records.table import FloatArray
 
 FEWEST = 64
-"""Samples that an estimate needs."""
+"""Smallest number of samples for an estimate."""
 
 _ORDERS = (4, 8)
 _WHITE = 0.85
@@ -27,14 +27,15 @@ class Noise:
     """Noise of one channel.
 
     Attributes:
-        std: standard deviation of one sample [unit]; quantisation included; 0 where the channel is exact.
+        std: standard deviation of one sample [unit], quantisation included; 0 if the channel is exact.
         unit: of the channel.
-        step: quantisation step [unit]; None where the values stand on no grid.
-        hold: samples that every value is held for; 1 where each is new.
-        flatness: of the spectrum, geometric over arithmetic mean: 1 is white; None where too little was clean to tell.
+        step: quantisation step [unit]; None if the values are on no grid.
+        hold: number of samples for which every value is held; 1 if each is new.
+        flatness: of the spectrum, geometric over arithmetic mean: 1 is white; None if too few segments are free of
+            kinks.
         autocorrelation: at lags 0, 1, ... 8 (times `hold`) samples.
-        seen_above: frequency above which the noise stands clear of the motion [Hz]; what lies below is
-            taken to continue it.
+        seen_above: frequency above which the noise is larger than the motion [Hz]; below it, the spectrum is
+            extrapolated.
 
     Example:
         >>> t = np.arange(4000) / 1000
@@ -53,48 +54,49 @@ class Noise:
 
     @property
     def exact(self) -> bool:
-        """Whether there is no noise: commanded, constant, or computed."""
+        """Whether there is no noise, as in a commanded, constant or computed channel."""
         return self.std == 0.0
 
     @property
     def white(self) -> bool:
-        """Whether samples err independently, as far as can be told: flatness from 0.85, no correlation over 0.2."""
+        """Whether errors of the samples seem independent: flatness of at least 0.85, no correlation above 0.2."""
         correlated = max((abs(value) for value in self.autocorrelation[1:]), default=0.0)
         return self.flatness is None or (self.flatness >= _WHITE and correlated <= _CORRELATED)
 
     @property
     def autocovariance(self) -> tuple[float, ...]:
-        """[unit^2] at lags 0, 1, ...; what `Smoother.noise_std` propagates."""
+        """Autocovariance [unit^2] at lags 0, 1, ..., the input of `Smoother.noise_std`."""
         return tuple(self.std**2 * value for value in self.autocorrelation)
 
 
 def estimate_noise(t: npt.ArrayLike, x: npt.ArrayLike, *, unit: str = "", held: bool = False) -> Noise:
     """Estimate the noise of one channel from its own samples.
 
-    Contrasts of order 4 (8, where motion is fast for the sample rate) remove the motion, kinks at reversals are
-    clipped, and the spectrum of the rest, divided by that of the contrasts, is the noise's; below the frequency at
-    which motion takes over (it climbs by 14 dB within an octave) it is continued as it stands there. Hence
+    Contrasts of order 4 (of order 8 if the motion is fast for the sample rate) remove the motion, and kinks at
+    reversals are clipped. The spectrum of the rest, divided by the response of the contrasts, is the spectrum of the
+    noise. Below the frequency at which the motion dominates (the spectrum rises by 14 dB within an octave) it is
+    continued with its value there. Hence
 
         std^2 = mean of the noise power over all frequencies, and not less than step^2/12,
 
-    for an encoder that moves less than a step per sample errs by its whole step though hardly any jump is seen.
+    because an encoder that moves less than a step per sample has errors of a whole step although jumps are rare.
 
-    Limits: noise below the motion's band is not seen (drift, an eccentric encoder); what a controller feeds back from a
-    noisy sensor into a commanded torque looks like noise of that torque; jitter of the clock is seen as noise of what
-    moves. White noise comes out within 10 % from some thousand samples on; kinks of friction that stand out of the
-    noise too little to be clipped, several a second at 250 Hz, raise it by up to a half.
+    Limits: noise below the frequencies of the motion is not seen (drift, an eccentric encoder). If a controller feeds
+    back a noisy sensor, the commanded torque seems to have noise. Jitter of the clock appears as noise of moving
+    channels. The error for white noise is within 10 % from about a thousand samples on. Kinks of friction that are too
+    small to be clipped, several per second at 250 Hz, raise the estimate by up to a half.
 
     Args:
         t: times (samples,) [s], increasing, uniform or with jitter.
         x: samples (samples,) [unit].
-        unit: of x, carried along.
-        held: whether x is a command held from sample to sample: one that repeats, bit for bit, is then exact.
+        unit: of x, copied to the result.
+        held: whether x is a command that is held from sample to sample: if values repeat, bit for bit, it is exact.
 
     Returns:
         The noise.
 
     Raises:
-        InputError: fewer than 64 samples (16 values, where they are held), not finite, time that does not increase.
+        InputError: fewer than 64 samples (16 values, if they are held), not finite, time that does not increase.
 
     Example:
         >>> t = np.arange(4000) / 1000
@@ -110,7 +112,7 @@ def estimate_noise(t: npt.ArrayLike, x: npt.ArrayLike, *, unit: str = "", held: 
         start = int(np.flatnonzero(np.diff(samples))[0] + 1) % hold
         times, samples = times[start::hold], samples[start::hold]
     if len(samples) < 2 * max(_ORDERS):
-        problem = f"{len(samples)} values, each held for {hold} samples, are too few to tell noise"
+        problem = f"{len(samples)} values, each held for {hold} samples, are too few to estimate noise"
         raise InputError(problem, key="x", remedy="give a longer recording")
     step = quantisation_step(samples)
     std, found = _estimated(times, samples, step)
@@ -127,7 +129,7 @@ def estimate_noise(t: npt.ArrayLike, x: npt.ArrayLike, *, unit: str = "", held: 
 
 
 def _estimated(t: FloatArray, x: FloatArray, step: float | None) -> tuple[float, Spectrum | None]:
-    """Standard deviation and spectrum by the lowest order of contrasts that the motion does not survive."""
+    """Standard deviation and spectrum by the lowest order of contrasts that removes the motion."""
     results = []
     for order in _ORDERS:
         values = contrasts(t, x, order)
@@ -147,7 +149,9 @@ def _checked(t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[FloatArray, FloatArray
         problem = f"times {times.shape} and samples {samples.shape} are no two columns of one length"
         raise InputError(problem, key="x", remedy="give one channel")
     if len(times) < FEWEST:
-        raise InputError(f"{len(times)} samples are too few to tell noise", key="x", remedy=f"give {FEWEST} or more")
+        raise InputError(
+            f"{len(times)} samples are too few to estimate noise", key="x", remedy=f"give {FEWEST} or more"
+        )
     for key, values in (("t", times), ("x", samples)):
         if not np.isfinite(values).all():
             row = int(np.argmin(np.isfinite(values)))

@@ -1,4 +1,4 @@
-"""Contrasts that no smooth motion survives, and the spectrum of the noise that is left in them."""
+"""Contrasts that remove any smooth motion, and the spectrum of the noise that is left in them."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _CLIP = 4.0
 GAUSS = 1.4826
 """Standard deviation over median absolute deviation of a Gaussian."""
 _STEEP = 25.0
-"""Power over that an octave above, from which on a spectrum is motion's: 14 dB."""
+"""If the power exceeds that an octave above by this factor (14 dB), the spectrum is that of the motion [1]."""
 _TOP = 0.85
-"""Share of the band above which bins are judged together: drives that average two readings have a null at its end."""
+"""Bins above this share of the band are combined: drives that average two readings have a zero at its end [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ class Spectrum:
 
     Attributes:
         power: mean square per bin of k/(2 (len - 1)) cycles per sample; their mean (ends by half) is the variance.
-        seen: first bin in which the noise stands clear of the motion; those below continue it.
+        seen: first bin in which the noise is larger than the motion; bins below are extrapolated.
     """
 
     power: FloatArray
@@ -37,18 +37,18 @@ class Spectrum:
 
     @property
     def flatness(self) -> float:
-        """Geometric over arithmetic mean of what was seen: 1 for white noise, less for coloured."""
+        """Geometric over arithmetic mean of the seen bins: 1 for white noise, less for coloured noise."""
         power = self.power[self.seen :]
         return float(np.exp(np.mean(np.log(power))) / np.mean(power))
 
     @property
     def autocovariance(self) -> FloatArray:
-        """At lags 0, 1, ... samples."""
+        """Autocovariance at lags 0, 1, ... samples."""
         return np.asarray(np.fft.irfft(self.power)[: len(self.power)])
 
 
 def contrasts(t: FloatArray, x: FloatArray, order: int) -> FloatArray:
-    """Weighted sums of order + 1 neighbours that vanish on every polynomial below that order, whatever the times.
+    """Weighted sums of order + 1 neighbours that are zero for every polynomial below that order, at any times.
 
     Divided differences, c_i = 1/prod_(j != i) (t_i - t_j), scaled to unit length (Czesla et al. 2018): white noise
     keeps its standard deviation in them. On uniform times they are the differences of that order over sqrt(C(2p, p)).
@@ -75,14 +75,14 @@ def contrasts(t: FloatArray, x: FloatArray, order: int) -> FloatArray:
 
 
 def clipped(values: FloatArray, moves: Mask) -> tuple[float, Mask]:
-    """Standard deviation of the bulk, and which values belong to it.
+    """Standard deviation of the bulk, and a mask of the values that belong to it.
 
-    Kinks of the motion (reversals, breakaway, shocks) and spikes stand out of the bulk by more than 4 of its standard
-    deviations; they and two neighbours on either side are left out, until that changes nothing.
+    Kinks of the motion (reversals, breakaway, shocks) and spikes differ from the bulk by more than 4 of its standard
+    deviations. They and two neighbours on either side are left out, repeatedly until nothing changes.
 
     Args:
         values: contrasts.
-        moves: those in which the channel changes at all.
+        moves: mask of the contrasts in which the channel changes.
 
     Returns:
         Standard deviation and mask.
@@ -103,12 +103,12 @@ def clipped(values: FloatArray, moves: Mask) -> tuple[float, Mask]:
 def spectrum(values: FloatArray, good: Mask, order: int) -> Spectrum | None:
     """Noise spectrum from the contrasts of that order, over segments in which nothing was left out.
 
-    Windows keep leakage 92 dB down; the mean power of the segments (Welch
-    1967) is divided by what white noise gives, near |2 sin(w/2)|^(2 p)/C(2p, p).
+    Windows suppress leakage by 92 dB; the mean power of the segments (Welch
+    1967) is divided by the result for white noise, near |2 sin(w/2)|^(2 p)/C(2p, p).
 
     Args:
         values: contrasts of uniform (or nearly uniform) samples.
-        good: mask of those to take.
+        good: mask of the contrasts to use.
         order: p.
 
     Returns:
@@ -127,9 +127,9 @@ def spectrum(values: FloatArray, good: Mask, order: int) -> Spectrum | None:
 
 
 def window_of(length: int) -> FloatArray:
-    """The four-term window of Blackman and Harris (1978), whose side lobes lie 92 dB down.
+    """The four-term window of Blackman and Harris (1978), with side lobes at -92 dB.
 
-    SciPy's own stands at the ends of the samples; every second value of one twice as long stands in their middles.
+    SciPy's window is sampled at the ends of the intervals; every second value of one twice as long is at their middles.
     """
     from scipy.signal.windows import blackmanharris  # here, as `import flexdyn` loads no scipy
 
@@ -137,10 +137,10 @@ def window_of(length: int) -> FloatArray:
 
 
 def _of_white_noise(window: FloatArray, order: int) -> FloatArray:
-    """What white noise of variance 1 gives in each bin: the window's autocorrelation times the contrasts', transformed.
+    """White noise of variance 1 in each bin: the transform of the autocorrelations of window times contrasts.
 
-    The contrasts' is (-1)^l C(2p, p + l)/C(2p, p). Dividing by the bare response at the bin instead would forget that
-    the window smears it, which is worth 7 % at order 4.
+    The autocorrelation of the contrasts is (-1)^l C(2p, p + l)/C(2p, p). Dividing by the response at the bin alone
+    would neglect the width of the window, an error of 7 % at order 4.
     """
     length = len(window)
     both = np.correlate(window, window, "full")[length - 1 :]
@@ -152,14 +152,14 @@ def _of_white_noise(window: FloatArray, order: int) -> FloatArray:
 
 
 def _segments(good: Mask, length: int) -> npt.NDArray[np.intp]:
-    """Starts of segments, half overlapping, that are good throughout."""
+    """Starts of half-overlapping segments without masked values."""
     starts = np.arange(0, len(good) - length + 1, length // 2)
     total = np.concatenate([[0], np.cumsum(good)])
     return np.asarray(starts[total[starts + length] - total[starts] == length])
 
 
 def _above_motion(power: FloatArray) -> Spectrum:
-    """The noise alone: from the top down to where the spectrum climbs as motion does, continued from there."""
+    """The noise alone: from the highest frequency down to where the motion dominates, extrapolated below."""
     last = len(power) - 1
     top = int(_TOP * last)
     bins = np.arange(5, top + 1)

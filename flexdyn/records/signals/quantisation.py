@@ -1,4 +1,4 @@
-"""The step of a quantised channel and the number of samples that each of its values is held for."""
+"""The step of a quantised channel, and the number of samples for which each value is held."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from flexdyn.records.table import FloatArray
 
 _FEWEST_LEVELS = 5
 _RMS = 0.06
-"""Largest rms distance of levels from a grid, in steps; no grid at all gives 0.29."""
+"""Largest rms distance of levels from a grid, in steps; without a grid it is 0.29 [1]."""
 
 
 def quantisation_step(x: FloatArray) -> float | None:
-    """The grid spacing that all samples stand on, or None if they stand on none.
+    """The grid spacing of all samples, or None if there is no grid.
 
-    The smallest distance between values that differ (or a small whole fraction of it, where levels were skipped) is
-    refined by least squares over longer and longer spans; it is a step if every level then lies on the grid, within
-    the digits of the file: a resolver of 3.815e-4 rad written with six decimals is found.
+    The smallest distance between different values (or a small integer fraction of it, if levels were skipped) is
+    refined by least squares over longer and longer spans. It is a step if every level is then on the grid, within the
+    digits of the file: a resolver of 3.815e-4 rad, written with six decimals, is found.
 
     Args:
         x: samples.
@@ -51,9 +51,9 @@ def _refined(levels: FloatArray, gaps: FloatArray, step: float) -> float | None:
 
 
 def held_for(x: FloatArray) -> int:
-    """Number of samples that each value is held for: 1, or more where a slower clock made the values.
+    """Number of samples for which each value is held: 1, or more if a slower clock made the values.
 
-    Changes must all lie a multiple of the number apart; the number is 1 where there are fewer than 8 changes.
+    The distances of all changes are multiples of this number; it is 1 if there are fewer than 8 changes.
     """
     changes = np.flatnonzero(np.diff(x) != 0)
     if len(changes) < 8:

@@ -1,4 +1,4 @@
-"""A recording at other times: splines through what is sampled, steps for what is held."""
+"""A recording at other times: splines for sampled signals, steps for held ones."""
 
 from __future__ import annotations
 
@@ -38,25 +38,26 @@ def resampled(
     filtered: bool = False,
     longest_gap: float | None = None,
 ) -> Recording:
-    """The recording on another time base; bit for bit the same wherever a new time is an old one.
+    """The recording at other times; where a new time is an old one, the samples are the same, bit for bit.
 
-    Positions, velocities and tau_s follow `method`; tau and tau_applied keep the value of the last sample at or before
-    the new time (a new time up to a thousandth of a period early counts as that sample's: clocks round); temperature
-    and channels that are no signals are interpolated linearly, so that they never leave the range measured.
+    Positions, velocities and tau_s are interpolated by `method`. tau and tau_applied keep the value of the last sample
+    at or before the new time (a new time that is early by up to a thousandth of a period counts as that of the sample,
+    because stamps are rounded). Temperature and channels that are no signals are interpolated linearly, so that they
+    stay within the measured range.
 
-    As with SciPy's and xarray's interpolation, nothing is filtered unless asked for: at a lower rate what vibrates
-    faster than half of it then folds down. With `filtered`, what is sampled is smoothed first with a cut-off of 0.4
-    times the new rate, and what is held takes its mean from each new time to the next, which keeps its impulse;
-    times at which the filter does not fit are dropped.
+    As with SciPy's and xarray's interpolation, nothing is filtered by default: at a lower rate, vibrations above half
+    of it are aliased. With `filtered`, sampled signals are first smoothed with a cut-off of 0.4 times the new rate, and
+    held signals are averaged from each new time to the next, which keeps their impulse; times that the filter does not
+    cover are dropped.
 
     Args:
         rec: the recording.
-        rate: new rate [Hz]: times t[0] + k/rate as far as the recording goes.
+        rate: new rate [Hz]: times t[0] + k/rate within the recording.
         times: or the new times themselves [s], increasing, within the recording.
         method: ``"spline"`` (cubic, continuous second derivative), ``"hermite"`` (cubic through positions and measured
-            velocities; a spline where the velocity is not measured), or ``"linear"``.
-        filtered: smooth before sampling more slowly.
-        longest_gap: longest time between samples to interpolate over [s]; 10 median periods if left out.
+            velocities; a spline if the velocity is not measured), or ``"linear"``.
+        filtered: whether to smooth before sampling at a lower rate.
+        longest_gap: longest time between samples to interpolate over [s]; default: 10 median periods.
 
     Raises:
         InputError: a longer gap (row and remedy), times outside the recording, or contradictory arguments.
@@ -99,7 +100,7 @@ def _row_held(t: FloatArray, times: FloatArray) -> npt.NDArray[np.intp]:
 
 
 def _filtered(rec: Recording, wanted: FloatArray, method: str) -> Recording:
-    """Smoothed on a uniform grid of the old rate, then taken at the new times; torques averaged."""
+    """Smooth on a uniform grid of the old rate, then sample at the new times; torques are averaged."""
     old, new = 1 / float(np.median(np.diff(rec.t))), 1 / float(np.median(np.diff(wanted)))
     narrow = Smoother(5, old).cutoff
     if _PASSED * new >= narrow:

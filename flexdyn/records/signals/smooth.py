@@ -1,4 +1,4 @@
-"""Smoothing and differentiating samples with one zero-phase filter, alike for every term of an equation."""
+"""Smooth and differentiate samples with one zero-phase filter, the same for every term of an equation."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ _FINE = 4096
 class Smoother:
     """A local polynomial filter on uniform samples: value, first and second derivative with the same low-pass.
 
-    The value at sample k is that of the polynomial of `degree` fitted to the `width` samples around k under the
-    weights (1 - (j/(half + 1))^2)^taper (Savitzky & Golay 1964 for taper 0; the taper lowers the side lobes). The
-    derivatives are differences of that same filter, so that with its frequency response H every term of an equation
-    of motion is multiplied by H alone: value H, first i w H, second -w^2 H. Savitzky and Golay's own derivatives have
-    other responses for other orders and would leave a residual where there is none.
+    The value at sample k is that of the polynomial of `degree`, fitted to the `width` samples around k with the weights
+    (1 - (j/(half + 1))^2)^taper (Savitzky & Golay 1964 for taper 0; the taper lowers the side lobes). The derivatives
+    are differences of the same filter, so that every term of an equation of motion is multiplied by the same frequency
+    response H: value H, first i w H, second -w^2 H. Savitzky and Golay's own derivatives have another response for each
+    order and would cause a residual in an exact equation.
 
-    Polynomials up to `degree` come out exactly. Where the kernel does not fit, samples are dropped: outputs are
-    shorter by ``2 * reach`` and stand at ``t[smoother.valid]``.
+    Polynomials up to `degree` are reproduced exactly. Samples that the kernel does not cover are dropped: outputs are
+    shorter by ``2 * reach`` and belong to the times ``t[smoother.valid]``.
 
     Args:
-        width: samples that the fit spans, odd, from 2*(degree//2) + 3, the narrowest that smooths at all.
+        width: number of samples of the fit, odd, at least 2*(degree//2) + 3, the narrowest that smooths.
         rate: samples per second [Hz].
         degree: of the polynomial, 1 to 7; an even degree equals the next odd one.
         taper: exponent of the weights, 0 to 8.
@@ -54,7 +54,7 @@ class Smoother:
     taper: int = 3
 
     def __post_init__(self) -> None:
-        """Refuse what makes no filter."""
+        """Refuse arguments outside the limits."""
         _whole("degree", self.degree, 1, 7)
         _whole("taper", self.taper, 0, 8)
         _whole("width", self.width, self._least(self.degree), _WIDEST)
@@ -66,7 +66,7 @@ class Smoother:
 
     @classmethod
     def at_cutoff(cls, cutoff: float, rate: float, degree: int = 3, taper: int = 3) -> Smoother:
-        """The filter whose response falls to 1/sqrt(2) nearest to a frequency.
+        """The filter whose cut-off, with the response 1/sqrt(2), is nearest to a frequency.
 
         Args:
             cutoff: [Hz].
@@ -83,7 +83,7 @@ class Smoother:
             remedy = f"give more than 0 and at most {narrowest.cutoff:.4g} Hz"
             raise InputError("no such cut-off at this rate and degree", key="cutoff", value=cutoff, remedy=remedy)
         width = cls._least(degree) * narrowest.cutoff / wanted
-        for _ in range(3):  # the cut-off is nearly, not exactly, as 1/width
+        for _ in range(3):  # the cut-off is only nearly proportional to 1/width
             now = cls(cls._odd(width, degree), rate, degree, taper)
             width = now.width * now.cutoff / wanted
         near = (cls(cls._odd(width + step, degree), rate, degree, taper) for step in (-2, 0, 2))
@@ -91,7 +91,7 @@ class Smoother:
 
     @staticmethod
     def _least(degree: int) -> int:
-        """The narrowest odd width that smooths: on fewer samples the polynomial would pass through all of them."""
+        """The narrowest odd width that smooths: with fewer samples the polynomial would pass through all of them."""
         return 2 * (degree // 2) + 3
 
     @classmethod
@@ -105,7 +105,7 @@ class Smoother:
 
     @property
     def valid(self) -> slice:
-        """The samples of the input that the outputs stand at: ``t[smoother.valid]``."""
+        """The samples of the input to which the outputs belong: ``t[smoother.valid]``."""
         return slice(self.reach, -self.reach)
 
     @property
@@ -122,7 +122,7 @@ class Smoother:
         return float((right - 1 + share) * self.rate / points)
 
     def response(self, frequency: npt.ArrayLike) -> FloatArray:
-        """What a sine's amplitude is multiplied by, H(f); real, for the filter shifts no phase.
+        """The frequency response H(f), by which the amplitude of a sine is multiplied; it is real: no phase shift.
 
         Args:
             frequency: [Hz], any shape.
@@ -135,7 +135,7 @@ class Smoother:
         return np.asarray(total)
 
     def value(self, x: npt.ArrayLike) -> FloatArray:
-        """Smoothed samples at `valid`; for signals sampled at an instant (q, v, tau_s)."""
+        """Smoothed samples at `valid`, for signals that are sampled (q, v, tau_s)."""
         return self._applied(x, self._kernels.value, 0)
 
     def first(self, x: npt.ArrayLike) -> FloatArray:
@@ -147,14 +147,14 @@ class Smoother:
         return self._applied(x, self._kernels.second, 2)
 
     def held(self, x: npt.ArrayLike) -> FloatArray:
-        """Smoothed samples of a signal held from each sample to the next (tau, tau_applied), at `valid`.
+        """Smoothed samples at `valid` of a signal that is held from each sample to the next (tau, tau_applied).
 
-        The holding is accounted for: what accelerates by a held u has ``second(x) == held(u)``, to rounding.
+        If the acceleration of x is a held u, then ``second(x) == held(u)``, up to rounding.
         """
         return self._applied(x, self._kernels.held, 0)
 
     def noise_gain(self, order: str = "value") -> float:
-        """Standard deviation of an output where the input is white noise of standard deviation 1.
+        """Standard deviation of an output if the input is white noise of standard deviation 1.
 
         sqrt(sum of the kernel's squares) [1, 1/s, 1/s^2].
 
@@ -165,7 +165,7 @@ class Smoother:
         return float(np.sqrt(kernel @ kernel)) * scale
 
     def noise_std(self, order: str, autocovariance: npt.ArrayLike) -> float:
-        """Standard deviation of an output where the input is stationary noise of any colour.
+        """Standard deviation of an output if the input is stationary noise with any autocovariance.
 
         Args:
             order: as in `noise_gain`.
@@ -188,7 +188,7 @@ class Smoother:
         return getattr(self._kernels, order), float(self.rate) ** power
 
     def _applied(self, x: npt.ArrayLike, kernel: FloatArray, power: int) -> FloatArray:
-        """Correlate columns with the kernel; the first sample is taken off, so that constants come out exactly."""
+        """Correlate columns with the kernel; the first sample is subtracted, so that constants are exact."""
         samples = np.asarray(x, float)
         self._check(samples)
         start = samples[:1]

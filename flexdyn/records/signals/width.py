@@ -1,4 +1,4 @@
-"""The filter that fits a signal: as wide as its noise asks for and as narrow as its motion needs."""
+"""The filter width with the best compromise between noise and distortion of the motion."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ _GROWTH = 1.15
 NARROWEST_WIDTH = 5
 """Of a smoother of degree 3 [samples]: on fewer the polynomial would pass through all of them."""
 _AROUND = 15
-"""Bins averaged before the motion is looked for: one bin alone stands out of noise now and then."""
+"""Number of bins that are averaged before motion is detected: a single bin may exceed the noise by chance."""
 
 
 def best_smoother(x: npt.ArrayLike, rate: float, noise: Noise, *, order: str = "second") -> Smoother:
     """The smoother with the smallest estimated error of one output.
 
-    Wiener's criterion (1949) over the widths of the family: with the motion's spectrum S (Welch's estimate of the
-    samples' less the noise's N, where that leaves anything significant) and the filter's response H,
+    Wiener's criterion (1949) over the widths of the family: with the motion's spectrum S (Welch's estimate for the
+    samples minus the spectrum N of the noise, where the difference is significant) and the filter's response H,
 
         error^2(width) = mean over frequency of w^(2 order) ((1 - H)^2 S + H^2 N).
 
-    Motion that lies below the noise at its frequency cannot be seen and is not counted.
+    Motion below the noise at its frequency cannot be seen and is not counted.
 
     Args:
         x: uniform samples (samples,).
@@ -88,7 +88,7 @@ def _spectra(x: FloatArray, noise: Noise, length: int) -> tuple[FloatArray, Floa
 
 
 def _noise_power(noise: Noise, length: int) -> FloatArray:
-    """Power per bin from the autocovariance: flat where the noise is white, else smoothed by triangular weights."""
+    """Power per bin from the autocovariance: constant for white noise, else smoothed by triangular weights."""
     lags = np.array(noise.autocovariance[:1] if noise.white else noise.autocovariance)
     k = np.arange(len(lags))
     weights = np.where(k > 0, 2.0, 1.0) * (1 - k / len(lags)) * lags
