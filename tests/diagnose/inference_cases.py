@@ -161,7 +161,7 @@ class Case:
             candidates.append(
                 Candidate(each.kind, each.proposal(), each.number, list(each.points), at, len(at), each.stands)
             )
-        space = Space(GivenLibrary(self, candidates, columns), self.rows, self.seen)
+        space = Space(GivenLibrary(self, candidates, columns), np.asarray(self.rows, float), self.seen)
         space.under(noise or self.noise())
         return space
 

@@ -164,7 +164,7 @@ def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> Model
         InputError: less than two models, models of different arms, or labels that are not one a model.
 
     Example:
-        >>> arm = fd.load_model("scara_two_link").replace(tolerance=0.01)
+        >>> arm = fd.load_model("scara_two_link").replace(effects=[])
         >>> worn = arm.replace(effects=[fd.effects.Backlash("elbow", half_gap=1e-3)])
         >>> [(effect.name, effect.course) for effect in fd.compare_models([arm, worn]).effects]
         [('backlash in the transmission of elbow', 'appeared')]
