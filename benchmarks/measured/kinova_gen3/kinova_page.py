@@ -36,7 +36,7 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
         "to 2.6 rad at a constant 0.37 to 0.42 rad/s, in one direction, the others at 0: the arm stands upright. "
         "Each sweep is diagnosed from the manufacturer's URDF: rigid joints, no friction, rotor inertias not "
         "known. A fifth file, `trajectory1`, moves all joints at once and three times as fast, again in one "
-        "direction. No decision reads it; what the sweeps name is held against it (data: W. Chiha, "
+        "direction but for its end. No decision reads it; what the sweeps name is held against it (data: W. Chiha, "
         "dynamic-identification)."
     )
     parts = [head, checks, *_named(made), *_held(made), *_limits(made), *_clock(made)]
@@ -94,8 +94,9 @@ def _held(made: Study) -> Iterator[str]:
         "trajectory is predicted worse. All laws are fitted to the sweep alone, by plain least squares, so that "
         "without a law the others take over what they can; a rival stands in the place of the name. The trajectory "
         "is three times as fast, so it also speaks about rivals of the sweep: drag with the square of the speed is "
-        "too large there. It moves in one direction as well, so between Coulomb friction and an offset it says "
-        "little: both brake alike until the joint comes to rest."
+        "too large there, most clearly at joint 5. At its end joints 4, 5 and 7 swing back by a few hundredths of a "
+        "radian. Friction changes its sign there and an offset does not, so that friction predicts them better; joint "
+        "1 does not swing back, and there both do alike."
     )
 
 
@@ -112,7 +113,7 @@ def _limits(made: Study) -> Iterator[str]:
         "- The torque's scale: the motor's current is multiplied by a constant of unknown origin. All levels above "
         "scale with it.\n"
         "- Elasticity: there is one encoder a joint, and the arm upright loads no spring.\n"
-        "- Stribeck friction, presliding: no joint is slow for longer than 20 ms."
+        "- Stribeck friction, presliding: every ramp has passed 0.03 rad/s within 20 ms."
     )
 
 
