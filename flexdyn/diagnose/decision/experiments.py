@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 
-from flexdyn.diagnose.decision.corrected import Corrected, effect_of
+from flexdyn.diagnose.decision.corrected import Corrected, effect_of, needed
 from flexdyn.diagnose.decision.gaps import window_noise
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import suspect_of
@@ -16,6 +16,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import Finding
+from flexdyn.effects import JointElasticity
 
 RIVAL_STEPS = 4
 """Gauss-Newton steps of a rival's fit, with a warm start at the linear estimate; the motion is tried with it anyway."""
@@ -61,4 +62,10 @@ def _in_place(found: Corrected, rival: int, of: int) -> Hypothesis | None:
         factors = {**rest.factors, number: structure.factors[number]}
         return dataclasses.replace(rest, factors=factors, freed=rest.freed | {number})
     effect = effect_of(found.candidates[rival], structure)
-    return None if effect is None else dataclasses.replace(rest, effects=(*rest.effects, effect))
+    if effect is None:
+        return None
+    soft = {each.joint for each in rest.effects if isinstance(each, JointElasticity)}
+    more = [
+        each for each in needed(structure, [effect]) if not isinstance(each, JointElasticity) or each.joint not in soft
+    ]
+    return dataclasses.replace(rest, effects=(*rest.effects, *more))
