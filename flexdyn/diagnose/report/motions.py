@@ -45,10 +45,15 @@ def motions(diagnosis: Diagnosis) -> str:
         '<label class="slide">from <input id="place" type="range" min="0" max="1000" value="0"'
         ' aria-label="Start of the window"> <span id="shown"></span></label>'
     )
-    said = (
+    positions = (
         "Positions are simulated without feedback over windows of 0.5 s, each from the state that was measured at its"
-        " start; lines are open where no window was simulated, and where a joint may rest, as friction then holds any"
-        " torque. Torques, smoothed as in the equations: what each model needs for the motion that was"
+        " start; lines are open where no window was simulated. "
+        if any(each.position is not None for each in given)
+        else ""
+    )
+    said = (
+        f"{positions}Lines are open where a joint may rest, as friction then holds any torque."
+        " Torques, smoothed as in the equations: what each model needs for the motion that was"
         " measured, beside the torque that was recorded. Errors: simulated minus measured, needed minus recorded."
         " A click on a name in the legend hides its curves."
     )
