@@ -93,5 +93,6 @@ def _errors(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
         torque = f"{rounded(entry.torque_before)}, {rounded(entry.torque_after)} {entry.torque_unit}"
         share = f"{percent(entry.torque_share_before)}, {percent(entry.torque_share_after)}"
         position = f"{rounded(entry.position_before)}, {rounded(entry.position_after)} {entry.position_unit}"
+        position = "prescribed" if entry.force else position
         noise = f"{times(entry.gap[0])}, {times(entry.gap[-1])}" if entry.gap else "-"
         yield joint, torque, share, position, noise
