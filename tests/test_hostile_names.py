@@ -142,3 +142,17 @@ def test_lines_are_bounded_and_printable() -> None:
     assert len(str(fd.InputError("x " * 900, key="k " * 900, value="v " * 900, remedy="y " * 900))) == 1500
     assert visible("a\x1b\n\u202e") == r"a\x1b\n\u202e"
     assert visible("a\n\x07", lines=True) == "a\n\\x07"
+
+
+def test_the_paper_says_where_its_page_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The folder is the only name that a user gives to the paper's study; what the study does is tested elsewhere."""
+    from flexdyn import paper
+    from flexdyn.paper.study import PaperStudy
+
+    monkeypatch.setattr(paper, "run_study", lambda output, **_: PaperStudy({}, (), ()))
+    assert main(["paper", "-o", str(tmp_path / f"{TERMINAL}<script>")]) == 0
+    printed = capsys.readouterr().out
+    assert "\\x1b" in printed
+    assert all(line.isprintable() for line in printed.splitlines())
