@@ -127,8 +127,8 @@ def _left(made: Study) -> Iterator[str]:
     yield (
         "While the brake slides, what is left at 35 lb drifts: from cycle to cycle the force moves up in both "
         "directions, so that its size grows when the brake moves up and falls when it moves down. Warming or wear "
-        "would change both alike. The published forces at the ends of the band, which no diagnosis reads, say so as well: "
-        "the pulling end's grows in one direction and falls in the other. The levels of every law of friction in the "
+        "would change both alike. The published forces at the ends of the band, which no diagnosis reads, say so as well:"
+        " the pulling end's grows in one direction and falls in the other. The levels of every law of friction in the "
         "catalogue are constant in time but for warming up, and cannot follow. With the seating, that is why the bound "
         "of 12 % is missed at 35 lb."
     )

@@ -12,8 +12,8 @@ from flexdyn.diagnose.inference.search import Scan, explore
 from flexdyn.diagnose.inference.space import Space, Structure
 
 EVEN_ODDS_WINDOW = math.log(3.0)
-"""Log Bayes factor up to which data do not tell two laws apart: evidence up to 3 is "not worth more than a bare mention"
-(Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)."""
+"""Log Bayes factor up to which data do not tell two laws apart: evidence up to 3 is "not worth more than a bare
+mention" (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)."""
 
 
 def among_rivals(space: Space, best: Structure) -> Structure:
