@@ -122,7 +122,7 @@ class RehearsalBench:
         """The motion simulated with the named hypothesis, evaluated by the equations.
 
         Raises:
-            InputError: it leaves what the arm has been seen to do.
+            InputError: it exceeds the motions in the recordings.
             SimulationError: it cannot be simulated.
         """
         command = self._command(move)
@@ -141,7 +141,7 @@ class RehearsalBench:
         """The same motion, also simulated with each of the rivals.
 
         Raises:
-            InputError: it leaves what the arm has been seen to do.
+            InputError: it exceeds the motions in the recordings.
             SimulationError: it cannot be simulated.
         """
         sides = list(made.sides)
