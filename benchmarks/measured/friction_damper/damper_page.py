@@ -188,9 +188,9 @@ def _limits() -> Iterator[str]:
     yield (
         "- A wide gap and a spring that hardens look alike while the band seats: where nothing is known of the spring, "
         "either explains the curves. The slope after a reversal decides for the gap.\n"
-        "- The widths of the priors (10, 20 and 50 %) and the start at 0.75 s were chosen while this study was made, with "
-        "all errors in sight. With the stiffness known to 15 or 20 %, with an unknown damping, or read from 0 s on, the "
-        "search did not settle at 20 lb or named nothing there; at 35 and 80 lb backlash was named in most of these.\n"
+        "- The widths of the priors (10, 20 and 50 %) and the start at 0.75 s were chosen while this study was made, "
+        "with all errors in sight. With wider ones, with an unknown damping, or read from 0 s on, at 20 lb nothing "
+        "was named, or a half gap of 1.0 mm; at 35 and 80 lb backlash was named in most of these.\n"
         "- The radius of the drum is not published, so the drum's mass is an inertia over the square of that radius.\n"
         "- Friction and speed: all files of one tension but one have one frequency. The files at 0.05 and 0.1 Hz "
         "would tell. Other amplitudes at one tension, down to less than the gap, would tell the gap from the spring."
