@@ -13,6 +13,7 @@ from dataclasses import replace
 
 from flexdyn.diagnose.decision.masses import Masses, Set
 from flexdyn.diagnose.decision.naming import Name
+from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.search import nested
 from flexdyn.diagnose.inference.space import Space
@@ -44,7 +45,7 @@ def told_by_data(
     for name in sorted(named, key=lambda each: even.get(best - {each.candidate}, -float("inf"))):
         if any(name.candidate in other.held_down for other in found):
             continue
-        held = [c for c in _held_down(space, even, best, name) if c not in name.rivals and stands_in(c)]
+        held = [c for c in _held_down(space, masses, even, best, name) if c not in name.rivals and stands_in(c)]
         held += _either_of_two(space, even, best, name, [each.candidate for each in named])
         together = masses.of_any([name.candidate, *name.rivals, *held])
         alone = masses.of_any([name.candidate, *name.rivals])
@@ -53,7 +54,7 @@ def told_by_data(
     return tuple(sorted(found, key=lambda each: each.candidate))
 
 
-def _held_down(space: Space, even: Mapping[Set, float], best: Set, name: Name) -> list[int]:
+def _held_down(space: Space, masses: Masses, even: Mapping[Set, float], best: Set, name: Name) -> list[int]:
     """Candidates that do as well in the place of a name, though fewer drives have them; the likeliest first.
 
     No more than are needed to be certain of one of them where all are equally expected. Only laws without nonlinear
@@ -69,6 +70,8 @@ def _held_down(space: Space, even: Mapping[Set, float], best: Set, name: Name) -
         (c,) = other - rest
         if space.candidates[c].choices > 1:
             continue
+        if space.own_share(masses.structures[masses.sets.index(best)], name.candidate, c) > SMALLEST_TORQUE_SHARE:
+            continue  # the motion tells them apart; what the catalogue lacks hides it
         expected_less = space.log_places(frozenset((each, 0) for each in other)) < prior
         if (
             expected_less

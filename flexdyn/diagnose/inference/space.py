@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -212,13 +212,26 @@ class Space:
     def _own_part(self, c: int, columns: Indices, mean: Array) -> float:
         """Share of an effect that the plainer one which it contains cannot do [1]: it must be large by itself."""
         plain = self.contained.get(c, ())
-        if not plain:
-            return 1.0
-        G, there = self.gram.G, np.concatenate([self.candidates[k].columns[0] for k in plain])
+        return self._apart(columns, mean, [self.candidates[k].columns[0] for k in plain]) if plain else 1.0
+
+    def own_share(self, structure: Structure, c: int, other: int) -> float:
+        """Share of its joint's torque that a candidate of a structure has and another one in its place cannot make [1].
+
+        The file's numbers may move within their priors; noise and model error do not count.
+        """
+        own = self.gram.estimate(self.columns(structure))
+        columns = self.candidates[c].columns[dict(structure)[c]]
+        place = {int(k): value for k, value in zip(own.columns, own.mean, strict=True)}
+        mean = np.array([place[int(k)] for k in columns])
+        share = float(np.sqrt(((self.size[columns] * mean) ** 2).sum()))
+        return share * self._apart(columns, mean, [self.candidates[other].columns[0]])
+
+    def _apart(self, columns: Indices, mean: Array, others: Sequence[Indices]) -> float:
+        """Share of what some columns do that others cannot [1]."""
+        G, there = self.gram.G, np.concatenate(others)
         whole = float(mean @ G[np.ix_(columns, columns)] @ mean)
         cross = G[np.ix_(there, columns)] @ mean
-        inner = G[np.ix_(there, there)] + 1e-9 * np.diag(np.diag(G[np.ix_(there, there)]))
-        explained = float(cross @ np.linalg.solve(inner, cross))
+        explained = float(cross @ np.linalg.lstsq(G[np.ix_(there, there)], cross, rcond=1e-9)[0])
         return math.sqrt(min(max(1.0 - explained / max(whole, 1e-300), 0.0), 1.0))
 
     @lazy
