@@ -18,7 +18,7 @@ if [ "$kind" = all ]; then
   failed=0
   for each in address,undefined thread; do
     (
-      [ -z "${FLEXDYN_BUILD:-}" ] || export FLEXDYN_BUILD="$FLEXDYN_BUILD/$each"
+      [ -z "${FLEXDYN_BUILD:-}" ] || export FLEXDYN_BUILD="$FLEXDYN_BUILD/${each%%,*}" # no comma: it parts options
       bash scripts/sanitize.sh "$each" "$@"
     ) || failed=1
   done
