@@ -110,8 +110,9 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         best = _compared(space, stands)
         there = hypothesis_of(space, _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1)), here)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
-        settled = _nonlinear(space, best) == _nonlinear(space, stands) or places in compared
-        earlier = _disagreeing(compared, places) if places in compared or not settled else ()
+        # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
+        settled = k > 0 and (_nonlinear(space, best) == _nonlinear(space, stands) or places in compared)
+        earlier = () if settled else tuple(compared[1:])
         compared.append(places)
         last = settled or k == MOST_PASSES - 1
         if last:
@@ -131,15 +132,6 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         here = fitted.hypothesis
         space.forget()
     return Posterior(space, best, fitted, noise, settled, space.known, earlier=earlier)
-
-
-def _disagreeing(compared: list[Places], places: Places) -> tuple[Places, ...]:
-    """Structures of the linearisations that do not agree with the last one, but for that at the file's numbers.
-
-    A structure that comes again after others closes a cycle: those in between have the same right to it.
-    """
-    before = compared.index(places) if places in compared else 0
-    return tuple(compared[before + 1 :])
 
 
 def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
