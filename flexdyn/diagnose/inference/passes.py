@@ -92,6 +92,11 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         work = weighed(bare, noise, mask, filter_error(bare.equations, here))
         seen = rows_of(at, mask)
         runs = runs_of(mask, list(seen.lengths), len(at.kinds))
+        if k == 0:
+            here = _in_tolerance(fit(here, for_fit(bare, noise, mask, seen, here), steps=3).hypothesis, start)
+            at = bare.equations.of(here.model())
+            noise = quieter(recorded, at, mask)
+            work = weighed(bare, noise, mask)
         made = linearised(here, work, at=at)
         count = len(here.factors)
         numbers = made.regression.X[:, :count] if made.free is None else made.free.X[:, :count]
@@ -132,6 +137,15 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         here = fitted.hypothesis
         space.forget()
     return Posterior(space, best, fitted, noise, settled, space.known, earlier=earlier)
+
+
+def _in_tolerance(fitted: Hypothesis, start: Hypothesis) -> Hypothesis:
+    """A fit of the file's numbers; where it moves one of them beyond its tolerance, the numbers as they were.
+
+    Such a fit imitates a missing effect. Where stiffnesses and masses stand in for it, the linear equations of the
+    effect itself are wrong by products of these changes.
+    """
+    return fitted if fitted.tolerated().factors == fitted.factors else start
 
 
 def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
