@@ -58,10 +58,11 @@ def _named(made: Study) -> Iterator[str]:
     yield (
         "Where a joint moves in one direction only, Coulomb friction and a constant offset of the torque are the "
         "same number. Friction is expected of every motor and an offset of few, and that prior alone would make "
-        "friction a name. So each name is compared with every other law in its place at even prior odds: where the data "
-        "like both as well, the answer is 'A or B', whatever is expected of drives. At a single speed the growth of "
-        "friction with speed shows in the two ramps of 0.2 s alone. These tell viscous friction from drag with the square "
-        "of the speed by more than 0.4 % of the torque, but not beyond doubt: the name rests on what is expected of drives."
+        "friction a name. So each name is compared with every other law in its place at even prior odds: where "
+        "the data like both as well, the answer is 'A or B', whatever is expected of drives. At a single speed "
+        "the growth of friction with speed shows in the two ramps of 0.2 s alone. These tell viscous friction "
+        "from drag with the square of the speed by more than 0.4 % of the torque, but not beyond doubt: the name "
+        "rests on what is expected of drives."
     )
 
 
