@@ -15,9 +15,11 @@ from collections.abc import Collection
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.gram import lower_factor
 from flexdyn.diagnose.inference.space import Space, Structure
 
 Array = NDArray[np.float64]
@@ -111,4 +113,9 @@ def _own(space: Space, structure: Structure, c: int, mine: Indices, does: Array)
     plain = [k for each in space.contained[c] for k in space.candidates[each].columns[0].tolist()]
     numbers = range(len(space.library.start.factors))
     columns = np.setdiff1d(np.array([*numbers, *others, *plain], np.intp), mine)
-    return space.apart(mine, does, columns)[1]
+    weights, products = space.gram.weights, space.products
+    G = np.diag(space.prior.precision[columns]) + np.tensordot(weights, products.of(columns, columns), 1)
+    b = np.tensordot(weights, products.of(columns, mine), 1) @ does
+    power = float(does @ np.tensordot(weights, products.of(mine, mine), 1) @ does)
+    factor = lower_factor(G)
+    return max(power - float((solve_triangular(factor, b, lower=True) ** 2).sum()), 0.0)

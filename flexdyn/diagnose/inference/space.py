@@ -5,16 +5,15 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 from scipy.special import betaln, log_ndtr
 
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
-from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior, lower_factor
+from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, EVERY_MOTOR
 from flexdyn.diagnose.inference.products import Products
@@ -213,40 +212,28 @@ class Space:
     def _own_part(self, c: int, columns: Indices, mean: Array) -> float:
         """Share of an effect that the plainer one which it contains cannot do [1]: it must be large by itself."""
         plain = self.contained.get(c, ())
-        if not plain:
-            return 1.0
-        G, there = self.gram.G, np.concatenate([self.candidates[k].columns[0] for k in plain])
-        whole = float(mean @ G[np.ix_(columns, columns)] @ mean)
-        cross = G[np.ix_(there, columns)] @ mean
-        inner = G[np.ix_(there, there)] + 1e-9 * np.diag(np.diag(G[np.ix_(there, there)]))
-        explained = float(cross @ np.linalg.solve(inner, cross))
-        return math.sqrt(min(max(1.0 - explained / max(whole, 1e-300), 0.0), 1.0))
+        return self._apart(columns, mean, [self.candidates[k].columns[0] for k in plain]) if plain else 1.0
 
     def own_share(self, structure: Structure, c: int, other: int) -> float:
         """Share of its joint's torque that a candidate of a structure has and another one in its place cannot make [1].
 
-        The file's numbers may move within their priors.
+        Beside what every structure has: the file's numbers, and a small amount of every law, which stands for what no
+        model resolves.
         """
         own = self.gram.estimate(self.columns(structure))
-        value = dict(zip(own.columns.tolist(), own.mean.tolist(), strict=True))
-        mine = self.candidates[c].columns[dict(structure)[c]]
-        does = np.array([value[int(k)] for k in mine])
-        rival = np.concatenate([np.arange(len(self.library.start.factors)), self.candidates[other].columns[0]])
-        whole, apart = self.apart(mine, does, rival)
-        share = float(np.sqrt(((self.size[mine] * does) ** 2).sum()))
-        return share * math.sqrt(apart / whole) if whole > 0.0 else 0.0
+        columns = self.candidates[c].columns[dict(structure)[c]]
+        place = {int(k): value for k, value in zip(own.columns, own.mean, strict=True)}
+        mean = np.array([place[int(k)] for k in columns])
+        share = float(np.sqrt(((self.size[columns] * mean) ** 2).sum()))
+        return share * self._apart(columns, mean, [self.candidates[other].columns[0]])
 
-    def apart(self, mine: Indices, does: Array, others: Indices) -> tuple[float, float]:
-        """Weighted squares of what some columns do: all, and what others cannot do, the price of their priors included.
-
-        ``min_b sum_k w_k |X_k does - Z_k b|^2 + b^T Lambda b``: a number that must leave its tolerance for it counts.
-        """
-        weights, products = self.gram.weights, self.products
-        G = np.diag(self.prior.precision[others]) + np.tensordot(weights, products.of(others, others), 1)
-        b = np.tensordot(weights, products.of(others, mine), 1) @ does
-        whole = float(does @ np.tensordot(weights, products.of(mine, mine), 1) @ does)
-        explained = float((solve_triangular(lower_factor(G), b, lower=True) ** 2).sum())
-        return whole, max(whole - explained, 0.0)
+    def _apart(self, columns: Indices, mean: Array, others: Sequence[Indices]) -> float:
+        """Share of what some columns do that others cannot [1]."""
+        G, there = self.gram.G, np.concatenate(others)
+        whole = float(mean @ G[np.ix_(columns, columns)] @ mean)
+        cross = G[np.ix_(there, columns)] @ mean
+        explained = float(cross @ np.linalg.lstsq(G[np.ix_(there, there)], cross, rcond=1e-9)[0])
+        return math.sqrt(min(max(1.0 - explained / max(whole, 1e-300), 0.0), 1.0))
 
     @lazy
     def contained(self) -> dict[int, tuple[int, ...]]:
