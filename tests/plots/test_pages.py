@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from pathlib import Path
 
 import numpy as np
@@ -73,7 +74,7 @@ def test_show_opens_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert opened == [path.as_uri()]
     assert path.is_relative_to(tmp_path)
     text = path.read_text(encoding="utf-8")
-    assert "default-src 'none'" in text
+    assert "default-src 'none'" in html.unescape(text)
     assert "cdn" not in text.split("<script")[0]
 
 
