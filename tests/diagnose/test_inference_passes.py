@@ -1,4 +1,4 @@
-"""Where the first linearisation is: at the fit of the file's numbers, unless that leaves their tolerance."""
+"""Where the linearisations are: the first one, and those of which the answer is an average."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import dataclasses
 import pytest
 
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE
-from flexdyn.diagnose.inference.passes import _in_tolerance
+from flexdyn.diagnose.inference.passes import _in_tolerance, other_linearisations
 from tests.diagnose.test_estimate import problem
 
 
@@ -20,3 +20,17 @@ def test_a_fit_out_of_tolerance_is_no_place_to_linearise(sign: float, tolerances
     factors = {**start.factors, number: 1.0 + sign * tolerances * number.tolerance}
     fitted = dataclasses.replace(start, factors=factors)
     assert _in_tolerance(fitted, start) is (fitted if kept else start)
+
+
+def test_a_cycle_of_linearisations_is_averaged() -> None:
+    """Only those since the structure was compared before: what came earlier no longer happens."""
+    a, b, c, d = (frozenset({(name,)}) for name in "abcd")
+    assert other_linearisations([a, b, c], b) == (c,)
+    assert other_linearisations([a, b], b) == ()
+    assert other_linearisations([a, b, c, d], a) == (b, c, d)
+
+
+def test_a_search_without_an_end_averages_all_but_the_first() -> None:
+    """The first one is at the file's numbers, where nothing has been added yet."""
+    a, b, c, d = (frozenset({(name,)}) for name in "abcd")
+    assert other_linearisations([a, b, c], d) == (b, c)

@@ -58,7 +58,10 @@ def concluded(
     windows = _contradicting(first)
     if windows is not None and leaves_noise(compared.fitted, plain):
         say("comparing simulated windows", 0.25)
-        compared = reweighed(compared, windows)
+        by_windows = reweighed(compared, windows)
+        # Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
+        if leaves_noise(by_windows.fitted, plain):
+            compared = by_windows
         again = corrected(compared, plain, functools.partial(share_in_windows, compared, windows))
         found, named, first = _on_fit(plain, made, again, parts[0])
     say("opening the test data", 0.5)

@@ -15,7 +15,7 @@ from flexdyn.diagnose.decision.even_odds import told_by_data
 from flexdyn.diagnose.decision.held_out import HeldOut
 from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.masses import Masses
-from flexdyn.diagnose.decision.naming import Name, names
+from flexdyn.diagnose.decision.naming import Name, names, standing_in
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
@@ -135,9 +135,9 @@ def _masses(found: Posterior) -> Masses:
     contain them or that they contain.
     """
     space, masses = found.space, Masses.of(found.known)
-    best = {c for c, _ in found.best}
+    best = frozenset(c for c, _ in found.best)
     alike = best | {c for c, inside in space.contained.items() if best & set(inside)}
-    alike |= {each for c in best for each in space.contained[c]}
+    alike |= {each for c in best for each in (*space.contained[c], *standing_in(masses, best, {c}))}
     place = {identity(candidate): c for c, candidate in enumerate(space.candidates)}
     others = [frozenset(place[each] for each in seen if each in place) & alike for seen in found.earlier]
     return masses.mixed(others) if others else masses

@@ -2,7 +2,7 @@
 
 Friction is expected of every motor, a constant offset of few. Where the data cannot tell them apart, because a joint
 moved one way only, the prior alone would make friction a name. So each name is held against every other law in its
-place with even prior odds. Below a Bayes factor of 3 the answer is "A or B".
+place with even prior odds. The answer is "A or B" if the Bayes factor is below 3 and the motion leaves the two alike.
 """
 
 from __future__ import annotations

@@ -59,7 +59,7 @@ def _named(masses: Masses, best: Set, candidate: int, stands_in: Callable[[int],
     rivals: list[int] = []
     together = masses.of_any([candidate])
     while together < ESTABLISHED:
-        more = _standing_in(masses, best, {candidate, *rivals}, stands_in)
+        more = standing_in(masses, best, {candidate, *rivals}, stands_in)
         if not more:
             break
         rivals.append(min(more, key=lambda c: (-more[c], c)))
@@ -67,7 +67,9 @@ def _named(masses: Masses, best: Set, candidate: int, stands_in: Callable[[int],
     return Name(candidate, tuple(rivals), together)
 
 
-def _standing_in(masses: Masses, best: Set, named: set[int], stands_in: Callable[[int], bool]) -> dict[int, float]:
+def standing_in(
+    masses: Masses, best: Set, named: set[int], stands_in: Callable[[int], bool] = lambda _: True
+) -> dict[int, float]:
     """Probability of every further rival in the sets that hold nothing that is named yet."""
     found: dict[int, float] = {}
     for mine, probability in zip(masses.sets, masses.probability.tolist(), strict=True):

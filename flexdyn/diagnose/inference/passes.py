@@ -57,8 +57,8 @@ class Posterior:
         noise: of the channels.
         settled: whether the last pass changed nothing.
         known: log posteriors of the structures that were compared, not normalised.
-        earlier: kinds and places of the best structures at the linearisations before the last, but for that at the
-            file's numbers, where the search did not settle.
+        earlier: kinds and places of the best structures at other linearisations, where these do not agree: of a cycle
+            since it began; if the search did not settle, all but that at the file's numbers.
         expected: kinds of effects that the user expects of this drive.
     """
 
@@ -116,8 +116,9 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         there = hypothesis_of(space, _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1)), here)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
-        settled = k > 0 and (_nonlinear(space, best) == _nonlinear(space, stands) or places in compared)
-        earlier = () if settled else tuple(compared[1:])
+        stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
+        settled = stays or (k > 0 and places in compared)
+        earlier = () if stays else other_linearisations(compared, places)
         compared.append(places)
         last = settled or k == MOST_PASSES - 1
         if last:
@@ -137,6 +138,15 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         here = fitted.hypothesis
         space.forget()
     return Posterior(space, best, fitted, noise, settled, space.known, earlier=earlier)
+
+
+def other_linearisations(compared: list[Places], places: Places) -> tuple[Places, ...]:
+    """Structures at other linearisations.
+
+    Those since the same one was compared before; if it never was, all but that at the file's numbers.
+    """
+    since = len(compared) - 1 - compared[::-1].index(places) if places in compared else 0
+    return tuple(compared[since + 1 :])
 
 
 def _in_tolerance(fitted: Hypothesis, start: Hypothesis) -> Hypothesis:
