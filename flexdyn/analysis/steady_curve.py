@@ -19,6 +19,8 @@ LAWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 """Laws that are tried in addition to Coulomb and viscous friction, and their parameters."""
 SLOWEST_STRIBECK_SHARE = 0.5
 """No Stribeck velocity below this share of the slowest speed is tried: the data would hardly show it [1]."""
+FASTEST_STRIBECK_SHARE = 0.5
+"""No Stribeck velocity above this share of the highest speed is believed: the data show no more than a curve [1]."""
 VELOCITY = "stribeck_friction.velocity"
 LIKELY = 3.84
 """Rise of the sum of squared normalised residuals at the ends of an interval of 95 % [1]: a likelihood ratio, the
@@ -72,12 +74,12 @@ class FrictionCurve:
     near: tuple[FrictionCurve, ...] = ()
 
     @classmethod
-    def fitted(cls, points: DirectionPoints, laws: Sequence[str]) -> FrictionCurve:
-        """Least squares with the velocity on a grid."""
+    def fitted(cls, points: DirectionPoints, laws: Sequence[str], fastest: float = 1.0) -> FrictionCurve:
+        """Least squares with the Stribeck velocity on a grid, up to this share of the highest speed."""
         names = ["level", "viscous", *(f"{law}.{name}" for law in laws for name in LAWS[law])]
         if "stribeck_friction" not in laws:
             return cls._at(points, names, None)
-        grid = np.geomspace(SLOWEST_STRIBECK_SHARE * points.u.min(), points.u.max(), 60)
+        grid = np.geomspace(SLOWEST_STRIBECK_SHARE * points.u.min(), fastest * points.u.max(), 60)
         curves = [cls._at(points, names, float(each)) for each in grid]
         best = min(curves, key=lambda curve: curve.chi2)
         return replace(best, near=tuple(curve for curve in curves if curve.chi2 - best.chi2 < LIKELY))
@@ -103,6 +105,10 @@ class FrictionCurve:
     def size(self) -> int:
         """Number of parameters."""
         return len(self.names)
+
+    def bic(self, points: int) -> float:
+        """Bayesian information criterion of a fit to so many points."""
+        return self.chi2 + self.size * math.log(points)
 
     def number(self, name: str) -> tuple[float, float]:
         """Value and standard deviation."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.analysis.steady_curve import LAWS, SLOWEST_STRIBECK_SHARE, DirectionPoints, FrictionCurve
+from flexdyn.analysis.steady_curve import (
+    FASTEST_STRIBECK_SHARE,
+    LAWS,
+    SLOWEST_STRIBECK_SHARE,
+    DirectionPoints,
+    FrictionCurve,
+)
 from flexdyn.analysis.steady_points import SteadyPoint
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
@@ -34,7 +41,7 @@ class LawTrial(Locked):
         named: whether it passed all tests.
         numbers: value and standard deviation by name, for small errors.
         intervals: of 95 % by the profile likelihood, which is valid for large errors too.
-        delta_bic: decrease of BIC by the law.
+        delta_bic: BIC of the best curve without the law, whatever other laws it has, less that of the curve with it.
         prediction: decrease of the squared normalised errors at speeds that were not fitted: half of the speeds is
             fitted and the other half predicted, and the other way round.
         check: the same at points that are only used for checking; 0 if there are none.
@@ -105,9 +112,9 @@ def steady_friction(points: Sequence[SteadyPoint], check: Sequence[SteadyPoint] 
 
     ``abs(tau) = level + viscous u + excess exp(-u/velocity) + coefficient u^2`` over u = abs(speed). Points are
     weighted by their standard deviations, which are enlarged by the scatter about the curve with all laws. A law in
-    addition to level and viscous friction is named if BIC decreases enough, if its coefficient is significantly above
-    zero, if each half of the speeds predicts the other half better with it, and if runs that were not fitted do not
-    contradict it.
+    addition to level and viscous friction is named if BIC is enough below that of every curve without it, if its
+    coefficient is significantly above zero, if each half of the speeds predicts the other half better with it, and if
+    runs that were not fitted do not contradict it.
 
     Args:
         points: of runs at constant speed; see `steady_points`.
@@ -140,32 +147,46 @@ def _of_direction(direction: int, points: DirectionPoints, check: DirectionPoint
     whole = FrictionCurve.fitted(points, tuple(LAWS))
     scatter = math.sqrt(whole.chi2 / max(1, len(points.u) - whole.size))
     points, check = (each.scaled(max(1.0, scatter)) for each in (points, check))
-    named: tuple[str, ...] = ()
-    while True:
-        rest = {law: FrictionCurve.fitted(points, (*named, law)) for law in LAWS if law not in named}
-        good = [law for law in rest if _trial(law, points, check, named).named]
-        if not good:
+    believed = {laws: FrictionCurve.fitted(points, laws, FASTEST_STRIBECK_SHARE) for laws in _sets()}
+    bic = {laws: curve.bic(len(points.u)) for laws, curve in believed.items()}
+    named = min(bic, key=lambda laws: bic[laws])
+    while True:  # a law that is not named no longer stands beside the others, but stays their rival
+        trials = tuple(_trial(law, points, check, tuple(each for each in named if each != law), bic) for law in LAWS)
+        refused = [each.effect for each in trials if each.effect in named and not each.named]
+        if not refused:
             break
-        named = (*named, min(good, key=lambda law: rest[law].chi2 + rest[law].size * math.log(len(points.u))))
-    now = FrictionCurve.fitted(points, named)
-    trials = tuple(_trial(law, points, check, tuple(each for each in named if each != law)) for law in LAWS)
+        named = tuple(law for law in named if law not in refused)
+    now = FrictionCurve.fitted(points, [each.effect for each in trials if each.named])
     return SteadyFriction(direction, now.number("level"), now.number("viscous"), trials, scatter, len(points.u))
 
 
-def _trial(law: str, points: DirectionPoints, check: DirectionPoints, others: tuple[str, ...]) -> LawTrial:
-    laws = (*others, law)
+def _sets() -> list[tuple[str, ...]]:
+    """All sets of laws, the smaller ones first."""
+    return [laws for count in range(len(LAWS) + 1) for laws in itertools.combinations(LAWS, count)]
+
+
+def _trial(
+    law: str,
+    points: DirectionPoints,
+    check: DirectionPoints,
+    others: tuple[str, ...],
+    bic: Mapping[tuple[str, ...], float],
+) -> LawTrial:
+    laws = tuple(each for each in LAWS if each in (*others, law))
     without, curve = FrictionCurve.fitted(points, others), FrictionCurve.fitted(points, laws)
-    gained = without.chi2 - curve.chi2
-    drop = gained - len(LAWS[law]) * math.log(len(points.u))
+    rival = min((each for each in bic if law not in each), key=lambda each: bic[each])
+    drop = bic[rival] - curve.bic(len(points.u))
     odd = np.arange(len(points.u)) % 2 == 1
     one, two = (_predicted(points.part(half), points.part(~half), others, laws) for half in (~odd, odd))
     checked = check.off(without) - check.off(curve)
     numbers = {name: curve.number(f"{law}.{name}") for name in LAWS[law]}
     why = ""
-    if gained < SURE**2:
+    if without.chi2 - curve.chi2 < SURE**2:
         why = "its coefficient is not significantly above zero"
-    elif drop < DECISIVE_DROP:
+    elif drop < DECISIVE_DROP and set(rival) <= set(others):
         why = "it improves the fit too little"
+    elif drop < DECISIVE_DROP:
+        why = f"{' and '.join(each for each in rival if each not in others)} explains the runs as well or better"
     elif min(one, two) < 0.0 or one + two < DECISIVE_DROP:
         why = "other speeds do not confirm it"
     elif law == "stribeck_friction" and not _within(numbers["velocity"][0], points.u):
@@ -183,4 +204,4 @@ def _predicted(fit: DirectionPoints, rest: DirectionPoints, *laws: tuple[str, ..
 
 
 def _within(velocity: float, u: Array) -> bool:
-    return bool(1.01 * SLOWEST_STRIBECK_SHARE * u.min() < velocity < 0.5 * u.max())
+    return bool(1.01 * SLOWEST_STRIBECK_SHARE * u.min() < velocity < FASTEST_STRIBECK_SHARE * u.max())

@@ -81,6 +81,14 @@ def test_a_drag_is_a_drag() -> None:
     assert found.torque(1.5) == pytest.approx(drag(1.5), abs=3.0 * NOISE)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_slow_fall_of_friction_is_not_called_drag(seed: int) -> None:
+    """A drag improves the fit too, but a fall towards the speeds that were recorded explains the runs better."""
+    found = fd.steady_friction(points(lambda u: plain(u) + 1.5 * float(np.exp(-u / 0.8)), seed=seed))[1]
+    assert "quadratic_drag" not in found.named
+    assert found.trials[1].delta_bic < 0.0
+
+
 def test_directions_are_judged_by_themselves() -> None:
     """One direction with a rise, the other without: only the first gets the name, each with the torque's sign."""
     found = fd.steady_friction([*points(plain), *points(stribeck, -1)])
