@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.covariance import SampleNoise, whitener
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.noise import encoder_noise, torque_noise
+from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link

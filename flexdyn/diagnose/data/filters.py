@@ -51,6 +51,13 @@ class Filters:
         """Number of rows for a number of samples after the first filter."""
         return max(0, (samples - 2 * self.second.half - 1) // self.every + 1)
 
+    def reach(self, passes: int) -> int:
+        """Samples to either side that count in a row, after so many passes of the first filter.
+
+        Three standard deviations of each filter.
+        """
+        return round(0.6 * (passes * self.first.half + self.second.half))
+
     def instants(self, samples: int) -> NDArray[np.intp]:
         """Samples after the first filter to which the rows belong."""
         return self.second.half + self.every * np.arange(self.count(samples))

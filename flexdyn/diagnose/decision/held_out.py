@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.data.channel_noise import encoder_noise, recorded_torque_noise
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener, whitener
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, TOTAL, Equations
 from flexdyn.diagnose.equations.mask import sign_mask
-from flexdyn.diagnose.equations.noise import encoder_noise, recorded_torque_noise, torque_noise
+from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.errors import InputError
 from flexdyn.records.signals.decimate import CLOCK_JITTER

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.equations.noise import encoder_noise
 from flexdyn.diagnose.report.measures import RecordingSpan, Role
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording

@@ -14,7 +14,7 @@ from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
-from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, hidden_links, motion, smoothed
+from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, hidden_links, motion, resting, smoothed
 from flexdyn.diagnose.equations.shared import same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.lazy import lazy
@@ -93,8 +93,14 @@ class Equations:
     @lazy
     def smoothed(self) -> tuple[Smoothed, ...]:
         """The recordings after the first filter, without the sensor effects of the model."""
-        kernel = self.filters.first
-        return tuple(smoothed(self.true, self.links, corrected(each, self.model), kernel) for each in self.data)
+        kernel, rests = self.filters.first, self.resting
+        pairs = zip(self.data, rests, strict=True)
+        return tuple(smoothed(self.true, self.links, corrected(one, self.model), kernel, at) for one, at in pairs)
+
+    @lazy
+    def resting(self) -> tuple[NDArray[np.bool_], ...]:
+        """Where motors rest whose links are not measured, longer than a row reaches (samples after the filter, n)."""
+        return tuple(resting(each, self.filters.first, 2 * self.filters.reach(2)) for each in self.data)
 
     @lazy
     def residual(self) -> Array:
@@ -106,6 +112,7 @@ class Equations:
         """The same data with another model; motions are shared if the models do not change them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
         other = replace(self, model=model, stiffness=own)
+        other.__dict__["resting"] = self.resting
         if not (self.made_up.any() or self.replayed.any()) and same_signals(self.model, model):
             other.__dict__["smoothed"] = self.smoothed
             if same_links(self.model, model):
@@ -333,19 +340,21 @@ class Equations:
         """The effect of computed positions on the equations (times, n).
 
         A link position from the motor's equation has the error ``-motor/K``: its acceleration loads every link, and it
-        changes the torques of gravity and Coriolis. A rotor position from the link's equation has the error
-        ``-link/K``, whose acceleration loads the rotor.
+        changes the torques of gravity and Coriolis. While the motor rests, the link position is from the link's own
+        equation and has the error ``link/K``. A rotor position from the link's equation has the error ``-link/K``,
+        whose acceleration loads the rotor.
         """
         first, model = along.data, self.true
         lifted = np.zeros((self.filters.count(len(along.t)), model.n))
         at = self.filters.instants(len(along.t))
         for i in np.flatnonzero(self.made_up).tolist():
-            torque = motor if not first.has_q[i] else link
-            if torque is None or only not in (None, i):
+            if only not in (None, i):
                 continue
-            wrong = (torque if only == i else torque[:, i]) / model.stiffness[i]
-            if first.has_q[i]:
-                lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(wrong, 2)
-            else:
+            own = [x if x is None or only == i else x[:, i] for x in (motor, link)]
+            if first.has_q[i] and own[1] is not None:
+                lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(own[1] / model.stiffness[i], 2)
+            elif not first.has_q[i] and (own[0] is not None or along.resting[:, i].any()):
+                by_motor, by_link = (np.zeros(len(along.t)) if x is None else x for x in own)
+                wrong = np.where(along.resting[:, i], -by_link, by_motor) / model.stiffness[i]
                 lifted += along.dragged(i, [self.filters.rows(wrong, order) for order in range(3)], at)
         return lifted

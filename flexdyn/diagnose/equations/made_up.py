@@ -18,11 +18,19 @@ STEEP_SPRING_ROUNDS, STEEP_SPRING_STEP, STEEPEST_SPRING = 8, 1e-4, 10.0
 
 
 def made_up(
-    model: FlexibleJointModel, links: LinkSide, q: Array, theta: Array, tau: Array, data: Measured, kernel: Kernel
+    model: FlexibleJointModel,
+    links: LinkSide,
+    q: Array,
+    theta: Array,
+    tau: Array,
+    data: Measured,
+    kernel: Kernel,
+    resting: NDArray[np.bool_],
 ) -> tuple[Array, Array]:
     """Link and rotor positions; missing ones are computed from the law of the transmission.
 
     The deflection is the one at which the transmission carries ``tau - J alpha - f_motor`` or ``M a + h + f_link``.
+    While a motor rests, its friction is unknown: then it is the second one, with the link as fast as the rotor.
     Other effects of the model, and missing ones, are taken into account to first order.
 
     Args:
@@ -33,6 +41,7 @@ def made_up(
         tau: commanded torques (samples, n).
         data: the recording.
         kernel: the first filter.
+        resting: where motors rest whose links are not measured (samples after the filter, n).
 
     Returns:
         Positions of links and of rotors after the filter, (samples, n) each [rad or m].
@@ -41,14 +50,15 @@ def made_up(
     smooth_q, smooth_theta, smooth_tau = (kernel.apply(x, 0) for x in (q, theta, tau))
     omega, alpha = kernel.apply(theta, 1), kernel.apply(theta, 2)
     t = data.t[kernel.half : len(data.t) - kernel.half]
+    total = np.zeros_like(smooth_q)
+    if only_link.any() or resting.any():  # a joint without link encoder moves nearly like its rotor: q is theta there
+        v, a = kernel.apply(q, 1), kernel.apply(q, 2)
+        total = links.inverse_dynamics(smooth_q, v, a)
     for j in np.flatnonzero(only_motor).tolist():
         rubbing = _friction(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
         carried = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
-        smooth_q[:, j] = smooth_theta[:, j] - _wound(model, j, carried)
+        smooth_q[:, j] -= _wound(model, j, np.where(resting[:, j], total[:, j], carried))
     if only_link.any():
-        v, a = kernel.apply(q, 1), kernel.apply(q, 2)
-        for j in np.flatnonzero(only_motor).tolist():  # a joint without link encoder moves nearly like its rotor
-            v[:, j], a[:, j] = omega[:, j], alpha[:, j]
         total = links.inverse_dynamics(smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():
             rubbing = _friction(model, j, "link", smooth_q[:, j], v[:, j], t)

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.diagnose.equations.rest import borders, near, uncertain_sign
 
 Array = NDArray[np.float64]
-CERTAIN_SIGN_SIGMAS = 5.0
-"""The sign of a velocity below this number of standard deviations is uncertain [1]."""
 
 
 def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) -> NDArray[np.bool_]:
@@ -26,21 +25,24 @@ def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) 
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
         hidden = np.zeros((len(at), len(equations.kinds)), dtype=bool)
-        unseen = [] if alone else [(int(i), TOTAL) for i in np.flatnonzero(equations.made_up)]
+        unseen = np.flatnonzero(equations.made_up & ~along.data.has_q).tolist()
         for place, (j, kind) in enumerate(equations.kinds):
-            if kind != SENSOR:
+            if kind == SENSOR:
+                continue
+            hidden[:, place] |= _covered(equations, along, _uncertain(equations, along, noise, j, kind))[at]
+            for i in () if alone else unseen:
                 # A computed position lacks the friction of its sticking joint; the error enters every other equation.
-                for i, of in {(j, kind), *unseen}:
-                    hidden[:, place] |= _uncertain(equations, along, noise, i, of)[at]
+                # While the joint rests, its position follows from the load instead.
+                rests = along.resting[:, i]
+                lacking = _uncertain(equations, along, noise, i, TOTAL) & ~rests
+                hidden[:, place] |= _covered(equations, along, lacking | borders(rests))[at]
         found.append(hidden.ravel())
     return np.concatenate(found)
 
 
 def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int, kind: str) -> NDArray[np.bool_]:
-    """Samples whose filters cover an uncertain sign."""
-    filters = equations.filters
+    """Samples at which the sign of a velocity in an equation of a joint is uncertain."""
     data = along.data
-    spread = float(np.linalg.norm(filters.first.taps[1]))
     uncertain = np.zeros(len(along.t), dtype=bool)
     for side, u, level, there in (
         (MOTOR, along.omega[:, j], noise.theta[j], data.has_theta[j]),
@@ -49,8 +51,10 @@ def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
         if kind in (MOTOR, LINK) and kind != side:
             continue
         sigma = level if there else max(noise.q[j], noise.theta[j]) * 3.0
-        uncertain |= np.abs(u) <= CERTAIN_SIGN_SIGMAS * spread * sigma  # the sign of 0 is always uncertain
-        uncertain[1:] |= u[1:] * u[:-1] < 0.0
-    passes = 1 + (along.lost > filters.first.half)
-    reach = round(0.6 * (passes * filters.first.half + filters.second.half))  # three standard deviations of each
-    return np.convolve(uncertain, np.ones(2 * reach + 1), "same") > 0.5
+        uncertain |= uncertain_sign(u, sigma, equations.filters.first)
+    return uncertain
+
+
+def _covered(equations: Equations, along: SmoothedMotion, samples: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Samples whose filters cover one of some samples."""
+    return near(samples, equations.filters.reach(1 + (along.lost > equations.filters.first.half)))

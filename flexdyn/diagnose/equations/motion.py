@@ -9,9 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.kernel import Kernel
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.made_up import made_up
+from flexdyn.diagnose.equations.rest import long_runs, uncertain_sign
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
@@ -38,6 +40,7 @@ class Smoothed:
         tau_s: measured in the transmission (samples, n); zero if it was not.
         data: the channels before the filter, without sensor effects.
         lost: number of samples of `data` before the first one here.
+        resting: where motors rest whose links are not measured (samples, n).
     """
 
     t: Array
@@ -52,6 +55,7 @@ class Smoothed:
     tau_s: Array
     data: Measured
     lost: int
+    resting: NDArray[np.bool_]
 
     @property
     def delta(self) -> Array:
@@ -146,7 +150,13 @@ def _alike(one: SmoothedMotion, base: SmoothedMotion) -> bool:
     return all(np.abs(a - b).max() <= s * r for (a, b), s, r in zip(pairs, shares, base.ranges, strict=True))
 
 
-def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel: Kernel) -> Smoothed:
+def smoothed(
+    model: FlexibleJointModel,
+    links: LinkSide,
+    data: Measured,
+    kernel: Kernel,
+    rests: NDArray[np.bool_] | None = None,
+) -> Smoothed:
     """Smooth a recording.
 
     Args:
@@ -154,6 +164,7 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
         links: its link side.
         data: channels without sensor effects.
         kernel: the first filter.
+        rests: where motors rest whose links are not measured (samples after the filter, n); None: nowhere.
 
     A joint with one encoder gets the other position from its own equation (`made_up`), or where its motion is
     prescribed by simulation (`replayed`); the whole motion is then filtered once more.
@@ -164,8 +175,9 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
     lost = kernel.half
     t = data.t
     tau_s = data.tau_s
+    rests = np.zeros((len(t) - 2 * kernel.half, model.n), dtype=bool) if rests is None else rests
     if (model.elastic & ~data.both).any():
-        q, theta = made_up(model, links, q, theta, tau, data, kernel)
+        q, theta = made_up(model, links, q, theta, tau, data, kernel, rests)
         q = replayed(model, q, theta, data, t[kernel.half : len(t) - kernel.half])
         tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
         lost += kernel.half
@@ -188,7 +200,23 @@ def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel:
         tau_s=kernel.apply(tau_s, 0),
         data=data,
         lost=lost,
+        resting=rests[lost - kernel.half : len(rests) - (lost - kernel.half)],
     )
+
+
+def resting(data: Measured, kernel: Kernel, longest: int) -> NDArray[np.bool_]:
+    """Where motors rest whose links are not measured (samples after the filter, n).
+
+    Args:
+        data: the recording.
+        kernel: the first filter.
+        longest: number of samples of a pause after which a motor rests.
+    """
+    found = np.zeros((len(data.t) - 2 * kernel.half, len(data.has_q)), dtype=bool)
+    noise = encoder_noise((data,), "theta")
+    for j in np.flatnonzero(data.has_theta & ~data.has_q & ~data.forced).tolist():
+        found[:, j] = long_runs(uncertain_sign(kernel.apply(data.theta[:, j], 1), noise[j], kernel), longest)
+    return found
 
 
 def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array) -> Array:

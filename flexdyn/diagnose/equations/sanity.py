@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.mistakes import (
     DEGREE,
@@ -23,7 +24,6 @@ from flexdyn.diagnose.equations.mistakes import (
     reach,
     wanted_share,
 )
-from flexdyn.diagnose.equations.noise import encoder_noise
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import file_numbers

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.data.channel_noise import encoder_noise, recorded_torque_noise
 from flexdyn.diagnose.data.filters import SECOND_FILTER_WIDTHS, Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.mask import sign_mask
-from flexdyn.diagnose.equations.noise import encoder_noise, recorded_torque_noise
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis

@@ -1,0 +1,49 @@
+"""Where a joint may stick: the sign of its velocity is uncertain, so that dry friction can have any value."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.data.kernel import Kernel
+
+Array = NDArray[np.float64]
+CERTAIN_SIGN_SIGMAS = 5.0
+"""The sign of a velocity below this number of standard deviations is uncertain [1]."""
+
+
+def uncertain_sign(u: Array, sigma: float, kernel: Kernel) -> NDArray[np.bool_]:
+    """Samples (samples,) at which a filtered velocity may have either sign.
+
+    Args:
+        u: the velocity (samples,) [rad/s or m/s].
+        sigma: standard deviation of the encoder [rad or m].
+        kernel: filter that made the velocity from the position.
+    """
+    spread = float(np.linalg.norm(kernel.taps[1]))
+    uncertain = np.abs(u) <= CERTAIN_SIGN_SIGMAS * spread * sigma  # the sign of 0 is always uncertain
+    uncertain[1:] |= u[1:] * u[:-1] < 0.0
+    return np.asarray(uncertain)
+
+
+def near(samples: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """Samples (samples,) that are at most `reach` from one of some samples."""
+    return np.asarray(np.convolve(samples, np.ones(2 * reach + 1), "same") > 0.5)
+
+
+def long_runs(samples: NDArray[np.bool_], length: int) -> NDArray[np.bool_]:
+    """Those of some samples (samples,) that stand in a run of more than so many."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], samples, [False]]).astype(np.int8)))
+    kept = np.zeros_like(samples)
+    for first, last in edges.reshape(-1, 2).tolist():
+        kept[first:last] = last - first > length
+    return kept
+
+
+def borders(samples: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Samples (samples,) on both sides of each place where a run of some samples begins or ends."""
+    change = samples[1:] != samples[:-1]
+    found = np.zeros_like(samples)
+    found[1:] |= change
+    found[:-1] |= change
+    return found
