@@ -16,7 +16,8 @@ def of_compliance(equations: Equations, j: int) -> Array:
     """Derivative of the residual (rows,) by the compliance 1/K of a rigid joint, where that is 0.
 
     With both encoders the deflection is measured, and should equal the link's torque over K. With one encoder, the
-    other position has an error of torque over K, whose acceleration loads the rotor or the links.
+    other position has an error of torque over K, whose acceleration loads the rotor or the links. The torque is that of
+    the side that was measured; while a motor rests, its friction is unknown, and the torque is that of the link.
     """
     return np.concatenate([_along(equations, each, j).ravel() for each in equations.motions])
 
@@ -29,7 +30,7 @@ def _along(equations: Equations, along: SmoothedMotion, j: int) -> Array:
     by_motor = terms.motor - J * along.alpha[:, j]
     rows = np.zeros((filters.count(len(along.t)), len(equations.kinds)))
     has_q, has_theta = along.data.has_q[j], along.data.has_theta[j]
-    swung = [filters.rows(by_motor, order) for order in range(3)]
+    swung = [filters.rows(np.where(along.resting[:, j], by_link, by_motor), order) for order in range(3)]
     for place, (i, kind) in enumerate(equations.kinds):
         if has_q and has_theta:
             if i == j and kind == TRANSMISSION:

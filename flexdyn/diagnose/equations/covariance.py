@@ -67,10 +67,32 @@ def whitener(equations: Equations, noise: SampleNoise, mask: NDArray[np.bool_], 
     blocks = [_band(equations, each, noise, kernels) for each in equations.motions]
     width = max(len(block) for block in blocks)
     band = np.concatenate([np.pad(block, ((0, width - len(block)), (0, 0))) for block in blocks], axis=1)
+    band[0] += error_of_rests(equations) ** 2
     if extra is not None:
         band[0] += extra
     band[0] = np.where(mask, band[0] + MASKED * np.median(band[0]), band[0] * (1.0 + 1e-9))
     return Whitener(cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False), mask)
+
+
+def error_of_rests(equations: Equations) -> Array:
+    """Size of what the rows (rows,) neglect while a motor rests whose link is not measured.
+
+    The link is taken to follow its load without delay. The acceleration that this neglects winds the spring by
+    ``M_ii (alpha - a) / K``; the rows contain this to first order, and the next order is at most about as large where
+    the link does not vibrate at its own frequency. Where it does, this is large too.
+    """
+    parts = []
+    for along in equations.motions:
+        at = equations.filters.instants(len(along.t))
+        rows = np.zeros((len(at), len(equations.kinds)))
+        for i in np.flatnonzero(equations.made_up & along.resting.any(axis=0)).tolist():
+            wound = along.M[:, i, i] * (along.alpha - along.a)[:, i] / equations.true.stiffness[i]
+            swung = [equations.filters.rows(np.where(along.resting[:, i], wound, 0.0), order) for order in range(3)]
+            loads = along.dragged(i, swung, at) / equations.gains
+            for place, (j, kind) in enumerate(equations.kinds):
+                rows[:, place] += np.abs(loads[:, j]) if kind == TOTAL else 0.0
+        parts.append(rows.ravel())
+    return np.concatenate(parts)
 
 
 def _kernels(equations: Equations) -> dict[str, list[Array]]:
