@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.kernel import Kernel
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.made_up import made_up
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.records.signals.gaussian import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.prescribed import links_behind
 
@@ -146,7 +146,7 @@ def _alike(one: SmoothedMotion, base: SmoothedMotion) -> bool:
     return all(np.abs(a - b).max() <= s * r for (a, b), s, r in zip(pairs, shares, base.ranges, strict=True))
 
 
-def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel: Kernel) -> Smoothed:
+def smoothed(model: FlexibleJointModel, links: LinkSide, data: Measured, kernel: GaussianSmoother) -> Smoothed:
     """Smooth a recording.
 
     Args:

@@ -36,6 +36,14 @@ class Kernels:
     held: FloatArray
 
 
+def correlated(x: FloatArray, kernel: FloatArray) -> FloatArray:
+    """sum_m kernel[half + m] x[k + m] of a column or table x, where the kernel (2 half + 1,) is within the samples."""
+    from scipy.ndimage import correlate1d  # here, as `import flexdyn` loads no scipy
+
+    half = len(kernel) // 2
+    return np.asarray(correlate1d(x, kernel, axis=0)[half : len(x) - half])
+
+
 @lru_cache(maxsize=256)
 def kernels(half: int, degree: int, taper: int) -> Kernels:
     """The four kernels of one smoother.

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError
-from flexdyn.records.signals.kernels import DIFFERENCE_REACH, Kernels, kernels
+from flexdyn.records.signals.kernels import DIFFERENCE_REACH, Kernels, correlated, kernels
 from flexdyn.records.table import FloatArray
 
 ORDERS = ("value", "first", "second", "held")
@@ -198,12 +198,8 @@ class Smoother:
 
             columns = kernel[::-1] if samples.ndim == 1 else kernel[::-1, None]
             out = oaconvolve(moved, columns, mode="valid", axes=0)
-        elif samples.ndim == 1:
-            out = np.correlate(moved, kernel, "valid")
         else:
-            out = np.empty((len(samples) - 2 * self.reach, samples.shape[1]))
-            for column in range(samples.shape[1]):
-                out[:, column] = np.correlate(moved[:, column], kernel, "valid")
+            out = correlated(moved, kernel)
         return np.asarray(out * self.rate**power if power else out + start)
 
     def _check(self, samples: FloatArray) -> None:
