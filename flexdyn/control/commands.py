@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -10,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.checks import as_number, as_numbers
+from flexdyn.checks import as_numbers, number
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
@@ -286,10 +285,7 @@ def checked_rate(key: str, rate: Any) -> float:
     Raises:
         InputError: it is not.
     """
-    number = as_number(rate)
-    if not 0 < number < math.inf:
-        raise InputError("a rate above 0 Hz is needed", key=key, value=rate)
-    return number
+    return number(key, rate, "a rate above 0 Hz is needed", above=0.0)
 
 
 def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexdyn.checks import whole
 from flexdyn.control.commands import Samples, State, checked_rate, per_joint
 from flexdyn.control.firmware import Firmware
 from flexdyn.errors import InputError
@@ -76,9 +77,7 @@ class Servo:
         if self.feedback not in ("theta", "q"):
             raise InputError("no such feedback", key="servo.feedback", value=self.feedback, remedy="it is theta or q")
         for key in ("span", "delay"):
-            value = getattr(self, key)
-            if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-                raise InputError("a number of samples is needed", key=f"servo.{key}", value=value)
+            whole(f"servo.{key}", getattr(self, key), 0, problem="a number of samples is needed")
         if self.added is not None and not isinstance(self.added, Samples):
             raise InputError("Samples are needed", key="servo.added", value=self.added)
         object.__setattr__(self, "rate", checked_rate("servo.rate", self.rate))

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from flexdyn.checks import as_number
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import as_number, number
+from flexdyn.errors import InputError
+from flexdyn.io.yaml import check_keys
 
 UNKNOWN = "unknown"
 """The word of a model file for an unknown number."""
@@ -54,24 +55,18 @@ def given_number(entry: Any, key: str) -> GivenNumber:
     if isinstance(entry, str) and entry == UNKNOWN:
         return GivenNumber(0.0, math.inf)
     if not isinstance(entry, Mapping):
-        number = as_number(entry)
-        if math.isnan(number):
+        found = as_number(entry)
+        if math.isnan(found):
             raise InputError("a number is needed", key=key, value=entry, remedy=WRITE_UNKNOWN if entry is None else "")
-        return GivenNumber(number)
-    for name in entry:
-        if name not in KEYS:
-            raise InputError("there is no such key", key=f"{key}.{name}", remedy=did_you_mean(str(name), KEYS))
+        return GivenNumber(found)
+    check_keys(entry, KEYS, key=key)
     for name in KEYS:
         if name not in entry:
             raise InputError("it is missing", key=f"{key}.{name}", remedy="write {value: 0.0, tolerance: 0.02}")
-    value, tolerance = as_number(entry["value"]), as_number(entry["tolerance"])
-    if not math.isfinite(value):
-        remedy = f"{WRITE_UNKNOWN}, in place of the mapping"
-        raise InputError("a finite number is needed", key=f"{key}.value", value=entry["value"], remedy=remedy)
-    if not 0.0 < tolerance < math.inf:
-        remedy = f"it is absolute, one standard deviation; {WRITE_UNKNOWN}"
-        raise InputError("a number above 0 is needed", key=f"{key}.tolerance", value=entry["tolerance"], remedy=remedy)
-    return GivenNumber(value, tolerance)
+    value = number(f"{key}.value", entry["value"], remedy=f"{WRITE_UNKNOWN}, in place of the mapping")
+    remedy = f"it is absolute, one standard deviation; {WRITE_UNKNOWN}"
+    problem = "a number above 0 is needed"
+    return GivenNumber(value, number(f"{key}.tolerance", entry["tolerance"], problem, above=0.0, remedy=remedy))
 
 
 def refusal(key: str, unit: str) -> InputError:

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.io.files import exists, is_file, write_text
-from flexdyn.io.yaml import check_keys, dump_yaml, read_yaml
+from flexdyn.io.yaml import check_format, check_keys, dump_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.link_numbers import links_entry
 from flexdyn.model.setting_checks import check_tolerance_paths, plain_command
@@ -19,7 +19,7 @@ from flexdyn.robot.names import shipped_dir
 
 MODEL_FORMAT = 1
 ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
-TOP_KEYS = ("flexdyn", "robot", "joints", "links", "initial", "tolerance", "effects", "command")
+TOP_KEYS = ("robot", "joints", "links", "initial", "tolerance", "effects", "command")
 ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "axes", "urdf_dynamics", "rotor_coupling")
 
 
@@ -48,12 +48,9 @@ def load_model(path: str | Path) -> FlexibleJointModel:
         ('shoulder', 'elbow')
     """
     file = _find(path)
-    content = read_yaml(file)
-    try:
-        name = file.parent.name if file.name == "model.yaml" else file.stem
-        return model_from_dict(content, file.parent, name=name)
-    except InputError as error:
-        raise (error if error.file else error.at(file=file)) from None
+    name = file.parent.name if file.name == "model.yaml" else file.stem
+    with placed(file=file):
+        return model_from_dict(read_yaml(file), file.parent, name=name)
 
 
 def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "") -> FlexibleJointModel:
@@ -67,10 +64,7 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
     Raises:
         InputError: a key, joint, effect or number that does not fit.
     """
-    check_keys(content, TOP_KEYS, required=("flexdyn", "robot"))
-    if isinstance(content["flexdyn"], bool) or content["flexdyn"] != MODEL_FORMAT:
-        remedy = f"this version reads format {MODEL_FORMAT}"
-        raise InputError("no such format", key="flexdyn", value=content["flexdyn"], remedy=remedy)
+    check_format(content, "flexdyn", MODEL_FORMAT, TOP_KEYS, required=("robot",))
     entry = content["robot"]
     check_keys(entry, ROBOT_KEYS, required=("urdf",), key="robot")
     for key, kind in (("package_dirs", list), ("lock", Mapping)):

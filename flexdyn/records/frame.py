@@ -85,5 +85,4 @@ def _numbers(values: Any, name: str) -> npt.NDArray[Any]:
     try:
         return np.array(values.to_numpy(dtype=np.float64, na_value=np.nan))
     except (TypeError, ValueError):
-        remedy = "convert or drop the column"
-        raise InputError("the column holds no numbers", key=name, remedy=remedy, channel=name) from None
+        raise InputError("the column holds no numbers", remedy="convert or drop the column", channel=name) from None

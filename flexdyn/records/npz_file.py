@@ -91,7 +91,7 @@ def _array(stream: IO[bytes], size: int, name: str, parts: list[RequestedColumn]
     """One array of a member of `size` bytes; nothing is allocated before type, shape and size agree."""
     reader = _READERS.get(np.lib.format.read_magic(stream))
     if reader is None:
-        raise InputError("the column has named fields", key=name, remedy="write plain arrays of doubles", channel=name)
+        raise InputError("the column has named fields", remedy="write plain arrays of doubles", channel=name)
     shape, by_columns, dtype = reader(stream)
     if name == RESERVED and (shape != () or dtype.kind != "U"):
         raise InputError("meta is not one JSON text", key=name, remedy="write it with write_recording")

@@ -101,7 +101,7 @@ def _names(there: list[str], request: Request) -> list[str]:
                 check_name(name)
     for name in names:
         if names.count(name) > 1:
-            raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+            raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
     return names
 
 
@@ -114,7 +114,7 @@ def _check_type(pa: Any, kind: Any, name: str) -> None:
         remedy = "write one flat column per channel"
     elif pa.types.is_temporal(kind):
         remedy = "write seconds as doubles, in pandas: (time - time[0]).dt.total_seconds()"
-    raise InputError(f"the column holds {kind}, not doubles", key=name, remedy=remedy, channel=name)
+    raise InputError(f"the column holds {kind}, not doubles", remedy=remedy, channel=name)
 
 
 def _column(file: Any, name: str, rows: list[int]) -> FloatArray:

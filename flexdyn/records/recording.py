@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known, did_you_mean
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.meta import as_plain, locked
 from flexdyn.records.signals.beside import beside
@@ -357,8 +357,7 @@ def _check_units(units: Any, channels: Mapping[str, FloatArray]) -> None:
     if not isinstance(units, Mapping) or not all(isinstance(unit, str) for unit in units.values()):
         raise InputError("units is not a mapping of channel to unit", key="meta.units", value=units)
     for channel, unit in units.items():
-        if channel not in channels:
-            raise InputError("no such channel", key=f"meta.units.{channel}", remedy=did_you_mean(channel, channels))
+        check_known(channel, channels, "no such channel", key=f"meta.units.{channel}")
         check_unit(channel, unit)
 
 
@@ -367,9 +366,7 @@ def _check_prescribed(joints: Any, channels: Mapping[str, FloatArray]) -> None:
         raise InputError("a list of joints is needed", key="meta.prescribed", value=joints, remedy='such as ["slide"]')
     known = {parts[1] for parts in map(split_name, channels) if parts}
     for joint in joints:
-        if joint not in known:
-            remedy = did_you_mean(joint, known)
-            raise InputError("no channel of this joint", key="meta.prescribed", value=joint, remedy=remedy)
+        check_known(joint, known, "no channel of this joint", key="meta.prescribed", value=joint)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -76,5 +76,4 @@ def _declare(link: str, declared: set[str]) -> str:
 
 
 def _error(key: str, problem: str, line: int | None, remedy: str) -> InputError:
-    where = f" (line {line})" if line else ""
-    return InputError(problem + where, key=key, remedy=remedy, line=line)
+    return InputError(problem + f" (line {line})" if line else "", key=key, remedy=remedy, line=line)

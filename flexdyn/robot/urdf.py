@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexdyn.errors import InputError, one_line
+from flexdyn.errors import InputError, one_line, placed
 from flexdyn.robot.graph import check_graph
 from flexdyn.robot.joints import RobotJoint, read_joint
 from flexdyn.robot.links import Link, read_link
@@ -40,7 +40,7 @@ def read_urdf(path: Path) -> Urdf:
     Raises:
         InputError: one line with file, key, value and remedy; its data have ``line`` if it is known.
     """
-    try:
+    with placed(file=path):
         root = read_xml(path)
         colors = read_colors(root)
         link_elements, joint_elements = root.findall("link"), root.findall("joint")
@@ -57,7 +57,5 @@ def read_urdf(path: Path) -> Urdf:
             [(link.name, link.line) for link in links],
             [(joint.name, joint.parent, joint.child, joint.line) for joint in joints],
         )
-    except InputError as error:
-        raise error.at(file=path) from None
     name = one_line((root.get("name") or "").strip() or path.stem)[:LONGEST_NAME]
     return Urdf(name, links, joints)

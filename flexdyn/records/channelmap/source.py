@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import whole
+from flexdyn.errors import InputError, check_known
 from flexdyn.io.yaml import check_keys
 from flexdyn.records.channelmap.description import TIME, TimeSource
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
@@ -32,7 +33,7 @@ def time_of(entry: Any) -> TimeSource:
     unit = entry.get("unit")
     if unit is not None and UNITS.get(plain_unit(as_text("time.unit", unit)), UNITS["m"]).quantity != "time":
         known = [name for name, known in UNITS.items() if known.quantity == "time"]
-        raise InputError("no unit of time", key="time.unit", value=unit, remedy=did_you_mean(unit, known))
+        check_known(unit, known, "no unit of time", key="time.unit", value=unit)
     return TimeSource(
         as_source("time.from", entry.get("from", TIME)),
         unit,
@@ -51,12 +52,9 @@ def layout_of(entry: Any) -> Layout:
     check_keys(entry, SOURCE_KEYS, key="source")
     given = {name: value for name, value in entry.items() if value is not None}
     for name in ("names_line", "first_line"):
-        line = given.get(name, 1)
-        if isinstance(line, bool) or not isinstance(line, int) or line < 1:
-            raise InputError("a line number from 1 is needed", key=f"source.{name}", value=line)
-    as_choice("source.decimal", given.get("decimal", "."), (".", ","))
-    as_choice("source.clock", given.get("clock", "message"), ("message", "bag"))
-    as_choice("source.merge", given.get("merge", "linear"), ("linear", "hold"))
+        whole(f"source.{name}", given.get(name, 1), 1, problem="a line number from 1 is needed")
+    for name, choices in (("decimal", (".", ",")), ("clock", ("message", "bag")), ("merge", ("linear", "hold"))):
+        as_choice(f"source.{name}", given.get(name, choices[0]), choices)
     if "encoding" in given:
         _check_encoding(given["encoding"])
     delimiter = given.get("delimiter", ",")

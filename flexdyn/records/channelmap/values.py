@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 from typing import Any
 
-from flexdyn.checks import as_number
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import number
+from flexdyn.errors import InputError, check_known
 
 POSITIVE = ("gear_ratio", "torque_constant", "counts_per_turn", "full_counts")
 """Numbers that must be positive, because a negative one would hide a reversed sign."""
@@ -19,9 +18,8 @@ def as_choice(key: str, value: Any, known: Collection[str]) -> str:
     Raises:
         InputError: it is another one.
     """
-    if not isinstance(value, str) or value not in known:
-        raise InputError("no such choice", key=key, value=value, remedy=did_you_mean(str(value), known))
-    return value
+    check_known(value, known, "no such choice", key=key, value=value)
+    return str(value)
 
 
 def as_source(key: str, value: Any) -> str | int:
@@ -60,12 +58,11 @@ def as_finite(key: str, name: str, value: Any, *, positive: bool = False) -> flo
     Raises:
         InputError: it is not.
     """
-    number = as_number(value)
-    if not math.isfinite(number):
-        raise InputError("a finite number is needed", key=f"{key}.{name}", value=value)
-    if (positive or name in POSITIVE) and number <= 0:
+    key = f"{key}.{name}"
+    found = number(key, value)
+    if positive or name in POSITIVE:
         remedy = "a reversed channel has sign: -1" if name in POSITIVE else None
-        raise InputError("a number above zero is needed", key=f"{key}.{name}", value=value, remedy=remedy)
-    if name in ("factor", "full_scale") and number == 0:
-        raise InputError("a number other than zero is needed", key=f"{key}.{name}", value=value)
-    return number
+        return number(key, value, "a number above zero is needed", above=0.0, remedy=remedy)
+    if name in ("factor", "full_scale") and found == 0:
+        raise InputError("a number other than zero is needed", key=key, value=value)
+    return found

@@ -117,9 +117,9 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
             if name not in ("t", RESERVED):
                 check_name(name)
             if name in seen:
-                raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+                raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
             if not isinstance(dataset, h5py.Dataset):
-                raise InputError("the channel is no dataset", key=name, remedy="groups nest one deep", channel=name)
+                raise InputError("the channel is no dataset", remedy="groups nest one deep", channel=name)
             seen.add(name)
             check_count(len(seen))
             yield name, dataset
@@ -169,10 +169,9 @@ def attribute(h5py: Any, dataset: Any, name: str) -> str | None:
 def check_storage(dataset: Any, name: str) -> None:
     """Refuse a dataset whose bytes are in other files or in chunks of more than 1 GiB."""
     if dataset.is_virtual or dataset.external:
-        remedy = "copy the samples into the file"
-        raise InputError("the samples lie in another file", key=name, remedy=remedy, channel=name)
+        raise InputError("the samples lie in another file", remedy="copy the samples into the file", channel=name)
     if math.prod(dataset.chunks or ()) * dataset.dtype.itemsize > _LARGEST_CHUNK:
-        raise InputError("a chunk is larger than 1 GiB", key=name, remedy="write smaller chunks", channel=name)
+        raise InputError("a chunk is larger than 1 GiB", remedy="write smaller chunks", channel=name)
 
 
 def _check_sizes(datasets: dict[str, Any], on_disk: int) -> None:

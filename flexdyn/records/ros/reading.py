@@ -40,7 +40,7 @@ def read(path: Path, request: Request) -> Table:
     table = Table(rows=Rows("message"))
     one = merged(every, request)
     if own and one.said:
-        raise InputError("the bag's own topics have different times", key="t", remedy="copy the whole bag", channel="t")
+        raise InputError("the bag's own topics have different times", remedy="copy the whole bag", channel="t")
     table.said += one.said
     zero = own["zero_ns"] if own else _zero(one.stamps)
     columns = dict(one.columns)

@@ -109,7 +109,7 @@ def _stamps(rec: Recording) -> tuple[Integers, int]:
     if same.any():
         row = int(np.argmax(same)) + 1
         problem = f"row {row}: two samples fall on one nanosecond, which is all that ROS resolves"
-        raise InputError(problem, key="t", value=float(rec.t[row]), remedy="write another format", row=row, channel="t")
+        raise InputError(problem, value=float(rec.t[row]), remedy="write another format", row=row, channel="t")
     start = rec.meta.get("start_ns", 0)
     fits = isinstance(start, int) and not isinstance(start, bool)
     if not fits or start + int(since[0]) < 0 or start + int(since[-1]) >= _LATEST:

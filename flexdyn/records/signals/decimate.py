@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import whole
 from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.gaps import gap_rows
@@ -39,8 +40,7 @@ def decimated(rec: Recording, factor: int) -> Recording:
     Raises:
         InputError: no such factor, gaps, a clock that is not uniform, or too few samples.
     """
-    if isinstance(factor, bool) or not isinstance(factor, int) or factor < 1:
-        raise InputError("a whole number of samples is needed", key="factor", value=factor)
+    whole("factor", factor, 1, problem="a whole number of samples is needed")
     if factor == 1:
         return rec
     _check_clock(rec)

@@ -159,7 +159,7 @@ def uniform_rate(rec: Recording) -> float:
         typical = 1 / float(np.median(np.diff(rec.t)))
         problem = f"row {row}: the samples are not uniform, {float(off.max()):.2g} periods off a grid"
         remedy = f"resample first: .resample(rate={typical:.4g})"
-        raise InputError(problem, key="t", value=float(rec.t[row]), remedy=remedy, row=row, channel="t")
+        raise InputError(problem, value=float(rec.t[row]), remedy=remedy, row=row, channel="t")
     return rate
 
 

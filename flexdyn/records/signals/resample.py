@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import as_number
+from flexdyn.checks import number
 from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.gaps import gap_limit
-from flexdyn.records.signals.smooth import Smoother
+from flexdyn.records.signals.smooth import Smoother, sample_rate
 from flexdyn.records.table import FloatArray
 from flexdyn.records.units import split_name
 
@@ -140,9 +140,7 @@ def _means(rec: Recording, name: str, times: FloatArray) -> FloatArray:
 
 
 def _grid(rec: Recording, rate: float | None) -> FloatArray:
-    value = as_number(rate)
-    if not 0 < value < math.inf:
-        raise InputError("not a sample rate", key="rate", value=rate, remedy="give samples per second [Hz]")
+    value = sample_rate(rate)
     count = math.floor(rec.duration * value + 1e-6) + 1
     if not 2 <= count <= 1e9:
         problem = f"{count} samples would come out of {rec.duration:g} s"
@@ -169,11 +167,10 @@ def _times(rec: Recording, times: npt.ArrayLike) -> FloatArray:
 
 def _check_gaps(rec: Recording, longest_gap: float | None) -> None:
     steps = np.diff(rec.t)
-    limit = gap_limit(rec.t) if longest_gap is None else as_number(longest_gap)
-    if not limit > 0:
-        raise InputError("not a length of time", key="longest_gap", value=longest_gap, remedy="give seconds")
+    longest_gap = gap_limit(rec.t) if longest_gap is None else longest_gap
+    limit = number("longest_gap", longest_gap, "not a length of time", above=0.0, infinite=True, remedy="give seconds")
     if (steps > limit).any():
         row = int(np.argmax(steps > limit))
         problem = f"row {row}: a gap of {steps[row]:.4g} s follows, longer than {limit:.4g} s"
         remedy = f"split the recording there, .split(gaps={limit:.4g}), or give longest_gap="
-        raise InputError(problem, key="t", value=float(rec.t[row]), remedy=remedy, row=row, channel="t")
+        raise InputError(problem, value=float(rec.t[row]), remedy=remedy, row=row, channel="t")
