@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexdyn.batch.metric_views import DOTS, MetricColumns, scatter, tornado
+from flexdyn.batch.results import Results
 from flexdyn.batch.trajectory_views import trajectories, trajectory_keys
 from flexdyn.errors import InputError, check_known
 from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.palette import hue
 from flexdyn.plots.panel import Key, short
 from flexdyn.plots.picture import Picture
-
-if TYPE_CHECKING:
-    from flexdyn.batch.results import Results
 
 VIEWS = ("metrics", "sensitivities", "trajectories")
 MOST_METRICS, MOST_PARAMETERS = 6, 4

@@ -11,17 +11,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from flexdyn.errors import InputError, needed
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.recording import Recording
 from flexdyn.records.table import FloatArray, Table, as_floats
 from flexdyn.records.units import PRISMATIC, SIGNALS
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 LONG_NAMES = {
     "t": "time",

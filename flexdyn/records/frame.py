@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -10,11 +10,9 @@ import numpy.typing as npt
 from flexdyn.errors import InputError, needed
 from flexdyn.records.column_names import split_unit
 from flexdyn.records.meta import as_plain
+from flexdyn.records.recording import Recording
 from flexdyn.records.table import Table
 from flexdyn.records.units import split_name
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 ATTRIBUTE = "flexdyn"
 """Key of a frame's attrs under which meta and name are kept."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import zipfile
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -13,11 +13,9 @@ from flexdyn.errors import InputError
 from flexdyn.records.array_columns import RequestedColumn, parts_of
 from flexdyn.records.bounds import MOST_COLUMNS, check_count, check_size
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import RESERVED, Table, check_name, damage_named
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _PIECE = 2**20
 _DIRECTORY_SIZE = 5

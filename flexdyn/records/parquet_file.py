@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from flexdyn.errors import InputError, needed
 from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import (
     RESERVED,
@@ -24,9 +25,6 @@ from flexdyn.records.table import (
     check_time_named,
     damage_named,
 )
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _ROWS_AT_ONCE = 2**20
 _PANDAS_LABELS = "__index_level_"

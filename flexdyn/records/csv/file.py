@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TextIO
 
 import numpy as np
 
@@ -14,11 +14,9 @@ from flexdyn.errors import InputError
 from flexdyn.records.csv.guess import encoding_of
 from flexdyn.records.csv.header import header_of
 from flexdyn.records.csv.rows import Block, Header, blocks_of_numbers
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import FloatArray, Rows, Table
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _CSV_BLOCK = 2**20
 _LONGEST_LINE = 2**20

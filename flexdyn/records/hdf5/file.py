@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -21,12 +21,10 @@ from flexdyn.records.array_columns import parts_of
 from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.hdf5.library import check_library, library, new_file
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import RESERVED, Table, check_name, damage_named
 from flexdyn.records.units import SIGNALS
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _LARGEST_CHUNK = 2**30
 _LONGEST_UNIT = 999

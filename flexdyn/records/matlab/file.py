@@ -10,17 +10,15 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flexdyn.records.matlab import v5, v73
 from flexdyn.records.matlab.columns import KEY, LeafColumns
 from flexdyn.records.meta import as_plain
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table, damage_named
 from flexdyn.records.units import SIGNALS, split_name
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 LARGEST_V5 = 2**31 - 2**20
 """Largest variable of version 5 [bytes]; MATLAB itself writes at most 2 GB."""

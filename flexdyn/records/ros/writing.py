@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rosbags import rosbag1, rosbag2
@@ -18,6 +18,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from flexdyn.errors import InputError
 from flexdyn.records.meta import as_json, as_plain
+from flexdyn.records.recording import Recording
 from flexdyn.records.ros.clock import NANO, Integers, nanoseconds, seconds
 from flexdyn.records.ros.columns import (
     CHANNELS_TOPIC,
@@ -32,9 +33,6 @@ from flexdyn.records.ros.definitions import control_types
 from flexdyn.records.ros.reading import META_TOPIC
 from flexdyn.records.ros.walk import Bytes, lay_out
 from flexdyn.records.units import split_name
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _STRING = "std_msgs/msg/String"
 _LATEST = 2**31 * NANO

@@ -12,13 +12,11 @@ from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.gaps import gap_rows
 from flexdyn.records.table import FloatArray
-from flexdyn.records.units import split_name
+from flexdyn.records.units import is_held
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
-HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
-"""Signals that are held from each sample to the next (contract, section 4)."""
 FILTER_REACH = 20
 """Reach of the filter to either side, in samples of the new rate."""
 CLOCK_JITTER = 0.02
@@ -51,8 +49,7 @@ def decimated(rec: Recording, factor: int) -> Recording:
         raise InputError(problem, key="factor", value=factor, remedy="give a smaller one")
     columns = {"t": rec.t[kept]}
     for name, values in rec.channels.items():
-        held = (split_name(name) or ("",))[0] in HELD
-        columns[name] = _means(values, kept, factor) if held else _filtered(values, kept, factor)
+        columns[name] = _means(values, kept, factor) if is_held(name) else _filtered(values, kept, factor)
     return made(rec, columns)
 
 

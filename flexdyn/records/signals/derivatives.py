@@ -12,11 +12,10 @@ from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.noise import Noise, estimate_noise
-from flexdyn.records.signals.resample import HELD
 from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.signals.width import best_smoother
 from flexdyn.records.table import FloatArray
-from flexdyn.records.units import split_name
+from flexdyn.records.units import is_held, split_name
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
@@ -52,8 +51,7 @@ class Derivatives(Locked):
 
     def value(self, channel: str) -> FloatArray:
         """The smoothed channel; tau and tau_applied are taken as held from each sample to the next."""
-        held = _signal(channel) in HELD
-        return self.smoother.held(self.recording[channel]) if held else self.smoother.value(self.recording[channel])
+        return (self.smoother.held if is_held(channel) else self.smoother.value)(self.recording[channel])
 
     def first(self, channel: str) -> FloatArray:
         """First derivative [unit/s]: velocity from a position, acceleration from a velocity."""
@@ -72,7 +70,7 @@ class Derivatives(Locked):
         """
         if channel not in self.noise:
             raise InputError("the noise of the channel was not requested", key=channel, remedy="name it in channels=")
-        held = order == "value" and _signal(channel) in HELD
+        held = order == "value" and is_held(channel)
         return self.smoother.noise_std("held" if held else order, self.noise[channel].autocovariance)
 
 
@@ -106,7 +104,7 @@ def derivatives(
     rate = uniform_rate(rec)
     if cutoff is not None and smoother is not None:
         raise InputError("the width is given twice", key="cutoff", value=cutoff, remedy="give cutoff or smoother")
-    positions = [channel for channel in rec.channels if _signal(channel) in _POSITIONS]
+    positions = [channel for channel in rec.channels if (split_name(channel) or ("",))[0] in _POSITIONS]
     names = positions if channels is None else list(channels)
     noise = {channel: noise_of(rec, channel) for channel in names}
     if cutoff is not None:
@@ -140,7 +138,7 @@ def smoothed(rec: Recording, smoother: Smoother) -> Recording:
 def noise_of(rec: Recording, channel: str) -> Noise:
     """The noise of one channel, estimated from its samples; a commanded torque with repeated values is exact."""
     try:
-        return estimate_noise(rec.t, rec[channel], unit=rec.unit(channel), held=_signal(channel) in HELD)
+        return estimate_noise(rec.t, rec[channel], unit=rec.unit(channel), held=is_held(channel))
     except InputError as error:
         raise InputError(error.problem, **{**error.data, "key": channel, "channel": channel}) from None
 
@@ -167,7 +165,3 @@ def _check_rate(smoother: Smoother, rate: float) -> None:
     if abs(smoother.rate - rate) > 1e-3 * rate:
         problem = f"the filter is made for another rate than the recording's {rate:.6g} Hz"
         raise InputError(problem, key="smoother.rate", value=smoother.rate, remedy="make it for that rate")
-
-
-def _signal(channel: str) -> str:
-    return (split_name(channel) or ("",))[0]
