@@ -82,7 +82,7 @@ def check_tolerance_paths(
     numbers = (*NUMBERS, *(f"actuator.dc_motor.{number}" for number in ("torque_constant", "resistance")))
     known = ["*", *(f"joints.{joint}.{number}" for joint in ("*", *joints) for number in numbers)]
     known += [f"effects[{i}].{field.name}" for i, effect in enumerate(effects) for field in effect.parameters()]
-    known += [f"links.{link}.{number}" for link in links for number_ in ("mass", "com", "inertia")]
+    known += [f"links.{link}.{number}" for link in links for number in ("mass", "com", "inertia")]
     for path in tolerance:
         check_known(str(path), known, "no such number in the model", key=f"tolerance.{path}")
 

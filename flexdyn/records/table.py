@@ -102,7 +102,8 @@ def check_name(name: str) -> None:
     elif name.endswith(".") and name.count(".") == 1:
         problem = "no joint follows the dot"
     if problem:
-        raise InputError(problem, value=name, remedy="name channels <signal>.<joint>, such as q.elbow", channel=name)
+        remedy = "name channels <signal>.<joint>, such as q.elbow"
+        raise InputError(problem, key="", value=name, remedy=remedy, channel=name)
 
 
 def check_time_named(names: Collection[str], gaps: Collection[str] = ()) -> None:
