@@ -11,7 +11,7 @@ from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.io.files import exists, is_file, write_text
 from flexdyn.io.yaml import check_format, check_keys, dump_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.link_numbers import links_entry
+from flexdyn.model.given_number import links_entry
 from flexdyn.model.setting_checks import check_tolerance_paths, plain_command
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.axes import plain_axes

@@ -20,7 +20,6 @@ from flexdyn.records.channelmap.file import read_map
 from flexdyn.records.csv import file as csv_file
 from flexdyn.records.hdf5 import file as hdf5_file
 from flexdyn.records.matlab import file as mat_file
-from flexdyn.records.near_names import asked_back
 from flexdyn.records.notices import RecordingWarning
 from flexdyn.records.recording import Recording
 from flexdyn.records.repairs import Repair, repaired, repairs_of
@@ -28,6 +27,7 @@ from flexdyn.records.request import Request
 from flexdyn.records.ros import read as read_bag
 from flexdyn.records.ros import write as write_bag
 from flexdyn.records.signals.gaps import told
+from flexdyn.records.suggestion import asked_back
 from flexdyn.records.table import Table
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError, needed
-from flexdyn.records.column_names import split_unit
+from flexdyn.records.channelmap.known_units import split_unit
 from flexdyn.records.meta import as_plain
 from flexdyn.records.recording import Recording
 from flexdyn.records.table import Table

@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError
-from flexdyn.records.apart.limits import WAITING, bytes_for, seconds_for
 from flexdyn.records.apart.messages import Lost, received, received_error, received_table, request_as_data
-from flexdyn.records.apart.server import SIGNALLED
+from flexdyn.records.apart.server import SIGNALLED, WAITING, bytes_for, seconds_for
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table
 

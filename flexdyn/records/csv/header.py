@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.bounds import check_count
-from flexdyn.records.column_names import split_unit
-from flexdyn.records.csv.dialect import NOTHING, Dialect
+from flexdyn.records.channelmap.known_units import split_unit
+from flexdyn.records.csv.dialect import NOTHING, Dialect, Stamps, is_stamp
 from flexdyn.records.csv.guess import dialect_of
 from flexdyn.records.csv.rows import Block, Header
-from flexdyn.records.csv.stamps import Stamps, is_stamp
 from flexdyn.records.request import Layout, Request
 from flexdyn.records.table import check_name, check_time_named
 from flexdyn.records.units import split_name

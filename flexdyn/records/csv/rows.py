@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
 from flexdyn.errors import InputError
-from flexdyn.records.csv.dialect import Dialect
-from flexdyn.records.csv.stamps import is_stamp
+from flexdyn.records.csv.dialect import Dialect, is_stamp
 from flexdyn.records.table import FloatArray
 
 Block = tuple[int, list[str]]
