@@ -48,6 +48,22 @@ def plain(value: Any) -> Any:
     return {key: plain(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value
 
 
+def frozen(value: Any) -> Any:
+    """A deep copy of plain data that cannot change: read-only mappings, tuples, numbers."""
+    if isinstance(value, Mapping):
+        return MappingProxyType({str(key): frozen(entry) for key, entry in value.items()})
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    return tuple(frozen(entry) for entry in value) if isinstance(value, list | tuple) else value
+
+
+def thawed(value: Any) -> Any:
+    """A deep copy of such data in dictionaries and lists, as YAML and JSON have them."""
+    if isinstance(value, Mapping):
+        return {key: thawed(entry) for key, entry in value.items()}
+    return [thawed(entry) for entry in value] if isinstance(value, tuple | list) else value
+
+
 def _entries(of: Any) -> dict[str, Any]:
     return {entry.name: getattr(of, entry.name) for entry in fields(of)}
 

@@ -99,9 +99,8 @@ class Joint:
         if isinstance(entry, Joint):
             return entry.to_dict() | {"actuator": entry.actuator}
         if not isinstance(entry, Mapping):
-            raise InputError(
-                "a joint is a mapping of its numbers", value=entry, remedy="write {stiffness: 4000.0, ...}"
-            )
+            remedy = "write {stiffness: 4000.0, ...}"
+            raise InputError("a joint is a mapping of its numbers", value=entry, remedy=remedy)
         for key in entry:
             check_known(key, KEYS, "a joint has no such key", key=str(key))
         return {str(key): value for key, value in entry.items()}

@@ -9,10 +9,11 @@ from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.io.files import exists, is_file, write_text
+from flexdyn.io.locked import thawed
 from flexdyn.io.yaml import check_format, check_keys, dump_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import links_entry
-from flexdyn.model.setting_checks import check_tolerance_paths, plain_command
+from flexdyn.model.setting_checks import check_tolerance_paths
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.axes import plain_axes
 from flexdyn.robot.names import shipped_dir
@@ -133,7 +134,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
     }
     if model.links:
         content["links"] = links_entry(model.links)
-    return content if model.command is None else content | {"command": plain_command(model.command)}
+    return content if model.command is None else content | {"command": thawed(model.command)}
 
 
 def _find(path: Any) -> Path:
@@ -176,9 +177,8 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
     if not is_file(source):
         is_path = "/" in urdf or urdf.lower().endswith((".urdf", ".xml", ".xacro"))
         if is_path:
-            raise InputError(
-                "there is no such file", key="robot.urdf", value=urdf, remedy=f"it is looked for in {folder}"
-            )
+            remedy = f"it is looked for in {folder}"
+            raise InputError("there is no such file", key="robot.urdf", value=urdf, remedy=remedy)
         source = urdf
     else:
         source = Path(source).resolve()  # one name for each file, so that models of it compare equal

@@ -14,6 +14,7 @@ from flexdyn.control.commands import PD, Samples, per_joint
 from flexdyn.control.points import command_of
 from flexdyn.effects import Effect
 from flexdyn.errors import InputError, check_known, placed
+from flexdyn.io.locked import frozen
 from flexdyn.model.joint import NUMBERS
 
 INITIAL_KEYS = ("q", "v", "theta", "omega")
@@ -105,21 +106,5 @@ def command_checked(command: Any, joint_names: Sequence[str]) -> Mapping[str, An
         if isinstance(made, PD):
             for gain in ("kp", "kd"):
                 per_joint(f"pd.{gain}", getattr(made, gain), joint_names)
-    locked: Mapping[str, Any] = _frozen(command)
+    locked: Mapping[str, Any] = frozen(command)
     return locked
-
-
-def plain_command(command: Any) -> Any:
-    """A read-only command as plain dictionaries and lists, as YAML writes them."""
-    if isinstance(command, Mapping):
-        return {key: plain_command(entry) for key, entry in command.items()}
-    return [plain_command(entry) for entry in command] if isinstance(command, tuple) else command
-
-
-def _frozen(value: Any) -> Any:
-    """A deep copy that cannot change: read-only mappings, tuples, numbers."""
-    if isinstance(value, Mapping):
-        return MappingProxyType({str(key): _frozen(entry) for key, entry in value.items()})
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    return tuple(_frozen(entry) for entry in value) if isinstance(value, list | tuple) else value

@@ -77,9 +77,8 @@ def _check_directory(path: Path) -> None:
 def _name_of(member: zipfile.ZipInfo, *, by_convention: bool) -> str:
     name = member.filename.removesuffix(".npy")
     if name == member.filename or member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise InputError(
-            "the file holds more than NumPy's arrays", value=member.filename, remedy="write it with numpy.savez"
-        )
+        remedy = "write it with numpy.savez"
+        raise InputError("the file holds more than NumPy's arrays", value=member.filename, remedy=remedy)
     if by_convention and name not in ("t", RESERVED):
         check_name(name)
     return name
@@ -107,7 +106,6 @@ def _array(stream: IO[bytes], size: int, name: str, parts: list[RequestedColumn]
         buffer[filled : filled + len(piece)] = piece
         filled += len(piece)
     if filled != expected:
-        raise InputError(
-            f"cut after {filled} of {expected} bytes", key=name, remedy="copy the file again", channel=name
-        )
+        remedy = "copy the file again"
+        raise InputError(f"cut after {filled} of {expected} bytes", key=name, remedy=remedy, channel=name)
     return array

@@ -67,9 +67,8 @@ class Recording(Public):
         if not isinstance(channels, Mapping):
             raise InputError("channels is not a mapping", key="channels", value=channels, remedy="give {name: array}")
         if "t" in channels:
-            raise InputError(
-                "t stands among the channels", key="channels", remedy="give it as the first argument", channel="t"
-            )
+            remedy = "give it as the first argument"
+            raise InputError("t stands among the channels", key="channels", remedy=remedy, channel="t")
         self._fill({"t": t, **channels}, meta, name, Rows(), copy=True)
 
     @classmethod

@@ -47,9 +47,8 @@ def repairs_of(entries: Any) -> tuple[Repair, ...]:
     if isinstance(entries, str | Mapping):
         entries = [entries]
     if not isinstance(entries, Iterable):
-        raise InputError(
-            "a list of repairs is needed", key="repair", value=entries, remedy=f"known: {', '.join(KNOWN)}"
-        )
+        remedy = f"known: {', '.join(KNOWN)}"
+        raise InputError("a list of repairs is needed", key="repair", value=entries, remedy=remedy)
     return tuple(_repair(entry) for entry in entries)
 
 

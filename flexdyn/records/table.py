@@ -159,9 +159,8 @@ def check_numbers(dtype: np.dtype[Any], shape: tuple[int, ...], channel: str) ->
     """
     if dtype.kind not in "fiub" or dtype.itemsize > 8:
         kind = "objects" if dtype.hasobject else f"the type {dtype}"
-        raise InputError(
-            f"the column holds {kind}, not doubles", key=channel, remedy="give real numbers", channel=channel
-        )
+        remedy = "give real numbers"
+        raise InputError(f"the column holds {kind}, not doubles", key=channel, remedy=remedy, channel=channel)
     if len(shape) != 1:
         text = f"the column has the shape {shape}"
         raise InputError(text, remedy="give one dimension, one number per sample", channel=channel)

@@ -38,9 +38,8 @@ def read_xml(path: Path) -> Any:
     if not text.lstrip().startswith("<"):
         raise InputError("not an XML file", remedy="give a URDF file, which begins with <robot name=...>")
     if _DOCTYPE.match(text):
-        raise InputError(
-            "a DOCTYPE is not read, it could pull in other files", remedy="delete the <!DOCTYPE ...> lines"
-        )
+        remedy = "delete the <!DOCTYPE ...> lines"
+        raise InputError("a DOCTYPE is not read, it could pull in other files", remedy=remedy)
     root = _parsed(text)
     _refuse_xacro(root, path)
     namespace = root.tag.rpartition("}")[0]
@@ -70,9 +69,8 @@ def _bytes_of(path: Path) -> bytes:
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", remedy="check the path and its permissions") from None
     if len(data) > MAX_URDF_BYTES:
-        raise InputError(
-            f"larger than {MAX_URDF_BYTES // 10**6} MB", remedy="a URDF is text; keep meshes in their own files"
-        )
+        remedy = "a URDF is text; keep meshes in their own files"
+        raise InputError(f"larger than {MAX_URDF_BYTES // 10**6} MB", remedy=remedy)
     return data
 
 

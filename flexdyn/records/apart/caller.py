@@ -13,6 +13,8 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -177,19 +179,12 @@ def _enlarge(stream: Any) -> None:
             fcntl.fcntl(stream.fileno(), fcntl.F_SETPIPE_SZ, _PIPE_BYTES)
 
 
-def _end_all() -> None:
+def _release_all(release: Callable[[_Server], Any]) -> None:
     for servers in _idle.values():
         for server in servers:
-            server.end()
+            release(server)
     _idle.clear()
 
 
-def _forget_all() -> None:
-    for servers in _idle.values():
-        for server in servers:
-            server.forget()
-    _idle.clear()
-
-
-atexit.register(_end_all)
-os.register_at_fork(after_in_child=_forget_all)
+atexit.register(_release_all, _Server.end)
+os.register_at_fork(after_in_child=partial(_release_all, _Server.forget))

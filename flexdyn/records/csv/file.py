@@ -105,9 +105,8 @@ def _blocks(stream: TextIO, size: int, request: Request) -> Iterator[Block]:
             yield number, lines
         number += len(lines)
         if len(rest) > _LONGEST_LINE:
-            raise InputError(
-                f"line {number}: longer than {_LONGEST_LINE} characters", remedy="is it a CSV file?", row=number
-            )
+            remedy = "is it a CSV file?"
+            raise InputError(f"line {number}: longer than {_LONGEST_LINE} characters", remedy=remedy, row=number)
         request.report(stream.buffer.tell() / size)
     if rest:
         yield number, [rest]

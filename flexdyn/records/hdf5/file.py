@@ -77,7 +77,8 @@ def read_here(path: Path, request: Request) -> Table:
         wanted = {part.array: datasets[part.array] for part in parts}
         for name, dataset in wanted.items():
             check_storage(dataset, name)
-        _check_sizes(wanted, os.path.getsize(path))
+        sizes = (dataset.size * dataset.dtype.itemsize for dataset in wanted.values() if dataset.size)
+        check_size(sum(sizes), os.path.getsize(path))
         for done, part in enumerate(parts):
             dataset = wanted[part.array]
             part.check(dataset.dtype, dataset.shape or ())
@@ -172,14 +173,9 @@ def check_storage(dataset: Any, name: str) -> None:
         raise InputError("a chunk is larger than 1 GiB", remedy="write smaller chunks", channel=name)
 
 
-def _check_sizes(datasets: dict[str, Any], on_disk: int) -> None:
-    check_size(sum(dataset.size * dataset.dtype.itemsize for dataset in datasets.values() if dataset.size), on_disk)
-
-
 def _text(h5py: Any, dataset: Any) -> str:
     kind = h5py.check_string_dtype(dataset.dtype)
     if kind is None or not kind.length or dataset.shape != ():
-        raise InputError(
-            "meta is not one JSON text of fixed length", key=RESERVED, remedy="write it with write_recording"
-        )
+        remedy = "write it with write_recording"
+        raise InputError("meta is not one JSON text of fixed length", key=RESERVED, remedy=remedy)
     return bytes(dataset[()]).decode()

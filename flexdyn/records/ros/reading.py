@@ -80,9 +80,8 @@ def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tupl
     if own or request.columns is None:
         names = [name for name in bag.topics if is_own(name)] if own else [_topic(bag, request)]
         if not names:
-            raise InputError(
-                "no topic with the channels that flexdyn wrote", key=META_TOPIC, remedy="copy the whole bag"
-            )
+            remedy = "copy the whole bag"
+            raise InputError("no topic with the channels that flexdyn wrote", key=META_TOPIC, remedy=remedy)
         topics = [bag.topics[name] for name in names]
         if bad := [topic for topic in topics if topic.msgtype not in CONVENTIONAL]:
             problem = f"messages of {bad[0].msgtype} make no recording by themselves"

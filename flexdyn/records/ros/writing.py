@@ -100,20 +100,23 @@ def _writer(path: Path, suffix: str) -> Any:
 
 def _stamps(rec: Recording) -> tuple[Integers, int]:
     """Stamps [ns], never negative, and the stamp that is time 0."""
-    if max(-float(rec.t[0]), float(rec.t[-1])) >= _LATEST / NANO:
-        raise InputError("ROS cannot hold the time", key="t", value=float(rec.t[-1]), remedy="count from the start")
+    value, remedy = float(rec.t[-1]), "count from the start"
+    too_late = InputError("ROS cannot hold the time", key="t", value=value, remedy=remedy)
+    if max(-float(rec.t[0]), value) >= _LATEST / NANO:
+        raise too_late
     since = nanoseconds(rec.t)
     same = since[1:] == since[:-1]
     if same.any():
         row = int(np.argmax(same)) + 1
         problem = f"row {row}: two samples fall on one nanosecond, which is all that ROS resolves"
         raise InputError(problem, value=float(rec.t[row]), remedy="write another format", row=row, channel="t")
+    first, last = int(since[0]), int(since[-1])
     start = rec.meta.get("start_ns", 0)
     fits = isinstance(start, int) and not isinstance(start, bool)
-    if not fits or start + int(since[0]) < 0 or start + int(since[-1]) >= _LATEST:
-        start = max(0, -int(since[0]))
-    if start + int(since[-1]) >= _LATEST:
-        raise InputError("ROS cannot hold the time", key="t", value=float(rec.t[-1]), remedy="count from the start")
+    if not fits or start + first < 0 or start + last >= _LATEST:
+        start = max(0, -first)
+    if start + last >= _LATEST:
+        raise too_late
     return since + start, start
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 from flexdyn.records.signals.cut import made
+from flexdyn.records.signals.decimate import uniform_rate
 from flexdyn.records.signals.noise import Noise, estimate_noise
 from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.signals.width import best_smoother
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 _POSITIONS = ("q", "theta")
-_UNEVEN = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,24 +141,6 @@ def noise_of(rec: Recording, channel: str) -> Noise:
         return estimate_noise(rec.t, rec[channel], unit=rec.unit(channel), held=is_held(channel))
     except InputError as error:
         raise InputError(error.problem, **{**error.data, "key": channel, "channel": channel}) from None
-
-
-def uniform_rate(rec: Recording) -> float:
-    """The rate of a recording whose samples are on a uniform grid, within a fiftieth of its period [Hz].
-
-    Raises:
-        InputError: they are not; the message gives row and remedy.
-    """
-    rate = rec.rate
-    off = np.abs((rec.t - rec.t[0]) * rate - np.arange(len(rec)))
-    if off.max() > _UNEVEN:
-        steps = np.abs(np.diff(rec.t) * rate - 1)
-        row = int(np.argmax(steps)) + 1
-        typical = 1 / float(np.median(np.diff(rec.t)))
-        problem = f"row {row}: the samples are not uniform, {float(off.max()):.2g} periods off a grid"
-        remedy = f"resample first: .resample(rate={typical:.4g})"
-        raise InputError(problem, value=float(rec.t[row]), remedy=remedy, row=row, channel="t")
-    return rate
 
 
 def _check_rate(smoother: Smoother, rate: float) -> None:

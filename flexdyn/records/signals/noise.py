@@ -12,7 +12,7 @@ from flexdyn.errors import InputError
 from flexdyn.records.signals.noise_spectrum import Spectrum, clipped, contrasts, spectrum
 from flexdyn.records.signals.quantisation import held_for, quantisation_step
 from flexdyn.records.signals.reading_noise import reading_noise
-from flexdyn.records.table import FloatArray
+from flexdyn.records.table import FloatArray, Rows, check_finite, check_time
 
 FEWEST = 64
 """Smallest number of samples for an estimate."""
@@ -154,14 +154,8 @@ def _checked(t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[FloatArray, FloatArray
         problem = f"times {times.shape} and samples {samples.shape} are no two columns of one length"
         raise InputError(problem, key="x", remedy="give one channel")
     if len(times) < FEWEST:
-        raise InputError(
-            f"{len(times)} samples are too few to estimate noise", key="x", remedy=f"give {FEWEST} or more"
-        )
-    for key, values in (("t", times), ("x", samples)):
-        if not np.isfinite(values).all():
-            row = int(np.argmin(np.isfinite(values)))
-            raise InputError(f"row {row}: not a finite number", key=key, remedy="remove or fill the gap", row=row)
-    if not (np.diff(times) > 0).all():
-        row = int(np.argmin(np.diff(times) > 0)) + 1
-        raise InputError(f"row {row}: time does not increase", key="t", value=float(times[row]), row=row)
+        problem = f"{len(times)} samples are too few to estimate noise"
+        raise InputError(problem, key="x", remedy=f"give {FEWEST} or more")
+    check_time(times, Rows())
+    check_finite(samples, "x", Rows())
     return times, samples
