@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.effects.base import JointEffect, parameter, spaced
+from flexdyn.effects.base import JointEffect, Stage, parameter, spaced
 from flexdyn.effects.memory import MemoryEffect
 
 Array = NDArray[np.float64]
@@ -21,7 +21,7 @@ class TransmissionEffect(JointEffect, abstract=True):
     """An effect between rotor and link; it adds to the spring's torque."""
 
     sides = ("transmission",)
-    stage = "spring"
+    stage: ClassVar[Stage] = "spring"
 
 
 class JointElasticity(TransmissionEffect):

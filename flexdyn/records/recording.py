@@ -13,14 +13,11 @@ import numpy.typing as npt
 from flexdyn.errors import InputError, check_known, did_you_mean
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.meta import as_plain, locked
+from flexdyn.records.signals import cut, derivatives
 from flexdyn.records.signals.beside import beside
-from flexdyn.records.signals.cut import shifted, split, trimmed
 from flexdyn.records.signals.decimate import decimated
-from flexdyn.records.signals.derivatives import noise_of, smoothed
 from flexdyn.records.signals.gaps import gaps_of
-from flexdyn.records.signals.noise import Noise
 from flexdyn.records.signals.resample import resampled
-from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.stated_units import settle_units
 from flexdyn.records.table import FloatArray, Rows, Table, checked
 from flexdyn.records.units import check_unit, split_name, unit_of
@@ -259,45 +256,17 @@ class Recording(Public):
             table[:, column] = self[f"{name}.{joint}"]
         return table
 
-    def resample(
-        self,
-        *,
-        rate: float | None = None,
-        times: npt.ArrayLike | None = None,
-        method: str = "spline",
-        filtered: bool = False,
-        longest_gap: float | None = None,
-    ) -> Recording:
-        """At a uniform rate [Hz] or at other times [s]; see `flexdyn.records.signals.resample.resampled`."""
-        return resampled(self, rate=rate, times=times, method=method, filtered=filtered, longest_gap=longest_gap)
-
-    def decimate(self, factor: int) -> Recording:
-        """One of every `factor` samples, after a filter; see `flexdyn.records.signals.decimate.decimated`."""
-        return decimated(self, factor)
-
-    def trim(self, start: float | None = None, end: float | None = None) -> Recording:
-        """The samples from `start` to `end` [s], both included."""
-        return trimmed(self, start, end)
-
-    def split(self, *, at: Sequence[float] | None = None, gaps: float | None = None) -> tuple[Recording, ...]:
-        """The pieces between given times [s], or between gaps longer than a given time [s]."""
-        return split(self, at=at, gaps=gaps)
-
-    def shifted(self, seconds: float | Mapping[str, float]) -> Recording:
-        """The recording with an offset added to its time [s], or with single channels shifted against the others."""
-        return shifted(self, seconds)
+    resample = resampled
+    decimate = decimated
+    trim = cut.trimmed
+    split = cut.split
+    shifted = cut.shifted
+    smoothed = derivatives.smoothed
+    noise = derivatives.noise_of
 
     def beside(self, *others: Recording, method: str = "linear") -> Recording:
         """The recording with the channels of others, at its own times; see `flexdyn.records.signals.beside.beside`."""
         return beside(self, others, method)
-
-    def smoothed(self, smoother: Smoother) -> Recording:
-        """Every channel smoothed by one filter; see `flexdyn.records.signals.derivatives.smoothed`."""
-        return smoothed(self, smoother)
-
-    def noise(self, channel: str) -> Noise:
-        """The noise of one channel, estimated from its samples; see `flexdyn.records.signals.noise.estimate_noise`."""
-        return noise_of(self, channel)
 
     def unit(self, channel: str) -> str:
         """Unit of ``t`` or a channel, from ``meta["units"]`` or the signal; empty if it is not known."""

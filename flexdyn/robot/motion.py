@@ -18,7 +18,7 @@ _ALIGNED = {
 }
 _UNALIGNED = {"revolute": pin.JointModelRevoluteUnaligned, "prismatic": pin.JointModelPrismaticUnaligned}
 _NAME = re.compile(r"JointModel(?:([RP])(UB)?([XYZ])|(Revolute|Prismatic)(Unbounded)?Unaligned)")
-"""Names of Pinocchio's joints of one rotation or translation: unbounded or not, about an axis of the frame or any other."""
+"""Names of Pinocchio's joints that are one rotation or translation: unbounded or not, about any axis."""
 
 
 @dataclass(frozen=True)

@@ -35,8 +35,8 @@ class Filters:
         """Filters with these standard deviations [s]; wider ones if the clock is too slow for them."""
         narrow = max(first, 1.25 * dt)
         wide = max(second, 2.5 * dt)
-        smoothers = (GaussianSmoother.of_width(width, dt) for width in (narrow, wide))
-        return cls(*smoothers, max(1, round(2.0 * wide / dt)))
+        first_filter, second_filter = (GaussianSmoother.of_width(width, dt) for width in (narrow, wide))
+        return cls(first_filter, second_filter, max(1, round(2.0 * wide / dt)))
 
     def rows(self, x: Array, order: int = 0) -> Array:
         """The second filter's derivative of that order of x (samples, ...), one row of every `every` samples."""
