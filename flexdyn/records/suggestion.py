@@ -113,8 +113,8 @@ def _quoted(name: str) -> str:
     return bare if _PLAIN.fullmatch(bare) else '"' + bare.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
-_SIGNALS = "|".join(sorted(SIGNALS, key=len, reverse=True))
-_NEARLY = re.compile(rf"({_SIGNALS})[_\-/: ](\S.*)", re.IGNORECASE)
+_ANY_SIGNAL = "|".join(sorted(SIGNALS, key=len, reverse=True))
+_NEARLY = re.compile(rf"({_ANY_SIGNAL})[_\-/: ](\S.*)", re.IGNORECASE)
 MOST_NEAR_NAMES = 3
 
 

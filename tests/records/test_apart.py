@@ -56,7 +56,7 @@ def deed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
         return caught.value.problem
 
     yield told
-    caller._end_all()
+    caller._release_all(caller._Server.end)
 
 
 @pytest.fixture
