@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.errors import InputError
+
 
 def as_numbers(values: Any) -> NDArray[np.float64]:
     """A new array of doubles; text, dates and complex numbers are refused.
@@ -31,3 +33,57 @@ def as_number(value: Any) -> float:
         return float(value)
     except OverflowError:  # an integer of hundreds of digits
         return math.inf if value > 0 else -math.inf
+
+
+def number(
+    key: str,
+    value: Any,
+    problem: str = "a finite number is needed",
+    *,
+    least: float = -math.inf,
+    above: float = -math.inf,
+    infinite: bool = False,
+    remedy: str | None = None,
+) -> float:
+    """Check a number of the user's input.
+
+    Args:
+        key: its path, for the error.
+        value: as given.
+        problem: the fault that is reported.
+        least: smallest allowed value.
+        above: a value below all allowed ones.
+        infinite: whether it may be inf.
+        remedy: what the user can do.
+
+    Raises:
+        InputError: it is no such number.
+    """
+    found = as_number(value)
+    finite = math.isfinite(found) or (infinite and found == math.inf)
+    if not finite or found < least or (found <= above and above > -math.inf):
+        raise InputError(problem, key=key, value=value, remedy=remedy)
+    return found
+
+
+def whole(
+    key: str, value: Any, least: int, most: float = math.inf, *, problem: str = "", remedy: str | None = None
+) -> int:
+    """Check a whole number of the user's input; truth values are none.
+
+    Args:
+        key: its path, for the error.
+        value: as given.
+        least: smallest allowed value.
+        most: largest allowed value.
+        problem: the fault that is reported; default: the smallest value that is needed.
+        remedy: what the user can do.
+
+    Raises:
+        InputError: it is no such number.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+        raise InputError(
+            problem or f"a whole number of at least {least} is needed", key=key, value=value, remedy=remedy
+        )
+    return int(value)

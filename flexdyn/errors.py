@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Hashable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -57,7 +57,7 @@ class InputError(FlexdynError, ValueError):
     Args:
         problem: the fault, in a few words.
         file: the file that has it, if any.
-        key: the key, option or argument, dotted: ``joints.shoulder.stiffness``.
+        key: the key, option or argument, dotted: ``joints.shoulder.stiffness``; default: the channel, if one is given.
         value: the given value.
         remedy: what the user can do.
         data: further data (row, channel, line).
@@ -80,6 +80,7 @@ class InputError(FlexdynError, ValueError):
         remedy: str | None = None,
         **data: Any,
     ) -> None:
+        key = data.get("channel") if key is None else key
         super().__init__(problem, file=file, key=key, value=value, remedy=remedy, **data)
 
     def __str__(self) -> str:
@@ -142,6 +143,31 @@ def needed(library: str, extra: str) -> Iterator[None]:
         yield
     except ImportError:
         raise MissingExtra(library, extra) from None
+
+
+@contextmanager
+def placed(*, file: str | Path | None = None, key: str | None = None) -> Iterator[None]:
+    """Around code whose errors do not know where the fault is: they get this place, as by `InputError.at`."""
+    try:
+        yield
+    except InputError as error:
+        raise error.at(file=file, key=key) from error.__cause__
+
+
+def check_known(word: Any, known: Collection[str], problem: str, **where: Any) -> None:
+    """Refuse a word that is none of the known ones; the remedy names the most similar one.
+
+    Args:
+        word: the given word.
+        known: accepted words.
+        problem: the fault, in a few words.
+        where: further arguments of `InputError`: file, key, value, channel.
+
+    Raises:
+        InputError: it is another word.
+    """
+    if not isinstance(word, Hashable) or word not in known:
+        raise InputError(problem, remedy=did_you_mean(str(word), known), **where)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

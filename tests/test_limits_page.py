@@ -7,7 +7,7 @@ from pathlib import Path
 from flexdyn.batch import distributions, studyfile
 from flexdyn.io import yaml
 from flexdyn.records import bounds, meta, table
-from flexdyn.records.apart import limits
+from flexdyn.records.apart import server as limits
 from flexdyn.records.csv import file as csv_file
 from flexdyn.records.hdf5 import file as hdf5_file
 from flexdyn.records.matlab import v5, v73

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.records.near_names import nearly_signals
+from flexdyn.records.suggestion import nearly_signals
 from tests.arms import slider
 
 T = np.array([0.0, 0.1, 0.2])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from flexdyn.simulation.energy import EnergyWarning
 from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
+Law = TypeVar("Law", bound=Callable[..., Any])
 BAND = 0.02
 """For settling_time: distances below this share of the largest one count as settled [1]."""
 NO_MOTION = 1e-9
@@ -104,7 +105,53 @@ class RunMetric(Metric):
         return values, reasons
 
 
-def _settling_time(motion: RunsMotion, _: slice) -> Array:
+METRICS: dict[str, Metric] = {}
+"""The catalogue, by name.
+
+Every metric uses the samples of a run at the study's ``rate``. t_rest is the time at which the command comes to rest:
+its torque or reference no longer changes. tip_end and q_end are means over the last tenth of the time after t_rest.
+Energies have the accuracy of the solver.
+"""
+
+
+def _metric(unit: str, equation: str, *needs: str, missing: str = "") -> Callable[[Law], Law]:
+    """Enter a law into the catalogue: its name is the metric's, the first line of its docstring the description."""
+
+    def enter(law: Law) -> Law:
+        kind = RunMetric if needs == ("runs",) else Metric
+        about = (law.__doc__ or "").splitlines()[0]
+        METRICS[law.__name__] = kind(law.__name__, unit, about, equation, law, needs, missing=missing)
+        return law
+
+    return enter
+
+
+@_metric("m", "max over t of |tip(q) - tip(theta)|", "tip")
+def tip_deflection_max(motion: RunsMotion, _: slice) -> Array:
+    """Greatest distance between the tip and where it would be if the links stood at the rotors' angles."""
+    return np.asarray(lengths(motion.deflection).max(axis=1))
+
+
+@_metric("m", "sqrt(1/T integral of |tip(q) - tip(theta)|^2 dt)", "tip")
+def tip_deflection_rms(motion: RunsMotion, _: slice) -> Array:
+    """Root mean square over time of the distance between the tip and its place at the rotors' angles."""
+    return motion.root_mean_square(lengths(motion.deflection))
+
+
+@_metric("rad", "max over t and joints of |theta - q|", "alike")
+def joint_deflection_max(motion: RunsMotion, joints: slice) -> Array:
+    """Greatest deflection of any joint."""
+    return motion.greatest(motion.signals["theta"] - motion.signals["q"], joints)
+
+
+@_metric(
+    "s",
+    "least T: |tip(t) - tip_end| <= 0.02 max over t of |tip - tip_end| for all t >= t_rest + T",
+    *("tip", "rest"),
+    missing="the tip does not settle before the run ends",
+)
+def settling_time(motion: RunsMotion, _: slice) -> Array:
+    """Time from the command's rest until the tip stays within 2 % of its greatest distance from where it ends."""
     distance, t = motion.distance, motion.t
     band = np.maximum(BAND * distance.max(axis=1), NO_MOTION)
     outside = distance > band[:, None]
@@ -116,7 +163,14 @@ def _settling_time(motion: RunsMotion, _: slice) -> Array:
     return np.asarray(values)
 
 
-def _overshoot(motion: RunsMotion, joints: slice) -> Array:
+@_metric(
+    "1",
+    "max(0, max over t of (q(t) - q_end) . (q_end - q(0))) / |q_end - q(0)|^2",
+    *("alike", "rest"),
+    missing="it ends where it began: there is no step to overshoot",
+)
+def overshoot(motion: RunsMotion, joints: slice) -> Array:
+    """How far the arm goes beyond where it ends, along its way in joint space, as a share of that way."""
     q = motion.signals["q"][..., joints]
     last = q[:, motion.tail].mean(axis=1, keepdims=True)
     way = last - q[:, :1]
@@ -125,123 +179,44 @@ def _overshoot(motion: RunsMotion, joints: slice) -> Array:
     return np.asarray(np.divide(beyond, square, out=np.full(motion.count, np.nan), where=square >= NO_MOTION**2))
 
 
-def _residual_vibration(motion: RunsMotion, _: slice) -> Array:
+@_metric("m", "d = tip(q) - tip(theta): max over t >= t_rest of |d(t) - mean of d|", "tip", "rest")
+def residual_vibration(motion: RunsMotion, _: slice) -> Array:
+    """Greatest distance of the tip deflection from its mean after the command has come to rest."""
     left = motion.deflection[:, motion.resting]
     return np.asarray(lengths(left - left.mean(axis=1, keepdims=True)).max(axis=1))
 
 
-def _supplied(run: Run) -> float:
+@_metric("m", "max over t of |tip(q) - tip(reference)|", "tip", "reference")
+def tracking_error_max(motion: RunsMotion, _: slice) -> Array:
+    """Greatest distance between the tip and where the reference would have it."""
+    return np.asarray(motion.tracking_error.max(axis=1))
+
+
+@_metric("m", "sqrt(1/T integral of |tip(q) - tip(reference)|^2 dt)", "tip", "reference")
+def tracking_error_rms(motion: RunsMotion, _: slice) -> Array:
+    """Root mean square over time of the distance between the tip and where the reference would have it."""
+    return motion.root_mean_square(motion.tracking_error)
+
+
+@_metric("N m", "max over t and joints of |tau_applied|", "alike")
+def motor_torque_max(motion: RunsMotion, joints: slice) -> Array:
+    """Greatest torque that any motor applied, after the actuator's effects, reflected to the link side."""
+    return motion.greatest(motion.signals["tau_applied"], joints)
+
+
+@_metric("N m", "max over t and joints of |tau_s|", "alike")
+def transmission_torque_max(motion: RunsMotion, joints: slice) -> Array:
+    """Greatest torque in any transmission."""
+    return motion.greatest(motion.signals["tau_s"], joints)
+
+
+@_metric("J", "sum over joints of the integral of tau_applied omega dt", "runs")
+def energy_supplied(run: Run) -> float:
+    """Energy that all motors have supplied by the end; a second pass through the motion integrates it."""
     return float(run.energy.supplied[-1].sum())
 
 
-def _dissipated(run: Run) -> float:
+@_metric("J", "sum over effects of the integral of their power dt", "runs")
+def energy_dissipated(run: Run) -> float:
+    """Energy that damping, friction and other effects have dissipated by the end; by the same second pass."""
     return float(sum(lost[-1] for lost in run.energy.dissipated.values()))
-
-
-METRICS: dict[str, Metric] = {
-    each.name: each
-    for each in (
-        Metric(
-            "tip_deflection_max",
-            "m",
-            "Greatest distance between the tip and where it would be if the links stood at the rotors' angles.",
-            "max over t of |tip(q) - tip(theta)|",
-            lambda motion, _: lengths(motion.deflection).max(axis=1),
-            ("tip",),
-        ),
-        Metric(
-            "tip_deflection_rms",
-            "m",
-            "Root mean square over time of the distance between the tip and its place at the rotors' angles.",
-            "sqrt(1/T integral of |tip(q) - tip(theta)|^2 dt)",
-            lambda motion, _: motion.root_mean_square(lengths(motion.deflection)),
-            ("tip",),
-        ),
-        Metric(
-            "joint_deflection_max",
-            "rad",
-            "Greatest deflection of any joint.",
-            "max over t and joints of |theta - q|",
-            lambda motion, joints: motion.greatest(motion.signals["theta"] - motion.signals["q"], joints),
-            ("alike",),
-        ),
-        Metric(
-            "settling_time",
-            "s",
-            "Time from the command's rest until the tip stays within 2 % of its greatest distance from where it ends.",
-            "least T: |tip(t) - tip_end| <= 0.02 max over t of |tip - tip_end| for all t >= t_rest + T",
-            _settling_time,
-            ("tip", "rest"),
-            missing="the tip does not settle before the run ends",
-        ),
-        Metric(
-            "overshoot",
-            "1",
-            "How far the arm goes beyond where it ends, along its way in joint space, as a share of that way.",
-            "max(0, max over t of (q(t) - q_end) . (q_end - q(0))) / |q_end - q(0)|^2",
-            _overshoot,
-            ("alike", "rest"),
-            missing="it ends where it began: there is no step to overshoot",
-        ),
-        Metric(
-            "residual_vibration",
-            "m",
-            "Greatest distance of the tip deflection from its mean after the command has come to rest.",
-            "d = tip(q) - tip(theta): max over t >= t_rest of |d(t) - mean of d|",
-            _residual_vibration,
-            ("tip", "rest"),
-        ),
-        Metric(
-            "tracking_error_max",
-            "m",
-            "Greatest distance between the tip and where the reference would have it.",
-            "max over t of |tip(q) - tip(reference)|",
-            lambda motion, _: motion.tracking_error.max(axis=1),
-            ("tip", "reference"),
-        ),
-        Metric(
-            "tracking_error_rms",
-            "m",
-            "Root mean square over time of the distance between the tip and where the reference would have it.",
-            "sqrt(1/T integral of |tip(q) - tip(reference)|^2 dt)",
-            lambda motion, _: motion.root_mean_square(motion.tracking_error),
-            ("tip", "reference"),
-        ),
-        Metric(
-            "motor_torque_max",
-            "N m",
-            "Greatest torque that any motor applied, after the actuator's effects, reflected to the link side.",
-            "max over t and joints of |tau_applied|",
-            lambda motion, joints: motion.greatest(motion.signals["tau_applied"], joints),
-            ("alike",),
-        ),
-        Metric(
-            "transmission_torque_max",
-            "N m",
-            "Greatest torque in any transmission.",
-            "max over t and joints of |tau_s|",
-            lambda motion, joints: motion.greatest(motion.signals["tau_s"], joints),
-            ("alike",),
-        ),
-        RunMetric(
-            "energy_supplied",
-            "J",
-            "Energy that all motors have supplied by the end; a second pass through the motion integrates it.",
-            "sum over joints of the integral of tau_applied omega dt",
-            _supplied,
-        ),
-        RunMetric(
-            "energy_dissipated",
-            "J",
-            "Energy that damping, friction and other effects have dissipated by the end; by the same second pass.",
-            "sum over effects of the integral of their power dt",
-            _dissipated,
-        ),
-    )
-}
-"""The catalogue, by name.
-
-Every metric uses the samples of a run at the study's ``rate``. t_rest is the time at which the command comes to rest:
-its torque or reference no longer changes. tip_end and q_end are means over the last tenth of the time after t_rest.
-Energies have the accuracy of the solver.
-"""

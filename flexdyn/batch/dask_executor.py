@@ -189,8 +189,7 @@ def work(version: str, packed: bytes, chunk: int) -> Any:
     task = pickle.loads(packed)  # noqa: S301 - our own task, sent by the user's own client
     if not Path(task.store).is_dir():
         problem = f"the worker {socket.gethostname()} does not see the store"
-        remedy = "put it where all workers see it under the same path"
-        raise InputError(problem, file=task.store, remedy=remedy)
+        raise InputError(problem, file=task.store, remedy="put it where all workers see it under the same path")
     return task(chunk)
 
 

@@ -11,8 +11,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.checks import as_number
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import number
+from flexdyn.errors import InputError, check_known
 
 _STANDARD_NORMAL = NormalDist()
 MAX_GRID = 1_000_000
@@ -40,9 +40,8 @@ class Distribution:
             InputError: they are not allowed.
         """
         remedy = f"write {{{self.name}: [{', '.join(self.numbers)}]}}"
-        for number in (self.first, self.second):
-            if not math.isfinite(as_number(number)):
-                raise InputError("a finite number is needed", key=self.name, value=number, remedy=remedy)
+        for given in (self.first, self.second):
+            number(self.name, given, remedy=remedy)
         problem = self._problem()
         if problem:
             raise InputError(problem, key=self.name, value=[self.first, self.second], remedy=remedy)
@@ -165,15 +164,13 @@ class Grid:
             raise InputError("a list of numbers is needed", key="grid", value=entry, remedy="write {grid: [1, 2, 3]}")
         if len(entry) > MAX_GRID:
             raise InputError(f"more than {MAX_GRID} values", key="grid", value=len(entry))
-        seen: set[float] = set()
+        seen: dict[float, None] = {}
         for i, value in enumerate(entry):
-            number = as_number(value)
-            if not math.isfinite(number):
-                raise InputError("a finite number is needed", key=f"grid[{i}]", value=value)
-            if number in seen:
+            found = number(f"grid[{i}]", value)
+            if found in seen:
                 raise InputError("the value stands twice in the grid", key=f"grid[{i}]", value=value)
-            seen.add(number)
-        return cls(tuple(float(value) for value in entry))
+            seen[found] = None
+        return cls(tuple(seen))
 
     @property
     def centre(self) -> float:
@@ -206,6 +203,5 @@ def distribution(entry: Any) -> Distribution | Grid:
     if not isinstance(entry, Mapping) or len(entry) != 1:
         raise InputError("one distribution is needed", value=entry, remedy=f"write one of {known}")
     ((name, numbers),) = entry.items()
-    if name not in DISTRIBUTIONS:
-        raise InputError("no such distribution", key=str(name), remedy=did_you_mean(str(name), DISTRIBUTIONS))
+    check_known(name, DISTRIBUTIONS, "no such distribution", key=str(name))
     return DISTRIBUTIONS[name].of(numbers)

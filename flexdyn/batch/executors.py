@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Protocol, Self
 
 from flexdyn.batch.chunk import Done, Task
+from flexdyn.checks import whole
 from flexdyn.errors import InputError
 
 
@@ -50,9 +51,7 @@ class Threads:
 
     def __init__(self, workers: int | None = None) -> None:
         count = len(os.sched_getaffinity(0)) if workers is None else workers
-        if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-            raise InputError("a number of at least 1 is needed", key="workers", value=workers)
-        self._count = count
+        self._count = whole("workers", count, 1, problem="a number of at least 1 is needed")
         self._stop = Event()
         self._pool: ThreadPoolExecutor | None = None
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from flexdyn.batch.cases import cases_of
 from flexdyn.batch.study import Study
+from flexdyn.checks import whole
 from flexdyn.control.commands import PD
 from flexdyn.errors import InputError
 from flexdyn.io.files import write_text
@@ -51,8 +52,8 @@ def extract(study: Study, k: int, folder: Path) -> Extracted:
     Raises:
         InputError: there is no such run, a model cannot have its numbers, or the folder cannot be written.
     """
-    if isinstance(k, bool) or not isinstance(k, int) or not 0 <= k < study.count:
-        raise InputError("there is no such run", key="extract", value=k, remedy=f"runs are 0 to {study.count - 1}")
+    last = study.count - 1
+    whole("extract", k, 0, last, problem="there is no such run", remedy=f"runs are 0 to {last}")
     cases = cases_of(study)
     case = cases.case(k)
     settings = _settings(study.solver)

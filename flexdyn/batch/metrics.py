@@ -13,7 +13,7 @@ from flexdyn.batch.aim import Aim
 from flexdyn.batch.catalogue import METRICS, Metric, RunMetric
 from flexdyn.batch.motion import RunsMotion
 from flexdyn.batch.own_metric import own_function
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 _SLIDING = {"N m": "N", "rad": "m"}
@@ -64,11 +64,9 @@ def metrics_of(
     """
     found = []
     for i, name in enumerate(names):
-        try:
+        with placed(key=f"metrics[{i}]"):
             each = metric(name, folder)
             _check_needs(each, model, aim)
-        except InputError as error:
-            raise error.at(key=f"metrics[{i}]") from None
         found.append(replace(each, unit=_SLIDING.get(each.unit, each.unit)) if _slides(model, each) else each)
     return tuple(found)
 

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
 from flexdyn.batch.metric_views import DOTS, MetricColumns, scatter, tornado
+from flexdyn.batch.results import Results
 from flexdyn.batch.trajectory_views import trajectories, trajectory_keys
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known
 from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.palette import hue
 from flexdyn.plots.panel import Key, short
 from flexdyn.plots.picture import Picture
-
-if TYPE_CHECKING:
-    from flexdyn.batch.results import Results
 
 VIEWS = ("metrics", "sensitivities", "trajectories")
 MOST_METRICS, MOST_PARAMETERS = 6, 4
@@ -115,9 +112,6 @@ def _about_dots(columns: MetricColumns) -> str:
     return f"{DOTS} runs, evenly spaced among all, are drawn." if columns.runs > DOTS else "Every dot is a run."
 
 
-def _known(key: str, given: Iterable[str], known: Iterable[str]) -> None:
-    options = list(known)
+def _known(key: str, given: Iterable[str], known: Collection[str]) -> None:
     for name in given:
-        if name not in options:
-            problem = f"no such {key.removesuffix('s')}"
-            raise InputError(problem, key=key, value=name, remedy=did_you_mean(str(name), options))
+        check_known(name, known, f"no such {key.removesuffix('s')}", key=key, value=name)

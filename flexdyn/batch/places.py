@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -86,11 +86,23 @@ class NumberPlace:
 
     Attributes:
         unit: of the number.
-        put: function that writes it into the changes of a run.
+        group: the attribute of `Changes` that has it.
+        outer: keys in that group; none: the attribute is the number itself.
+        inner: keys below each of them, such as joint -> number; none: the number stands under the outer key.
     """
 
     unit: str
-    put: Callable[[Changes, Any], None]
+    group: str
+    outer: tuple[Any, ...] = ()
+    inner: tuple[str, ...] = ()
+
+    def put(self, changes: Changes, value: Any) -> None:
+        """Write the number into the changes of a run."""
+        if not self.outer:
+            setattr(changes, self.group, value)
+        for name in self.outer:
+            group = getattr(changes, self.group)
+            group[name] = group.get(name, {}) | dict.fromkeys(self.inner, value) if self.inner else value
 
 
 def places(model: FlexibleJointModel, command: Any) -> dict[str, NumberPlace]:
@@ -106,21 +118,17 @@ def places(model: FlexibleJointModel, command: Any) -> dict[str, NumberPlace]:
     for name, joints in groups:
         slides = all(kinds[joint] == "prismatic" for joint in joints)
         for number, unit in JOINT_UNITS.items():
-            found[f"joints.{name}.{number}"] = NumberPlace(
-                _joint_unit(unit, slides), _nested("joints", joints, (number,))
-            )
+            found[f"joints.{name}.{number}"] = NumberPlace(_joint_unit(unit, slides), "joints", joints, (number,))
         for signal, unit in FIRST_UNITS.items():
-            found[f"initial.{signal}.{name}"] = NumberPlace(
-                _joint_unit(unit, slides), _nested("initial", (signal,), joints)
-            )
+            found[f"initial.{signal}.{name}"] = NumberPlace(_joint_unit(unit, slides), "initial", (signal,), joints)
     for i, effect in enumerate(model.effects):
         for parameter in effect.parameters():
             unit = unit_for(parameter.metadata["unit"], prismatic=_slides(effect, kinds))
-            found[f"effects[{i}].{parameter.name}"] = NumberPlace(unit, _nested("effects", (i,), (parameter.name,)))
+            found[f"effects[{i}].{parameter.name}"] = NumberPlace(unit, "effects", (i,), (parameter.name,))
     for i in range(3):
-        found[f"robot.gravity[{i}]"] = NumberPlace("m/s^2", _item("gravity", i))
+        found[f"robot.gravity[{i}]"] = NumberPlace("m/s^2", "gravity", (i,))
     for joint in model.robot.lock:
-        found[f"robot.lock.{joint}"] = NumberPlace("rad or m", _item("lock", joint))
+        found[f"robot.lock.{joint}"] = NumberPlace("rad or m", "lock", (joint,))
     return found | _command_places(command, groups, kinds)
 
 
@@ -128,40 +136,16 @@ def _command_places(
     command: Any, groups: list[tuple[str, tuple[str, ...]]], kinds: Mapping[str, str]
 ) -> dict[str, NumberPlace]:
     if isinstance(command, Recording):
-        return {"command.scale": NumberPlace("1", _whole("scale"))}
+        return {"command.scale": NumberPlace("1", "scale")}
     if not isinstance(command, PD):
         return {}
-    found = {"command.pd.rate": NumberPlace("Hz", _whole("rate"))}
+    found = {"command.pd.rate": NumberPlace("Hz", "rate")}
     for gain, unit in GAIN_UNITS.items():
         for name, joints in groups:
             slides = all(kinds[joint] == "prismatic" for joint in joints)
             path = f"command.pd.{gain}" if name == "*" else f"command.pd.{gain}.{name}"
-            found[path] = NumberPlace(_joint_unit(unit, slides), _nested("gains", (gain,), joints))
+            found[path] = NumberPlace(_joint_unit(unit, slides), "gains", (gain,), joints)
     return found
-
-
-def _nested(group: str, outer: tuple[Any, ...], inner: tuple[str, ...]) -> Callable[[Changes, Any], None]:
-    """Set a number under every outer and inner name: joints -> joint -> number, initial -> signal -> joint."""
-
-    def put(changes: Changes, value: Any) -> None:
-        for name in outer:
-            getattr(changes, group).setdefault(name, {}).update(dict.fromkeys(inner, value))
-
-    return put
-
-
-def _item(group: str, item: int | str) -> Callable[[Changes, Any], None]:
-    def put(changes: Changes, value: Any) -> None:
-        getattr(changes, group)[item] = value
-
-    return put
-
-
-def _whole(name: str) -> Callable[[Changes, Any], None]:
-    def put(changes: Changes, value: Any) -> None:
-        setattr(changes, name, value)
-
-    return put
 
 
 def _joint_unit(unit: str, slides: bool) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from flexdyn.batch.cases import Cases
-from flexdyn.errors import FlexdynError, InputError, did_you_mean
+from flexdyn.errors import FlexdynError, InputError, check_known
 from flexdyn.simulation.job import prepare
 
 
@@ -22,8 +22,7 @@ def rehearse(cases: Cases) -> None:
     for path in kinds:
         if path not in cases.places:
             beside = [each for each in cases.places if each.rpartition(".")[0] == path.rpartition(".")[0]]
-            remedy = did_you_mean(path, beside or cases.places)
-            raise InputError("no such number in the model or command", key=f"vary.{path}", remedy=remedy)
+            check_known(path, beside or cases.places, "no such number in the model or command", key=f"vary.{path}")
     _ = cases.metrics
     middle = {path: kind.centre for path, kind in kinds.items()}
     try:

@@ -38,15 +38,8 @@ def create(study: Study, path: Path) -> Store:
         MissingExtra: zarr is not installed.
     """
     _check_zarr()
-    fresh = path.with_name(f".{path.name}.part")
-    with writing(path, "give another place"):
-        if fresh.exists():
-            shutil.rmtree(fresh)
-        try:
-            _skeleton(study, fresh)
-            os.rename(fresh, path)
-        finally:
-            shutil.rmtree(fresh, ignore_errors=True)
+    with writing(path, "give another place"), _skeleton(study, path) as fresh:
+        os.rename(fresh, path)
     return Store(path, study)
 
 
@@ -133,19 +126,13 @@ class Store:
         Raises:
             InputError: the folder may not be written to.
         """
-        fresh = self.path.with_name(f".{self.path.name}.part")
         self.sweep()
-        with writing(self.path, "it must be writable to continue"):
-            shutil.rmtree(fresh, ignore_errors=True)
-            try:
-                _skeleton(self.study, fresh)
-                for made in fresh.rglob("*"):
-                    place = self.path / made.relative_to(fresh)
-                    if made.is_file() and not (place.is_file() and place.read_bytes() == made.read_bytes()):
-                        place.parent.mkdir(exist_ok=True)
-                        os.replace(made, place)
-            finally:
-                shutil.rmtree(fresh, ignore_errors=True)
+        with writing(self.path, "it must be writable to continue"), _skeleton(self.study, self.path) as fresh:
+            for made in fresh.rglob("*"):
+                place = self.path / made.relative_to(fresh)
+                if made.is_file() and not (place.is_file() and place.read_bytes() == made.read_bytes()):
+                    place.parent.mkdir(exist_ok=True)
+                    os.replace(made, place)
 
     @cached_property
     def _chunked(self) -> tuple[StoreArray, ...]:
@@ -170,20 +157,28 @@ def writing(path: Path, remedy: str) -> Iterator[None]:
         raise InputError(f"cannot be written ({error.strerror or error})", file=path, remedy=remedy) from None
 
 
-def _skeleton(study: Study, folder: Path) -> None:
-    """The parts of a store that follow from the study alone: metadata and coordinates."""
+@contextmanager
+def _skeleton(study: Study, path: Path) -> Iterator[Path]:
+    """A folder beside `path` with the parts of a store that follow from the study alone: metadata and coordinates."""
     from flexdyn import __version__
 
     arrays = tuple(layouts(cases_of(study)))
-    folder.mkdir()
-    for each in arrays:
-        place = folder / each.name
-        place.mkdir()
-        (place / FILE).write_bytes(encoded(array_metadata(each)))
-        if each.values is not None:
-            write_piece(place, 0, each.piece, each.values, each.fill)
-    attrs = {"flexdyn_batch": STORE_FORMAT, "flexdyn": __version__, "study": study.to_text()}
-    (folder / FILE).write_bytes(encoded(group_metadata(attrs, arrays)))
+    folder = path.with_name(f".{path.name}.part")
+    if folder.exists():
+        shutil.rmtree(folder)
+    try:
+        folder.mkdir()
+        for each in arrays:
+            place = folder / each.name
+            place.mkdir()
+            (place / FILE).write_bytes(encoded(array_metadata(each)))
+            if each.values is not None:
+                write_piece(place, 0, each.piece, each.values, each.fill)
+        attrs = {"flexdyn_batch": STORE_FORMAT, "flexdyn": __version__, "study": study.to_text()}
+        (folder / FILE).write_bytes(encoded(group_metadata(attrs, arrays)))
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _check_zarr() -> None:

@@ -13,12 +13,12 @@ from flexdyn.batch.digests import digests
 from flexdyn.batch.distributions import Distribution, Grid, distribution
 from flexdyn.batch.rehearsal import rehearse
 from flexdyn.batch.study import Study
-from flexdyn.checks import as_number
+from flexdyn.checks import number, whole
 from flexdyn.control.commands import checked_rate
 from flexdyn.control.points import PD_KEYS
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known, placed
 from flexdyn.io.files import exists, is_file
-from flexdyn.io.yaml import check_keys, read_yaml
+from flexdyn.io.yaml import check_format, check_keys, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model, model_from_dict, model_to_dict
 from flexdyn.simulation.command_input import make_drive
@@ -26,20 +26,7 @@ from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.solvers import make_solver
 
 STUDY_FORMAT = 1
-TOP_KEYS = (
-    "flexdyn_study",
-    "model",
-    "command",
-    "duration",
-    "rate",
-    "solver",
-    "runs",
-    "seed",
-    "vary",
-    "keep",
-    "metrics",
-    "chunk",
-)
+TOP_KEYS = ("model", "command", "duration", "rate", "solver", "runs", "seed", "vary", "keep", "metrics", "chunk")
 MAX_RUNS = 100_000_000
 CHUNK_BYTES = 16_000_000
 """Memory of a chunk's runs [bytes]: any machine can hold several chunks."""
@@ -59,11 +46,8 @@ def read_study(path: str | Path) -> Study:
         InputError: no such file, or an entry in it that does not fit.
     """
     file = Path(path)
-    content = read_yaml(file)
-    try:
-        return study_from_dict(content, file.parent)
-    except InputError as error:
-        raise (error if error.file else error.at(file=file)) from None
+    with placed(file=file):
+        return study_from_dict(read_yaml(file), file.parent)
 
 
 def study_from_dict(content: Mapping[str, Any], folder: Path) -> Study:
@@ -86,10 +70,7 @@ def study_from_dict(content: Mapping[str, Any], folder: Path) -> Study:
 
 
 def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
-    check_keys(content, TOP_KEYS, required=("flexdyn_study", "model", "vary"))
-    if isinstance(content["flexdyn_study"], bool) or content["flexdyn_study"] != STUDY_FORMAT:
-        remedy = f"this version reads format {STUDY_FORMAT}"
-        raise InputError("no such format", key="flexdyn_study", value=content["flexdyn_study"], remedy=remedy)
+    check_format(content, "flexdyn_study", STUDY_FORMAT, TOP_KEYS, required=("model", "vary"))
     if not content.get("keep") and not content.get("metrics"):
         remedy = "name channels under keep, or metrics"
         raise InputError("nothing of the runs would be stored", key="keep", value=content.get("keep"), remedy=remedy)
@@ -111,7 +92,7 @@ def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
         solver=_solver(content.get("solver")),
         runs=runs,
         points=points,
-        seed=_integer("seed", content.get("seed", 0), 0),
+        seed=whole("seed", content.get("seed", 0), 0),
         vary={str(path): dict(entry) for path, entry in content["vary"].items()},
         keep=_keep(content.get("keep")),
         metrics=_names("metrics", content.get("metrics")),
@@ -126,10 +107,8 @@ def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
 
 def _model(entry: Any, folder: Path) -> FlexibleJointModel:
     if isinstance(entry, Mapping):
-        try:
+        with placed(key="model"):
             return model_from_dict(entry, folder)
-        except InputError as error:
-            raise error.at(key="model") from None
     if not isinstance(entry, str) or not entry:
         raise InputError("the path of a model file is needed", key="model", value=entry)
     file = folder / entry
@@ -144,11 +123,8 @@ def _command(entry: Any, folder: Path) -> Any:
         path = _path("command", entry, folder)
         if path.suffix.lower() not in (".yaml", ".yml"):
             return str(path)
-        content = read_yaml(path)
-        try:
-            return {"pd": _pd(content, path.parent, "pd")}
-        except InputError as error:
-            raise error.at(file=path) from None
+        with placed(file=path):
+            return {"pd": _pd(read_yaml(path), path.parent, "pd")}
     if isinstance(entry, Mapping):
         return {"pd": _pd(entry, folder, "command.pd")}
     remedy = "give the path of a recording, or a mapping with pd:"
@@ -181,10 +157,8 @@ def _vary(entries: Any) -> dict[str, Distribution | Grid]:
         raise InputError("a mapping of what varies is needed", key="vary", value=entries, remedy=remedy)
     kinds = {}
     for path, entry in entries.items():
-        try:
+        with placed(key=f"vary.{path}"):
             kinds[str(path)] = distribution(entry)
-        except InputError as error:
-            raise error.at(key=f"vary.{path}") from None
     return kinds
 
 
@@ -192,7 +166,7 @@ def _runs(given: Any, points: int, random: bool) -> int:
     """Runs at each point of the grid."""
     if random and given is None:
         raise InputError("the number of random draws is missing", key="runs", remedy="write runs: 400")
-    runs = 1 if given is None else _integer("runs", given, 1)
+    runs = 1 if given is None else whole("runs", given, 1)
     if not random and given is not None and runs != points:
         remedy = f"the grid has {points} points, one run each: leave it out"
         raise InputError("nothing is drawn at random", key="runs", value=given, remedy=remedy)
@@ -209,10 +183,7 @@ def _duration(given: Any, model: FlexibleJointModel, command: Any) -> float:
             remedy = "give it in s, or a command that has an end"
             raise InputError("the duration is missing", key="duration", remedy=remedy)
         return length
-    number = as_number(given)
-    if not 0 < number < math.inf:
-        raise InputError("a time above 0 s is needed", key="duration", value=given)
-    return number
+    return number("duration", given, "a time above 0 s is needed", above=0.0)
 
 
 def _solver(entry: Any) -> dict[str, Any]:
@@ -231,8 +202,7 @@ def _solver(entry: Any) -> dict[str, Any]:
 def _keep(entry: Any) -> tuple[str, ...]:
     names = _names("keep", entry)
     for i, name in enumerate(names):
-        if name not in SIGNALS:
-            raise InputError("no such channel", key=f"keep[{i}]", value=name, remedy=did_you_mean(name, SIGNALS))
+        check_known(name, SIGNALS, "no such channel", key=f"keep[{i}]", value=name)
     return names
 
 
@@ -252,12 +222,6 @@ def _names(key: str, entry: Any) -> tuple[str, ...]:
 def _chunk(given: Any, count: int, samples: float, n: int) -> int:
     """Number of runs in a chunk, from the study alone: the store must not depend on the workers."""
     if given is not None:
-        return min(_integer("chunk", given, 1), count)
+        return min(whole("chunk", given, 1), count)
     run_bytes = 8 * (samples + 1) * (len(SIGNALS) * n + 1)
     return max(1, min(math.ceil(count / CHUNKS), CHUNK_RUNS, int(CHUNK_BYTES / run_bytes)))
-
-
-def _integer(key: str, value: Any, least: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        raise InputError(f"a whole number of at least {least} is needed", key=key, value=value)
-    return value

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.batch.quantiles import quantiles
+from flexdyn.batch.results import Results
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, blend, hue
 from flexdyn.plots.panel import Curve, Key, Panel, limits, short
 from flexdyn.plots.views import TIME
-
-if TYPE_CHECKING:
-    from flexdyn.batch.results import Results
 
 Array = NDArray[np.float64]
 BAND_QUANTILES = (0.05, 0.95, 0.25, 0.75, 0.5)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -10,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.checks import as_number, as_numbers
+from flexdyn.checks import as_numbers, number
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
@@ -62,9 +61,7 @@ class Samples:
         if not (np.diff(times) > 0).all():
             row = int(np.argmin(np.diff(times) > 0)) + 1
             raise InputError("time must increase", key=f"samples.t[{row}]", value=float(times[row]), row=row)
-        if interpolation not in INTERPOLATIONS:
-            remedy = f"it is {', '.join(INTERPOLATIONS)}"
-            raise InputError("no such interpolation", key="interpolation", value=interpolation, remedy=remedy)
+        _check_interpolation("interpolation", interpolation)
         for array in (times, table):
             array.setflags(write=False)
         for key, entry in (("t", times), ("values", table), ("interpolation", interpolation), ("joints", joints)):
@@ -92,19 +89,16 @@ class Samples:
         Raises:
             InputError: too many or too few columns, or an unknown joint.
         """
+        place = {"key": "samples.values", "remedy": f"the joints are {', '.join(joint_names)}"}
         if self.joints is None:
             if self.values.shape[1] != len(joint_names):
-                got = self.values.shape[1]
-                remedy = f"the joints are {', '.join(joint_names)}"
-                raise InputError(
-                    f"{len(joint_names)} columns are needed", key="samples.values", value=got, remedy=remedy
-                )
+                problem = f"{len(joint_names)} columns are needed"
+                raise InputError(problem, value=self.values.shape[1], **place)
             return self.values
         out = np.zeros((len(self.t), len(joint_names)))
         for k, joint in enumerate(self.joints):
             if joint not in joint_names:
-                remedy = f"the joints are {', '.join(joint_names)}"
-                raise InputError("the robot has no such joint", key="samples.values", value=joint, remedy=remedy)
+                raise InputError("the robot has no such joint", value=joint, **place)
             out[:, list(joint_names).index(joint)] = self.values[:, k]
         return out
 
@@ -117,14 +111,11 @@ class Samples:
             slope = np.diff(columns, axis=0) / np.diff(t)[:, None]
             coef = np.stack([columns[:-1], slope], axis=1)
         else:
-            from scipy.interpolate import CubicSpline, PchipInterpolator
-
-            kind = CubicSpline if self.interpolation == "cubic" else PchipInterpolator
-            coef = kind(t, columns).c[::-1].transpose(1, 0, 2)
+            coef = spline(self.interpolation, t, columns).c[::-1].transpose(1, 0, 2)
         return t, np.ascontiguousarray(coef), np.ascontiguousarray(columns[-1])
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class PD:
     """Joint tracking at a control rate; the torque is held between the ticks.
 
@@ -157,35 +148,15 @@ class PD:
     feedforward: Any = None
     interpolation: Interpolation | None = None
 
-    def __init__(
-        self,
-        reference: Any,
-        kp: float | ArrayLike | Mapping[str, float],
-        kd: float | ArrayLike | Mapping[str, float],
-        rate: float = 1000.0,
-        feedback: Literal["theta", "q"] = "theta",
-        feedforward: Any = None,
-        interpolation: Interpolation | None = None,
-    ) -> None:
-        if interpolation is not None and interpolation not in INTERPOLATIONS:
-            remedy = f"it is {', '.join(INTERPOLATIONS)}"
-            raise InputError("no such interpolation", key="pd.interpolation", value=interpolation, remedy=remedy)
-        if interpolation is not None and isinstance(reference, Samples):
-            remedy = "give it to the Samples"
-            raise InputError("Samples have their own interpolation", key="pd.interpolation", remedy=remedy)
-        if feedback not in ("theta", "q"):
-            raise InputError("no such feedback", key="pd.feedback", value=feedback, remedy="it is theta or q")
-        entries = {
-            "reference": reference,
-            "kp": kp,
-            "kd": kd,
-            "rate": checked_rate("pd.rate", rate),
-            "feedback": feedback,
-            "feedforward": feedforward,
-            "interpolation": interpolation,
-        }
-        for key, value in entries.items():
-            object.__setattr__(self, key, value)
+    def __post_init__(self) -> None:
+        """Check what needs no robot."""
+        if self.interpolation is not None:
+            _check_interpolation("pd.interpolation", self.interpolation)
+            if isinstance(self.reference, Samples):
+                remedy = "give it to the Samples"
+                raise InputError("Samples have their own interpolation", key="pd.interpolation", remedy=remedy)
+        check_feedback("pd.feedback", self.feedback)
+        object.__setattr__(self, "rate", checked_rate("pd.rate", self.rate))
 
 
 @dataclass(frozen=True)
@@ -280,16 +251,35 @@ class FrameWrench:
             raise InputError("a wrench has six columns", key="external.samples", value=width, remedy=remedy)
 
 
+def _check_interpolation(key: str, given: Any) -> None:
+    if given not in INTERPOLATIONS:
+        raise InputError("no such interpolation", key=key, value=given, remedy=f"it is {', '.join(INTERPOLATIONS)}")
+
+
+def check_feedback(key: str, given: Any) -> None:
+    """Check from which side of the joints a controller gets its positions.
+
+    Raises:
+        InputError: it is neither.
+    """
+    if given not in ("theta", "q"):
+        raise InputError("no such feedback", key=key, value=given, remedy="it is theta or q")
+
+
+def spline(kind: Interpolation, t: Array, columns: Array) -> Any:
+    """The cubic pieces through columns of samples: ``cubic`` or ``monotone``."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    return (CubicSpline if kind == "cubic" else PchipInterpolator)(t, columns)
+
+
 def checked_rate(key: str, rate: Any) -> float:
     """Check a rate in Hz: finite and above 0.
 
     Raises:
         InputError: it is not.
     """
-    number = as_number(rate)
-    if not 0 < number < math.inf:
-        raise InputError("a rate above 0 Hz is needed", key=key, value=rate)
-    return number
+    return number(key, rate, "a rate above 0 Hz is needed", above=0.0)
 
 
 def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from flexdyn.checks import as_number
-from flexdyn.errors import InputError
+from flexdyn.checks import number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,14 +51,13 @@ class Firmware:
     def __post_init__(self) -> None:
         """Check every number."""
         for field in fields(self):
-            number = as_number(getattr(self, field.name))
-            above = field.name in ("counts_per_turn", "full_pwm", "pwm_limit", "rate")
-            sense = number > 0.0 if above else number >= 0.0
-            if not sense or (math.isinf(number) and field.name != "pwm_limit"):
-                bound = "above 0" if above else "of at least 0"
-                value = getattr(self, field.name)
-                raise InputError(f"a finite number {bound} is needed", key=field.name, value=value)
-            object.__setattr__(self, field.name, number)
+            name, value, infinite = field.name, getattr(self, field.name), field.name == "pwm_limit"
+            if name in ("counts_per_turn", "full_pwm", "pwm_limit", "rate"):
+                problem = "a finite number above 0 is needed"
+                checked = number(name, value, problem, above=0.0, infinite=infinite)
+            else:
+                checked = number(name, value, "a finite number of at least 0 is needed", least=0.0)
+            object.__setattr__(self, name, checked)
         object.__setattr__(self, "pwm_limit", min(self.pwm_limit, self.full_pwm))
 
     @property

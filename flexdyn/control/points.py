@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.control.commands import INTERPOLATIONS, PD, Interpolation, Samples
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known
 from flexdyn.io.yaml import check_keys
 
 COMMAND_KEYS = ("pd", "torques")
@@ -84,15 +84,13 @@ def points_of(entry: Any, key: str, between: Any) -> CommandPoints:
         InputError: no times, no joint, lists of different lengths, an entry that is no number.
     """
     if not isinstance(entry, Mapping) or "t" not in entry:
-        remedy = "write {t: [0, 1, 2], JOINT: [0, 0.5, 0]}"
-        raise InputError("points are needed", key=key, value=entry, remedy=remedy)
+        raise InputError("points are needed", key=key, value=entry, remedy="write {t: [0, 1, 2], JOINT: [0, 0.5, 0]}")
     columns = {str(joint): values for joint, values in entry.items() if joint not in ("t", "interpolation")}
     if not columns:
         raise InputError("points of no joint", key=key, remedy="write {t: [0, 1, 2], JOINT: [0, 0.5, 0]}")
     interpolation: Interpolation = entry.get("interpolation", between)
-    if interpolation not in INTERPOLATIONS:
-        remedy = did_you_mean(str(interpolation), INTERPOLATIONS)
-        raise InputError("no such interpolation", key=f"{key}.interpolation", value=interpolation, remedy=remedy)
+    place = {"key": f"{key}.interpolation", "value": interpolation}
+    check_known(interpolation, INTERPOLATIONS, "no such interpolation", **place)
     length = np.size(entry["t"])
     for joint, values in columns.items():
         if np.size(values) != length:

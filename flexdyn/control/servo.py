@@ -11,7 +11,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.control.commands import Samples, State, checked_rate, per_joint
+from flexdyn.checks import whole
+from flexdyn.control.commands import Samples, State, check_feedback, checked_rate, per_joint, spline
 from flexdyn.control.firmware import Firmware
 from flexdyn.errors import InputError
 
@@ -73,12 +74,9 @@ class Servo:
 
     def __post_init__(self) -> None:
         """Check everything that needs no robot."""
-        if self.feedback not in ("theta", "q"):
-            raise InputError("no such feedback", key="servo.feedback", value=self.feedback, remedy="it is theta or q")
+        check_feedback("servo.feedback", self.feedback)
         for key in ("span", "delay"):
-            value = getattr(self, key)
-            if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-                raise InputError("a number of samples is needed", key=f"servo.{key}", value=value)
+            whole(f"servo.{key}", getattr(self, key), 0, problem="a number of samples is needed")
         if self.added is not None and not isinstance(self.added, Samples):
             raise InputError("Samples are needed", key="servo.added", value=self.added)
         object.__setattr__(self, "rate", checked_rate("servo.rate", self.rate))
@@ -155,10 +153,7 @@ def _at_ticks(samples: Samples, names: tuple[str, ...], rate: float) -> Array:
     columns, t = samples.columns(names), samples.t - samples.t[0]
     ticks = np.arange(math.floor(t[-1] * rate + 1e-6) + 1) / rate
     if samples.interpolation in ("cubic", "monotone"):
-        from scipy.interpolate import CubicSpline, PchipInterpolator
-
-        kind = CubicSpline if samples.interpolation == "cubic" else PchipInterpolator
-        return np.asarray(kind(t, columns)(np.minimum(ticks, t[-1])))
+        return np.asarray(spline(samples.interpolation, t, columns)(np.minimum(ticks, t[-1])))
     if samples.interpolation == "linear":
         return np.column_stack([np.interp(ticks, t, column) for column in columns.T])
     slack = 1e-3 / rate  # a small delay of the clock does not move a sample to the next tick

@@ -7,7 +7,14 @@ import math
 from flexdyn.effects.base import JointEffect, parameter, spaced
 
 
-class TorqueOffset(JointEffect):
+class ActuatorEffect(JointEffect, abstract=True):
+    """An effect on the torque of a joint's motor."""
+
+    sides = ("motor",)
+    stage = "actuator"
+
+
+class TorqueOffset(ActuatorEffect):
     """A constant torque that was not commanded: current sensor offset, cogging bias.
 
     ``tau_applied = tau + offset``.
@@ -17,8 +24,6 @@ class TorqueOffset(JointEffect):
         offset: [N m].
     """
 
-    sides = ("motor",)
-    stage = "actuator"
     law = "tau + offset"
     neutral = {"offset": 0.0}
     shown = {"offset": 0.3}
@@ -28,7 +33,7 @@ class TorqueOffset(JointEffect):
     offset: float = parameter("N m")
 
 
-class TorqueConstantError(JointEffect):
+class TorqueConstantError(ActuatorEffect):
     """The motor gives a constant factor of the commanded torque: its torque constant is not the assumed one.
 
     ``tau_applied = (1 + gain) tau``. Several on one joint add their gains.
@@ -38,8 +43,6 @@ class TorqueConstantError(JointEffect):
         gain: 0.05 means five percent more; -2 means that the motor is wired the wrong way round [1].
     """
 
-    sides = ("motor",)
-    stage = "actuator"
     law = "(1 + gain)*tau"
     neutral = {"gain": 0.0}
     shown = {"gain": 0.2}
@@ -50,7 +53,7 @@ class TorqueConstantError(JointEffect):
     gain: float = parameter("1")
 
 
-class TorqueRipple(JointEffect):
+class TorqueRipple(ActuatorEffect):
     """Torque that varies with the rotor's angle: cogging, slots, uneven phase currents.
 
     ``tau_applied = tau + amplitude sin(harmonic theta + phase)``.
@@ -62,8 +65,6 @@ class TorqueRipple(JointEffect):
         phase: [rad].
     """
 
-    sides = ("motor",)
-    stage = "actuator"
     law = "tau + amplitude*sin(harmonic*theta + phase)"
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.3, "harmonic": 2.0, "phase": 0.0}
@@ -75,7 +76,7 @@ class TorqueRipple(JointEffect):
     phase: float = parameter("rad")
 
 
-class TorqueSpeedLimit(JointEffect):
+class TorqueSpeedLimit(ActuatorEffect):
     """The torque-speed line of a motor: the largest torque falls to zero at the no-load speed.
 
     ``tau`` clipped to ``[-stall (1 + omega/no_load), stall (1 - omega/no_load)]``, neither bound past zero. Paper,
@@ -88,8 +89,6 @@ class TorqueSpeedLimit(JointEffect):
         no_load_speed: speed at which the largest torque is zero [rad/s].
     """
 
-    sides = ("motor",)
-    stage = "actuator"
     law = "clip(tau, -stall_torque*(1 + omega/no_load_speed), stall_torque*(1 - omega/no_load_speed))"
     neutral = {"stall_torque": math.inf}
     shown = {"stall_torque": 1.0, "no_load_speed": 3.0}
@@ -104,7 +103,7 @@ class TorqueSpeedLimit(JointEffect):
     no_load_speed: float = parameter("rad/s", lower=0.0, strict=True)
 
 
-class TorqueSaturation(JointEffect):
+class TorqueSaturation(ActuatorEffect):
     """Torque that is lost at high current: the iron saturates, and more current gives less additional torque.
 
     ``tau_applied = tau/(1 + abs(tau)/scale)``: half of the commanded torque is lost at ``abs(tau) = scale``, and no
@@ -120,8 +119,6 @@ class TorqueSaturation(JointEffect):
         scale: torque that is never reached [N m]; infinite: no loss.
     """
 
-    sides = ("motor",)
-    stage = "actuator"
     law = "tau/(1 + abs(tau)/scale)"
     neutral = {"scale": math.inf}
     shown = {"scale": 2.0}
@@ -132,7 +129,7 @@ class TorqueSaturation(JointEffect):
     scale: float = parameter("N m", lower=0.0, strict=True)
 
 
-class CommandDelay(JointEffect):
+class CommandDelay(ActuatorEffect):
     """The commanded torque arrives late: a bus, a control cycle.
 
     ``tau_applied(t) = tau(t - delay)``; 0 before the first command arrives. Several on one joint add.
@@ -142,8 +139,6 @@ class CommandDelay(JointEffect):
         delay: [s].
     """
 
-    sides = ("motor",)
-    stage = "actuator"
     law = "tau(t - delay)"
     neutral = {"delay": 0.0}
     no_torque = "it shifts the command in time"

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
 from flexdyn.checks import as_number
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known
 
 Array = NDArray[np.float64]
 Side = Literal["link", "motor", "transmission", "sensor"]
@@ -201,8 +201,7 @@ class Effect:
         """
         fields = {f.name: f for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
         for key in entry:
-            if key not in fields:
-                raise InputError(f"{cls.name} has no such parameter", key=str(key), remedy=did_you_mean(key, fields))
+            check_known(key, fields, f"{cls.name} has no such parameter", key=str(key))
         for key, field in fields.items():
             if field.default is dataclasses.MISSING and key not in entry:
                 unit = field.metadata.get("unit")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from flexdyn.effects.base import Effect, registered
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known
 
 FILES = (
     "friction",
@@ -36,8 +36,7 @@ def find_effect(name: Any) -> type[Effect]:
         InputError: there is no effect of that name; the message names the most similar one.
     """
     known = registered()
-    if not isinstance(name, str) or name not in known:
-        raise InputError("no such effect", key="effect", value=name, remedy=did_you_mean(str(name), known))
+    check_known(name, known, "no such effect", key="effect", value=name)
     return known[name]
 
 

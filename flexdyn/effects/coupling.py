@@ -31,7 +31,6 @@ class JointCoupling(JointEffect):
     """
 
     sides = ("motor",)
-    stage = "friction"
     law = "coefficient*omega of joint other + level*Sgn(omega - ratio*omega of joint other)"
     neutral = {"coefficient": 0.0, "level": 0.0}
     shown = {"coefficient": 0.5}

@@ -5,7 +5,20 @@ from __future__ import annotations
 from flexdyn.effects.base import JointEffect, parameter, spaced
 
 
-class ViscousFriction(JointEffect):
+class Friction(JointEffect, abstract=True):
+    """Friction on the link or on the rotor that the velocity alone decides."""
+
+    sides = ("link", "motor")
+    of_velocity = True
+
+
+class DryFriction(Friction, abstract=True):
+    """Friction of the same kind that is set-valued at rest."""
+
+    stage = "dry"
+
+
+class ViscousFriction(Friction):
     """Friction proportional to speed.
 
     ``f = coefficient u``, u = v (link) or omega (motor). Paper, eq. 1, first term (b^v), and eq. 20, 21 (v_1, v_2).
@@ -16,19 +29,16 @@ class ViscousFriction(JointEffect):
         coefficient: [N m s/rad].
     """
 
-    sides = ("link", "motor")
-    stage = "friction"
     law = "coefficient*u"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.5}
     linear = ("coefficient",)
     prevalence = "everywhere"
-    of_velocity = True
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
 
 
-class CoulombFriction(JointEffect):
+class CoulombFriction(DryFriction):
     """Dry friction of one level, set-valued at rest.
 
     ``f = level Sgn(u)``, Sgn(0) = [-1, 1]. Paper, eq. 1, second term (b^d); its sgn(0) = 0 (eq. 2) would let a loaded
@@ -40,19 +50,16 @@ class CoulombFriction(JointEffect):
         level: [N m].
     """
 
-    sides = ("link", "motor")
-    stage = "dry"
     law = "level*Sgn(u)"
     neutral = {"level": 0.0}
     shown = {"level": 1.0}
     linear = ("level",)
     prevalence = "everywhere"
-    of_velocity = True
 
     level: float = parameter("N m", lower=0.0)
 
 
-class AsymmetricFriction(JointEffect):
+class AsymmetricFriction(DryFriction):
     """Dry friction with a level for each direction of motion, set-valued at rest.
 
     ``f = level_positive`` for u > 0, ``-level_negative`` for u < 0, any torque of ``[-level_negative,
@@ -65,8 +72,6 @@ class AsymmetricFriction(JointEffect):
         level_negative: against motion in the negative direction [N m].
     """
 
-    sides = ("link", "motor")
-    stage = "dry"
     law = "(level_positive if u > 0 else level_negative)*Sgn(u)"
     neutral = {"level_positive": 0.0, "level_negative": 0.0}
     shown = {"level_positive": 1.2, "level_negative": 0.7}
@@ -74,13 +79,12 @@ class AsymmetricFriction(JointEffect):
     contains = ("coulomb_friction", "torque_offset")
     plainer = ("coulomb_friction",)
     prevalence = "often"
-    of_velocity = True
 
     level_positive: float = parameter("N m", lower=0.0)
     level_negative: float = parameter("N m", lower=0.0)
 
 
-class StribeckFriction(JointEffect):
+class StribeckFriction(DryFriction):
     """Dry friction in excess of the kinetic level that decreases with the speed.
 
     ``f = excess exp(-(|u|/velocity)^exponent) Sgn(u)``. Paper, eq. 1, third term: excess = b^s - b^d, velocity =
@@ -94,22 +98,19 @@ class StribeckFriction(JointEffect):
         exponent: 1 in the paper, 2 in much of the literature [1].
     """
 
-    sides = ("link", "motor")
-    stage = "dry"
     law = "excess*exp(-(abs(u)/velocity)^exponent)*Sgn(u)"
     neutral = {"excess": 0.0}
     shown = {"excess": 0.5, "velocity": 0.1}
     linear = ("excess",)
     grids = {"velocity": ("speed", spaced(0.003, 0.4, 9))}
     prevalence = "often"
-    of_velocity = True
 
     excess: float = parameter("N m", lower=0.0)
     velocity: float = parameter("rad/s", lower=0.0, strict=True)
     exponent: float = parameter("1", lower=0.0, strict=True, default=1.0)
 
 
-class AsymmetricViscousFriction(JointEffect):
+class AsymmetricViscousFriction(Friction):
     """Viscous friction with a coefficient for each direction of motion.
 
     ``f = coefficient_positive u`` for u > 0, ``coefficient_negative u`` for u < 0: continuous, with a corner at rest.
@@ -126,21 +127,18 @@ class AsymmetricViscousFriction(JointEffect):
         coefficient_negative: for motion in the negative direction [N m s/rad].
     """
 
-    sides = ("link", "motor")
-    stage = "friction"
     law = "(coefficient_positive if u > 0 else coefficient_negative)*u"
     neutral = {"coefficient_positive": 0.0, "coefficient_negative": 0.0}
     shown = {"coefficient_positive": 0.6, "coefficient_negative": 0.3}
     linear = ("coefficient_positive", "coefficient_negative")
     contains = ("viscous_friction",)
     plainer = ("viscous_friction",)
-    of_velocity = True
 
     coefficient_positive: float = parameter("N m s/rad")
     coefficient_negative: float = parameter("N m s/rad")
 
 
-class QuadraticDrag(JointEffect):
+class QuadraticDrag(Friction):
     """Drag that grows with the square of the speed: air, oil, grease.
 
     ``f = coefficient u abs(u)``.
@@ -151,12 +149,9 @@ class QuadraticDrag(JointEffect):
         coefficient: [N m s^2/rad^2].
     """
 
-    sides = ("link", "motor")
-    stage = "friction"
     law = "coefficient*u*abs(u)"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.3}
     linear = ("coefficient",)
-    of_velocity = True
 
     coefficient: float = parameter("N m s^2/rad^2", lower=0.0)

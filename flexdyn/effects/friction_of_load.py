@@ -5,7 +5,15 @@ from __future__ import annotations
 from flexdyn.effects.base import JointEffect, parameter
 
 
-class LoadDependentFriction(JointEffect):
+class GearLoss(JointEffect, abstract=True):
+    """Dry friction of a gear, which depends on the torque that it carries."""
+
+    sides = ("motor",)
+    stage = "dry"
+    takes_load = True
+
+
+class LoadDependentFriction(GearLoss):
     """Dry friction in proportion to the torque that the gear carries, set-valued at rest.
 
     ``f = coefficient abs(tau_s) Sgn(omega)``, tau_s the transmission torque of this instant, damping included. Source:
@@ -16,12 +24,9 @@ class LoadDependentFriction(JointEffect):
         coefficient: friction torque over transmission torque [1].
     """
 
-    sides = ("motor",)
-    stage = "dry"
     law = "coefficient*abs(tau_s)*Sgn(u)"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.15}
-    takes_load = True
     linear = ("coefficient",)
     natural_size = 0.15
     prevalence = "often"
@@ -29,7 +34,7 @@ class LoadDependentFriction(JointEffect):
     coefficient: float = parameter("1", lower=0.0)
 
 
-class DirectionalGearLoss(JointEffect):
+class DirectionalGearLoss(GearLoss):
     """Dry friction in proportion to the load, one share where the motor drives and another where the load drives it.
 
     ``f = (driving if tau_s omega > 0 else driven) abs(tau_s) Sgn(omega)``, tau_s the transmission torque of this
@@ -62,12 +67,9 @@ class DirectionalGearLoss(JointEffect):
         driven: the same where the load drives the motor; 1 or more: self-locking [1].
     """
 
-    sides = ("motor",)
-    stage = "dry"
     law = "(driving if tau_s*u > 0 else driven)*abs(tau_s)*Sgn(u)"
     neutral = {"driving": 0.0, "driven": 0.0}
     shown = {"driving": 0.15, "driven": 0.4}
-    takes_load = True
     linear = ("driving", "driven")
     contains = ("load_dependent_friction",)
     plainer = ("load_dependent_friction",)
@@ -78,7 +80,7 @@ class DirectionalGearLoss(JointEffect):
     driven: float = parameter("1", lower=0.0)
 
 
-class StribeckGearLoss(JointEffect):
+class StribeckGearLoss(GearLoss):
     """Loss of a gear that falls with speed, in proportion to the load and by the direction of power.
 
     ``f = (driving if tau_s omega > 0 else driven) exp(-abs(omega)/velocity) abs(tau_s) Sgn(omega)``: what a gear holds
@@ -96,12 +98,9 @@ class StribeckGearLoss(JointEffect):
         velocity: at which 1/e of it is left [rad/s].
     """
 
-    sides = ("motor",)
-    stage = "dry"
     law = "(driving if tau_s*u > 0 else driven)*exp(-abs(u)/velocity)*abs(tau_s)*Sgn(u)"
     neutral = {"driving": 0.0, "driven": 0.0}
     shown = {"driving": 0.3, "driven": 0.2, "velocity": 0.3}
-    takes_load = True
 
     driving: float = parameter("1", lower=0.0)
     driven: float = parameter("1", lower=0.0)

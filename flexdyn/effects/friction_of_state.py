@@ -52,7 +52,6 @@ class PreslidingFriction(MemoryEffect):
     """
 
     sides = ("link", "motor")
-    stage = "friction"
     law = "stiffness*z + damping*z', z' = u - stiffness*abs(u)*z/level"
     neutral = {"level": 0.0}
     shown = {"level": 1.0, "stiffness": 500.0}
@@ -85,7 +84,6 @@ class WarmUpFriction(JointEffect):
     """
 
     sides = ("link", "motor")
-    stage = "friction"
     law = "coefficient*exp(-t/time_constant)*u"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 1.0, "time_constant": 300.0}

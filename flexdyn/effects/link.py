@@ -29,7 +29,14 @@ class Payload(Effect):
     frame: str | None = None
 
 
-class ParallelSpring(JointEffect):
+class LinkEffect(JointEffect, abstract=True):
+    """A torque on a joint's link, on the right side of its equation."""
+
+    sides = ("link",)
+    stage = "link"
+
+
+class ParallelSpring(LinkEffect):
     """A spring between a link and the one before it: a balancing spring, a stiff cable.
 
     ``tau_link = -stiffness (q - rest)``, on the right side of the link's equation.
@@ -40,8 +47,6 @@ class ParallelSpring(JointEffect):
         rest: position at which its torque is zero [rad].
     """
 
-    sides = ("link",)
-    stage = "link"
     law = "-stiffness*(q - rest)"
     neutral = {"stiffness": 0.0}
     shown = {"stiffness": 20.0, "rest": 0.3}
@@ -50,7 +55,7 @@ class ParallelSpring(JointEffect):
     rest: float = parameter("rad")
 
 
-class PositionTorque(JointEffect):
+class PositionTorque(LinkEffect):
     """A torque that depends on the joint's position alone: a counterbalance, cables, a hose.
 
     ``tau_link = -(cos_1 cos q + sin_1 sin q + cos_2 cos 2q + sin_2 sin 2q)``, on the right side of the link's
@@ -64,8 +69,6 @@ class PositionTorque(JointEffect):
         sin_2: [N m].
     """
 
-    sides = ("link",)
-    stage = "link"
     law = "-(cos_1*cos(q) + sin_1*sin(q) + cos_2*cos(2*q) + sin_2*sin(2*q))"
     neutral = {"cos_1": 0.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.0}
     shown = {"cos_1": 1.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.3}
@@ -76,7 +79,7 @@ class PositionTorque(JointEffect):
     sin_2: float = parameter("N m")
 
 
-class EndStop(JointEffect):
+class EndStop(LinkEffect):
     """Bumpers at the ends of a joint's range: they press, they never pull.
 
     ``tau_link = -(stiffness (q - upper) + damping v)`` beyond upper, likewise below lower, and 0 if that would pull
@@ -90,8 +93,6 @@ class EndStop(JointEffect):
         damping: [N m s/rad].
     """
 
-    sides = ("link",)
-    stage = "link"
     law = "q > upper: -(stiffness*(q - upper) + damping*v), if that presses; likewise q < lower"
     neutral = {"stiffness": 0.0, "damping": 0.0}
     shown = {"lower": -1.0, "upper": 1.0, "stiffness": 100.0, "damping": 2.0}

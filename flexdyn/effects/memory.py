@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
-from flexdyn.effects.base import JointEffect, Stage
+from flexdyn.effects.base import JointEffect
 
 Array = NDArray[np.float64]
 
@@ -20,7 +18,6 @@ class MemoryEffect(JointEffect, abstract=True):
     sgn(u) reach`` after a few times the reach.
     """
 
-    stage: ClassVar[Stage] = "friction"
     no_torque = "it depends on the path: use along(x)"
 
     @property

@@ -25,7 +25,6 @@ class ParameterError(base.Effect):
         factor: above 0 [1].
     """
 
-    sides = ()
     stage = "model"
     law = "true = factor*given"
     neutral = {"factor": 1.0}

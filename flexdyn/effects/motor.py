@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.actuator import ActuatorEffect
+from flexdyn.effects.base import parameter
 
 
-class MotorLaw(JointEffect, abstract=True):
+class MotorLaw(ActuatorEffect, abstract=True):
     """The effect of a joint's actuator on the commanded torque; the model makes it from the actuator's numbers.
 
     The commanded torque of a motor under voltage is the torque that the voltage gives at standstill, ``tau = kt V/R``.
@@ -16,8 +17,6 @@ class MotorLaw(JointEffect, abstract=True):
     """
 
     name: ClassVar[str] = "motor_law"
-    sides = ("motor",)
-    stage = "actuator"
     order = 0
 
 

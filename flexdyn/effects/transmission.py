@@ -11,13 +11,20 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.effects.base import JointEffect, parameter, spaced
+from flexdyn.effects.base import JointEffect, Stage, parameter, spaced
 from flexdyn.effects.memory import MemoryEffect
 
 Array = NDArray[np.float64]
 
 
-class JointElasticity(JointEffect):
+class TransmissionEffect(JointEffect, abstract=True):
+    """An effect between rotor and link; it adds to the spring's torque."""
+
+    sides = ("transmission",)
+    stage: ClassVar[Stage] = "spring"
+
+
+class JointElasticity(TransmissionEffect):
     """The elasticity of a joint that was taken for rigid.
 
     The joint becomes elastic: rotor and link have positions of their own, and ``tau_s = stiffness delta`` (paper,
@@ -28,8 +35,6 @@ class JointElasticity(JointEffect):
         stiffness: [N m/rad]; infinite: it stays rigid.
     """
 
-    sides = ("transmission",)
-    stage = "spring"
     law = "a rigid joint becomes elastic: stiffness*delta"
     neutral = {"stiffness": math.inf}
     shown = {"stiffness": 5000.0}
@@ -42,7 +47,7 @@ class JointElasticity(JointEffect):
         return self.stiffness * x
 
 
-class TransmissionDamping(JointEffect):
+class TransmissionDamping(TransmissionEffect):
     """Damping across the spring of an elastic joint.
 
     ``tau_s += coefficient (omega - v)``, with the true velocities. It adds to the joint's `damping`.
@@ -52,8 +57,6 @@ class TransmissionDamping(JointEffect):
         coefficient: [N m s/rad].
     """
 
-    sides = ("transmission",)
-    stage = "spring"
     law = "coefficient*(omega - v)"
     neutral = {"coefficient": 0.0}
     shown = {"coefficient": 2.0}
@@ -63,7 +66,7 @@ class TransmissionDamping(JointEffect):
     coefficient: float = parameter("N m s/rad", lower=0.0)
 
 
-class HardeningSpring(JointEffect):
+class HardeningSpring(TransmissionEffect):
     """A transmission whose stiffness grows with the deflection, as in harmonic drives.
 
     ``tau_s += cubic delta^3``, in addition to the joint's own ``K delta``; it stores ``1/4 cubic delta^4``.
@@ -73,8 +76,6 @@ class HardeningSpring(JointEffect):
         cubic: [N m/rad^3].
     """
 
-    sides = ("transmission",)
-    stage = "spring"
     bends_spring = True
     law = "cubic*delta^3"
     neutral = {"cubic": 0.0}
@@ -84,14 +85,13 @@ class HardeningSpring(JointEffect):
     cubic: float = parameter("N m/rad^3", lower=0.0)
 
 
-class DeflectionEffect(JointEffect, abstract=True):
+class DeflectionEffect(TransmissionEffect, abstract=True):
     """An effect that changes the deflection before every spring law sees it.
 
     Class attributes:
         of_rotor: what it adds depends on the rotor's position alone, and the true deflection goes in.
     """
 
-    sides = ("transmission",)
     stage = "deflection"
     no_torque = "use deflection(delta, theta)"
     of_rotor: ClassVar[bool] = False

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known
 
 MAX_YAML_BYTES = 500_000
 """Largest size of a file [bytes]; such a file is read in some seconds."""
@@ -115,11 +115,21 @@ def check_keys(content: Any, known: Sequence[str], *, required: Sequence[str] = 
         raise InputError("a mapping of keys is needed", key=key or None, value=content)
     prefix = f"{key}." if key else ""
     for name in content:
-        if name not in known:
-            raise InputError("no such key", key=f"{prefix}{name}", remedy=did_you_mean(str(name), known))
+        check_known(name, known, "no such key", key=f"{prefix}{name}")
     for name in required:
         if name not in content:
             raise InputError("the key is missing", key=f"{prefix}{name}")
+
+
+def check_format(content: Any, name: str, version: int, known: Sequence[str], *, required: Sequence[str] = ()) -> None:
+    """Check the keys of a whole file, and the version of its format, which stands under a key of that name.
+
+    Raises:
+        InputError: another version, an unknown key or a missing one.
+    """
+    check_keys(content, (name, *known), required=(name, *required))
+    if isinstance(content[name], bool) or content[name] != version:
+        raise InputError("no such format", key=name, value=content[name], remedy=f"this version reads format {version}")
 
 
 def dump_yaml(content: Mapping[str, Any]) -> str:

@@ -7,10 +7,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from flexdyn.checks import as_number
+from flexdyn.checks import number
 from flexdyn.control.firmware import Firmware
 from flexdyn.effects.motor import MotorLaw, MotorTorque, MotorWinding, SupplyLimit
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, placed
+from flexdyn.io.yaml import check_keys
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -45,14 +46,13 @@ class DCMotor:
     def __post_init__(self) -> None:
         """Check every number."""
         for name in MOTOR_NUMBERS:
-            number = as_number(getattr(self, name))
-            if name == "inductance" and not 0.0 <= number < math.inf:
-                raise InputError("it must be finite and at least 0", key=name, value=getattr(self, name))
-            if name != "inductance" and not number > 0.0:
-                raise InputError("a number above 0 is needed", key=name, value=getattr(self, name))
-            if math.isinf(number) and name in ("torque_constant", "resistance"):
-                raise InputError("a number above 0 is needed", key=name, value=getattr(self, name))
-            object.__setattr__(self, name, number)
+            value = getattr(self, name)
+            if name == "inductance":
+                checked = number(name, value, "it must be finite and at least 0", least=0.0)
+            else:
+                infinite = name in ("supply", "current_limit")
+                checked = number(name, value, "a number above 0 is needed", above=0.0, infinite=infinite)
+            object.__setattr__(self, name, checked)
 
     def stall_torque(self, gear_ratio: float) -> float:
         """Torque per volt at standstill behind a gear, ``N kt/R`` [N m/V]."""
@@ -157,13 +157,7 @@ def _made(name: str, kind: Any, entry: Any, allowed: tuple[str, ...] = ()) -> An
     known = allowed or tuple(fields)
     if not isinstance(entry, Mapping):
         raise InputError("a mapping is needed", key=name, value=entry, remedy=f"its keys are {', '.join(known)}")
-    for key in entry:
-        if key not in known:
-            raise InputError("there is no such key", key=f"{name}.{key}", remedy=did_you_mean(str(key), known))
-    for key in known:
-        if fields[key].default is dataclasses.MISSING and key not in entry:
-            raise InputError("it is needed", key=f"{name}.{key}", remedy="give it")
-    try:
+    required = [key for key in known if fields[key].default is dataclasses.MISSING]
+    check_keys(entry, known, required=required, key=name)
+    with placed(key=name):
         return kind(**entry)
-    except InputError as error:
-        raise error.at(key=name) from None

@@ -14,7 +14,7 @@ from flexdyn.effects import (
     SensorEffect,
     effect_from_dict,
 )
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known, placed
 from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot
 from flexdyn.robot.axes import joint_row
@@ -36,16 +36,12 @@ def fitted(robot: Robot, joints: Mapping[str, Joint], entries: Iterable[Any]) ->
     """
     effects: list[Effect] = []
     for i, entry in enumerate(entries):
-        try:
+        with placed(key=f"effects[{i}]"):
             effects.append(entry if isinstance(entry, Effect) else effect_from_dict(entry))
-        except InputError as error:
-            raise error.at(key=f"effects[{i}]") from None
     softened = {effect.joint for effect in effects if isinstance(effect, JointElasticity) and not effect.is_neutral}
     for i, effect in enumerate(effects):
-        try:
+        with placed(key=f"effects[{i}]"):
             _check(robot, joints, softened, effect)
-        except InputError as error:
-            raise error.at(key=f"effects[{i}]") from None
     _check_pairs(effects)
     return tuple(effects)
 
@@ -111,10 +107,6 @@ def _check_pairs(effects: list[Effect]) -> None:
 
 
 def _check_channel(robot: Robot, effect: SensorEffect) -> None:
-    key = "channel"
-    if effect.signal not in MEASURED:
-        remedy = did_you_mean(effect.signal, MEASURED)
-        raise InputError("no such signal", key=key, value=effect.channel, remedy=remedy)
-    if effect.joint not in robot.joint_names:
-        remedy = did_you_mean(effect.joint, robot.joint_names)
-        raise InputError("the robot has no such joint", key=key, value=effect.channel, remedy=remedy)
+    place = {"key": "channel", "value": effect.channel}
+    check_known(effect.signal, MEASURED, "no such signal", **place)
+    check_known(effect.joint, robot.joint_names, "the robot has no such joint", **place)

@@ -20,11 +20,11 @@ from flexdyn.effects import (
 )
 from flexdyn.effects.motor import MotorLaw
 from flexdyn.errors import InputError, visible
+from flexdyn.io.locked import lock, plain
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.effect_checks import fitted
-from flexdyn.model.given_number import GivenNumber, refusal
+from flexdyn.model.given_number import GivenNumber, link_inertias, links_entry, refusal, robot_with_links, unknown_links
 from flexdyn.model.joint import Joint, resolve_joints
-from flexdyn.model.link_numbers import link_inertias, links_entry, robot_with_links, unknown_links
 from flexdyn.model.resolved_parameters import folded
 from flexdyn.model.setting_checks import command_checked, gravity_checked, initial_checked, one_of, tolerance_checked
 from flexdyn.robot import Robot
@@ -185,22 +185,22 @@ class FlexibleJointModel(Public):
             if isinstance(effect, JointElasticity) and not effect.is_neutral:
                 j = self.index(effect.joint)
                 stiffness[j] = effect.stiffness + (stiffness[j] if np.isfinite(stiffness[j]) else 0.0)
-        return _locked(stiffness)
+        return lock(stiffness)
 
     @cached_property
     def damping(self) -> Array:
         """D of every joint (n,) [N m s/rad or N s/m]."""
-        return _locked(self._numbers("damping"))
+        return lock(self._numbers("damping"))
 
     @cached_property
     def rotor_inertia(self) -> Array:
         """J of every joint, reflected to the link side (n,) [kg m^2 or kg]."""
-        return _locked(self._numbers("reflected_inertia"))
+        return lock(self._numbers("reflected_inertia"))
 
     @cached_property
     def elastic(self) -> NDArray[np.bool_]:
         """Which joints have a finite stiffness (n,)."""
-        return _locked(np.isfinite(self.stiffness))
+        return lock(np.isfinite(self.stiffness))
 
     @cached_property
     def all_effects(self) -> tuple[Effect, ...]:
@@ -284,7 +284,7 @@ class FlexibleJointModel(Public):
 
     def _settings(self) -> dict[str, Any]:
         keys = ("initial", "tolerance", "gravity", "urdf_dynamics", "rotor_coupling", "command", "name")
-        return {key: _thawed(getattr(self, key)) for key in keys} | {"links": links_entry(self.links)}
+        return {key: plain(getattr(self, key)) for key in keys} | {"links": links_entry(self.links)}
 
     def _content(self) -> tuple[Any, ...]:
         return dict(self.joints), self.effects, self._settings()
@@ -303,16 +303,6 @@ class FlexibleJointModel(Public):
 
 def _rebuild(robot: Robot, joints: Any, effects: Any, settings: dict[str, Any]) -> FlexibleJointModel:
     return FlexibleJointModel(robot, joints, effects, **settings)
-
-
-def _locked(array: NDArray[Any]) -> NDArray[Any]:
-    array.setflags(write=False)
-    return array
-
-
-def _thawed(value: Any) -> Any:
-    """Plain copies of read-only mappings, which can be pickled and compared."""
-    return {key: _thawed(entry) for key, entry in value.items()} if isinstance(value, Mapping) else value
 
 
 def _urdf_effects(robot: Robot) -> tuple[Effect, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known, placed
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.given_number import UNKNOWN, GivenNumber, given_number
 
@@ -99,12 +99,10 @@ class Joint:
         if isinstance(entry, Joint):
             return entry.to_dict() | {"actuator": entry.actuator}
         if not isinstance(entry, Mapping):
-            raise InputError(
-                "a joint is a mapping of its numbers", value=entry, remedy="write {stiffness: 4000.0, ...}"
-            )
+            remedy = "write {stiffness: 4000.0, ...}"
+            raise InputError("a joint is a mapping of its numbers", value=entry, remedy=remedy)
         for key in entry:
-            if key not in KEYS:
-                raise InputError("a joint has no such key", key=str(key), remedy=did_you_mean(str(key), KEYS))
+            check_known(key, KEYS, "a joint has no such key", key=str(key))
         return {str(key): value for key, value in entry.items()}
 
     def _read(self) -> None:
@@ -146,9 +144,8 @@ def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[s
     if not isinstance(entries, Mapping):
         raise InputError("joints are a mapping by name", key="joints", value=entries)
     for name in entries:
-        if name != "*" and name not in names:
-            problem = "the robot has no such joint"
-            raise InputError(problem, key=f"joints.{name}", remedy=did_you_mean(str(name), names))
+        if name != "*":
+            check_known(name, names, "the robot has no such joint", key=f"joints.{name}")
     resolved: dict[str, Joint] = {}
     for name in names:
         given = entries.get(name)
@@ -167,7 +164,5 @@ def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[s
 
 
 def _entry(entries: Mapping[str, Any], name: str) -> dict[str, Any]:
-    try:
+    with placed(key=f"joints.{name}"):
         return Joint.numbers(entries.get(name, {}))
-    except InputError as error:
-        raise error.at(key=f"joints.{name}") from None

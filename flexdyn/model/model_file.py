@@ -7,19 +7,20 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.io.files import exists, is_file, write_text
-from flexdyn.io.yaml import check_keys, dump_yaml, read_yaml
+from flexdyn.io.locked import thawed
+from flexdyn.io.yaml import check_format, check_keys, dump_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.link_numbers import links_entry
-from flexdyn.model.setting_checks import check_tolerance_paths, plain_command
+from flexdyn.model.given_number import links_entry
+from flexdyn.model.setting_checks import check_tolerance_paths
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.axes import plain_axes
 from flexdyn.robot.names import shipped_dir
 
 MODEL_FORMAT = 1
 ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
-TOP_KEYS = ("flexdyn", "robot", "joints", "links", "initial", "tolerance", "effects", "command")
+TOP_KEYS = ("robot", "joints", "links", "initial", "tolerance", "effects", "command")
 ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "axes", "urdf_dynamics", "rotor_coupling")
 
 
@@ -48,12 +49,9 @@ def load_model(path: str | Path) -> FlexibleJointModel:
         ('shoulder', 'elbow')
     """
     file = _find(path)
-    content = read_yaml(file)
-    try:
-        name = file.parent.name if file.name == "model.yaml" else file.stem
-        return model_from_dict(content, file.parent, name=name)
-    except InputError as error:
-        raise (error if error.file else error.at(file=file)) from None
+    name = file.parent.name if file.name == "model.yaml" else file.stem
+    with placed(file=file):
+        return model_from_dict(read_yaml(file), file.parent, name=name)
 
 
 def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "") -> FlexibleJointModel:
@@ -67,10 +65,7 @@ def model_from_dict(content: Mapping[str, Any], folder: Path, *, name: str = "")
     Raises:
         InputError: a key, joint, effect or number that does not fit.
     """
-    check_keys(content, TOP_KEYS, required=("flexdyn", "robot"))
-    if isinstance(content["flexdyn"], bool) or content["flexdyn"] != MODEL_FORMAT:
-        remedy = f"this version reads format {MODEL_FORMAT}"
-        raise InputError("no such format", key="flexdyn", value=content["flexdyn"], remedy=remedy)
+    check_format(content, "flexdyn", MODEL_FORMAT, TOP_KEYS, required=("robot",))
     entry = content["robot"]
     check_keys(entry, ROBOT_KEYS, required=("urdf",), key="robot")
     for key, kind in (("package_dirs", list), ("lock", Mapping)):
@@ -139,7 +134,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
     }
     if model.links:
         content["links"] = links_entry(model.links)
-    return content if model.command is None else content | {"command": plain_command(model.command)}
+    return content if model.command is None else content | {"command": thawed(model.command)}
 
 
 def _find(path: Any) -> Path:
@@ -182,9 +177,8 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
     if not is_file(source):
         is_path = "/" in urdf or urdf.lower().endswith((".urdf", ".xml", ".xacro"))
         if is_path:
-            raise InputError(
-                "there is no such file", key="robot.urdf", value=urdf, remedy=f"it is looked for in {folder}"
-            )
+            remedy = f"it is looked for in {folder}"
+            raise InputError("there is no such file", key="robot.urdf", value=urdf, remedy=remedy)
         source = urdf
     else:
         source = Path(source).resolve()  # one name for each file, so that models of it compare equal

@@ -11,7 +11,7 @@ import numpy as np
 
 from flexdyn.effects import Effect, JointElasticity, ParameterError
 from flexdyn.effects.model_error import effect_place
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known, did_you_mean, placed
 from flexdyn.model.given_number import UNKNOWN
 from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot
@@ -55,15 +55,13 @@ def folded(robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect])
     for i, error in enumerate(effects):
         if not isinstance(error, ParameterError) or error.is_neutral:
             continue
-        try:
+        with placed(key=f"effects[{i}]"):
             if error.parameter in OF_LINK:
                 robot = robot.with_link_scaled(error.of, **{OF_LINK[error.parameter]: error.factor})
             elif error.of.startswith("effects["):
                 _fold_effect(true, error)
             else:
                 robot = _fold_joint(robot, numbers, error)
-        except InputError as problem:
-            raise problem.at(key=f"effects[{i}]") from None
     for effect in true:
         if isinstance(effect, JointElasticity) and not effect.is_neutral:
             given = numbers[effect.joint]["stiffness"]
@@ -114,6 +112,4 @@ def _fold_joint(robot: Robot, numbers: dict[str, dict[str, Any]], error: Paramet
 
 
 def _check_parameter(error: ParameterError, known: Sequence[str], owner: str) -> None:
-    if error.parameter not in known:
-        remedy = did_you_mean(error.parameter, known)
-        raise InputError(f"{owner} has no such number", key="parameter", value=error.parameter, remedy=remedy)
+    check_known(error.parameter, known, f"{owner} has no such number", key="parameter", value=error.parameter)

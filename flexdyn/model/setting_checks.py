@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import as_number
+from flexdyn.checks import as_number, number
 from flexdyn.control.commands import PD, Samples, per_joint
 from flexdyn.control.points import command_of
 from flexdyn.effects import Effect
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known, placed
+from flexdyn.io.locked import frozen
 from flexdyn.model.joint import NUMBERS
 
 INITIAL_KEYS = ("q", "v", "theta", "omega")
@@ -41,16 +42,13 @@ def initial_checked(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mappi
     if not isinstance(entries, Mapping):
         raise InputError("a mapping is needed", key="initial", value=entries, remedy="write {q: {JOINT: value}}")
     for signal, values in entries.items():
-        if signal not in INITIAL_KEYS:
-            raise InputError("no such signal", key=f"initial.{signal}", remedy=did_you_mean(str(signal), INITIAL_KEYS))
+        check_known(signal, INITIAL_KEYS, "no such signal", key=f"initial.{signal}")
         if not isinstance(values, Mapping):
             raise InputError("a mapping by joint is needed", key=f"initial.{signal}", value=values)
         for joint, value in values.items():
             place = f"initial.{signal}.{joint}"
-            if joint not in names:
-                raise InputError("the robot has no such joint", key=place, remedy=did_you_mean(str(joint), names))
-            if not math.isfinite(as_number(value)):
-                raise InputError("a finite number is needed", key=place, value=value)
+            check_known(joint, names, "the robot has no such joint", key=place)
+            number(place, value)
         checked[signal] = MappingProxyType({joint: float(value) for joint, value in values.items()})
     return MappingProxyType(checked)
 
@@ -58,15 +56,12 @@ def initial_checked(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mappi
 def tolerance_checked(value: Any) -> float | Mapping[str, float]:
     """One relative tolerance, or several by the dotted path of the number, read-only."""
     entries = value if isinstance(value, Mapping) else {"*": value}
-    for path, number in entries.items():
-        if not 0 <= as_number(number) < math.inf:
-            key = "tolerance" if path == "*" else f"tolerance.{path}"
-            raise InputError(
-                "a number of at least 0 is needed", key=key, value=number, remedy="0.05 means 5 %, 1 sigma"
-            )
-    if isinstance(value, Mapping):
-        return MappingProxyType({str(path): float(number) for path, number in entries.items()})
-    return float(value)
+    found = {}
+    for path, entry in entries.items():
+        key = "tolerance" if path == "*" else f"tolerance.{path}"
+        problem, remedy = "a number of at least 0 is needed", "0.05 means 5 %, 1 sigma"
+        found[str(path)] = number(key, entry, problem, least=0.0, remedy=remedy)
+    return MappingProxyType(found) if isinstance(value, Mapping) else found["*"]
 
 
 def check_tolerance_paths(
@@ -90,9 +85,7 @@ def check_tolerance_paths(
     known += [f"effects[{i}].{field.name}" for i, effect in enumerate(effects) for field in effect.parameters()]
     known += [f"links.{link}.{number}" for link in links for number in ("mass", "com", "inertia")]
     for path in tolerance:
-        if str(path) not in known:
-            remedy = did_you_mean(str(path), known)
-            raise InputError("no such number in the model", key=f"tolerance.{path}", remedy=remedy)
+        check_known(str(path), known, "no such number in the model", key=f"tolerance.{path}")
 
 
 def command_checked(command: Any, joint_names: Sequence[str]) -> Mapping[str, Any] | None:
@@ -103,7 +96,7 @@ def command_checked(command: Any, joint_names: Sequence[str]) -> Mapping[str, An
     """
     if command is None:
         return None
-    try:
+    with placed(key="command"):
         if not isinstance(command, Mapping):
             raise InputError("a mapping with pd or torques is needed", value=command)
         made = command_of(command)
@@ -113,23 +106,5 @@ def command_checked(command: Any, joint_names: Sequence[str]) -> Mapping[str, An
         if isinstance(made, PD):
             for gain in ("kp", "kd"):
                 per_joint(f"pd.{gain}", getattr(made, gain), joint_names)
-    except InputError as error:
-        raise error.at(key="command") from None
-    locked: Mapping[str, Any] = _frozen(command)
+    locked: Mapping[str, Any] = frozen(command)
     return locked
-
-
-def plain_command(command: Any) -> Any:
-    """A read-only command as plain dictionaries and lists, as YAML writes them."""
-    if isinstance(command, Mapping):
-        return {key: plain_command(entry) for key, entry in command.items()}
-    return [plain_command(entry) for entry in command] if isinstance(command, tuple) else command
-
-
-def _frozen(value: Any) -> Any:
-    """A deep copy that cannot change: read-only mappings, tuples, numbers."""
-    if isinstance(value, Mapping):
-        return MappingProxyType({str(key): _frozen(entry) for key, entry in value.items()})
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    return tuple(_frozen(entry) for entry in value) if isinstance(value, list | tuple) else value

@@ -11,8 +11,7 @@ import numpy as np
 from flexdyn.effects import Effect, JointCoupling, JointElasticity, ParameterError, Payload, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.given_number import GivenNumber
-from flexdyn.model.link_numbers import robot_with_links
+from flexdyn.model.given_number import GivenNumber, robot_with_links
 
 OF_JOINT = ("rotor_inertia", "stiffness", "damping")
 OF_MOTOR = ("torque_constant", "resistance")

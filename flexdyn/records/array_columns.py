@@ -41,13 +41,12 @@ class RequestedColumn:
         if self.axis is None:
             if len(shape) == 2:
                 remedy = f"a channel map takes one of its columns as {self.array}[:,0] or rows as {self.array}[0,:]"
-                problem = f"the column has the shape {shape}"
-                raise InputError(problem, key=self.key, remedy=remedy, channel=self.key)
+                raise InputError(f"the column has the shape {shape}", remedy=remedy, channel=self.key)
             check_numbers(dtype, shape, self.key)
             return
         if len(shape) != 2 or self.index >= shape[self.axis]:
             remedy = f"{self.array} has the shape {shape}, and rows and columns count from 0"
-            raise InputError("no such row or column", key=self.key, remedy=remedy, channel=self.key)
+            raise InputError("no such row or column", remedy=remedy, channel=self.key)
         check_numbers(dtype, (shape[1 - self.axis],), self.key)
 
     def of(self, array: Any) -> npt.NDArray[Any]:
@@ -78,10 +77,9 @@ def _part(key: str | int, arrays: Collection[str]) -> RequestedColumn:
         return RequestedColumn(name, name)
     match = _PART.fullmatch(name)
     if isinstance(key, int) or match is None or match["array"] not in arrays:
-        near = did_you_mean(match["array"] if match else name, arrays)
-        raise InputError("no such column", key=name, remedy=near, channel=name)
+        raise InputError("no such column", remedy=did_you_mean(match["array"] if match else name, arrays), channel=name)
     if (match["row"] == ":") == (match["column"] == ":"):
         remedy = "take a column as q[:,0] or a row as q[0,:]"
-        raise InputError("neither a row nor a column", key=name, remedy=remedy, channel=name)
+        raise InputError("neither a row nor a column", remedy=remedy, channel=name)
     axis = 1 if match["row"] == ":" else 0
     return RequestedColumn(name, match["array"], axis, int(match["column"] if axis else match["row"]))

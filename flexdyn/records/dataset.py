@@ -11,17 +11,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from flexdyn.errors import InputError, needed
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.recording import Recording
 from flexdyn.records.table import FloatArray, Table, as_floats
 from flexdyn.records.units import PRISMATIC, SIGNALS
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 LONG_NAMES = {
     "t": "time",
@@ -80,15 +78,14 @@ def table_of(dataset: Any) -> Table:
         MissingExtra: xarray is not installed.
     """
     if not isinstance(dataset, library().Dataset):
-        remedy = "give an xarray.Dataset"
-        raise InputError("not a dataset", key="dataset", value=type(dataset).__name__, remedy=remedy)
+        raise InputError("not a dataset", key="dataset", value=type(dataset).__name__, remedy="give an xarray.Dataset")
     if "t" not in dataset.coords or dataset.coords["t"].dims != ("t",):
         remedy = "give a coordinate t in seconds, such as ds.rename(time='t')"
-        raise InputError("the dataset has no coordinate t", key="t", remedy=remedy, channel="t")
+        raise InputError("the dataset has no coordinate t", remedy=remedy, channel="t")
     found: dict[str, tuple[FloatArray, str]] = {}
     for name, values, unit in _channels(dataset):
         if name in found:
-            raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+            raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
         found[name] = (values, unit)
     table = Table(meta=from_json(str(dataset.attrs["meta"])) if "meta" in dataset.attrs else {})
     table.add("t", _numbers(dataset.coords["t"].values, "t"))
@@ -165,7 +162,7 @@ def _numbers(values: Any, name: str) -> FloatArray:
     """A column of its own."""
     if np.asarray(values).dtype.kind in "mM":
         remedy = "give seconds as doubles: (time - time[0]) / np.timedelta64(1, 's')"
-        raise InputError("the column holds dates or durations", key=name, remedy=remedy, channel=name)
+        raise InputError("the column holds dates or durations", remedy=remedy, channel=name)
     return as_floats(values, name, copy=True)
 
 

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.io.files import is_file, replacing
 from flexdyn.records import npz_file, parquet_file
 from flexdyn.records.bounds import MOST_FILE
@@ -20,7 +20,6 @@ from flexdyn.records.channelmap.file import read_map
 from flexdyn.records.csv import file as csv_file
 from flexdyn.records.hdf5 import file as hdf5_file
 from flexdyn.records.matlab import file as mat_file
-from flexdyn.records.near_names import asked_back
 from flexdyn.records.notices import RecordingWarning
 from flexdyn.records.recording import Recording
 from flexdyn.records.repairs import Repair, repaired, repairs_of
@@ -28,6 +27,7 @@ from flexdyn.records.request import Request
 from flexdyn.records.ros import read as read_bag
 from flexdyn.records.ros import write as write_bag
 from flexdyn.records.signals.gaps import told
+from flexdyn.records.suggestion import asked_back
 from flexdyn.records.table import Table
 
 
@@ -123,22 +123,21 @@ def read_recording(
     fmt = _format_of(path)
     channel_map = map if map is None or isinstance(map, ChannelMap) else read_map(map)
     asked = repairs_of(repair)
-    try:
-        if not path.is_file() and not _is_bag_folder(path):
-            problem = "not a regular file" if path.exists() else "no such file"
-            raise InputError(problem, remedy="give the path of a recording")
-        if path.stat().st_size > MOST_FILE:
-            raise InputError(f"the file is larger than {MOST_FILE} bytes", remedy="split the recording")
-        table = _table(fmt, path, channel_map, asked, progress)
-        if table.said:
-            table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
-        made = Recording.from_table(table, path.stem if name is None else name)
-    except InputError as error:
-        raise error.at(file=path) from error.__cause__
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror or error})", file=path) from None
-    except MemoryError:
-        raise InputError("does not fit into memory", file=path, remedy="split the recording") from None
+    with placed(file=path):
+        try:
+            if not path.is_file() and not _is_bag_folder(path):
+                problem = "not a regular file" if path.exists() else "no such file"
+                raise InputError(problem, remedy="give the path of a recording")
+            if path.stat().st_size > MOST_FILE:
+                raise InputError(f"the file is larger than {MOST_FILE} bytes", remedy="split the recording")
+            table = _table(fmt, path, channel_map, asked, progress)
+            if table.said:
+                table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
+            made = Recording.from_table(table, path.stem if name is None else name)
+        except OSError as error:
+            raise InputError(f"cannot be read ({error.strerror or error})") from None
+        except MemoryError:
+            raise InputError("does not fit into memory", remedy="split the recording") from None
     question = asked_back(made.channels)
     seen = [told(made.t), f"no channel is a signal of a joint: {question}" if question else ""]
     for text in (*table.said, *filter(None, seen)):
@@ -181,13 +180,8 @@ def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
     """
     path = Path(path)
     fmt = _format_of(path)
-    try:
-        with replacing(path) as fresh:
-            fmt.write(rec, fresh)
-    except InputError as error:
-        raise error.at(file=path) from error.__cause__
-    except OSError as error:
-        raise InputError(f"cannot be written ({error.strerror or error})", file=path) from None
+    with placed(file=path), replacing(path) as fresh:
+        fmt.write(rec, fresh)
 
 
 def _table(
@@ -214,12 +208,7 @@ def _is_bag_folder(path: Path) -> bool:
 def _format_of(path: Path) -> Format:
     suffix = ".db3" if _is_bag_folder(path) else path.suffix.lower()
     if suffix not in FORMATS:
-        near = did_you_mean(suffix, SUFFIXES)
-        known = "known: " + ", ".join(SUFFIXES)
-        raise InputError(
-            "unknown suffix of a recording",
-            file=path,
-            value=suffix,
-            remedy=near if near == known else f"{near} {known}",
-        )
+        near, known = did_you_mean(suffix, SUFFIXES), "known: " + ", ".join(SUFFIXES)
+        remedy = near if near == known else f"{near} {known}"
+        raise InputError("unknown suffix of a recording", file=path, value=suffix, remedy=remedy)
     return FORMATS[suffix]

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from flexdyn.errors import InputError, needed
-from flexdyn.records.column_names import split_unit
+from flexdyn.records.channelmap.known_units import split_unit
 from flexdyn.records.meta import as_plain
+from flexdyn.records.recording import Recording
 from flexdyn.records.table import Table
 from flexdyn.records.units import split_name
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 ATTRIBUTE = "flexdyn"
 """Key of a frame's attrs under which meta and name are kept."""
@@ -85,5 +83,4 @@ def _numbers(values: Any, name: str) -> npt.NDArray[Any]:
     try:
         return np.array(values.to_numpy(dtype=np.float64, na_value=np.nan))
     except (TypeError, ValueError):
-        remedy = "convert or drop the column"
-        raise InputError("the column holds no numbers", key=name, remedy=remedy, channel=name) from None
+        raise InputError("the column holds no numbers", remedy="convert or drop the column", channel=name) from None

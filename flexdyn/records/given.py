@@ -8,8 +8,8 @@ from typing import Any
 
 from flexdyn.errors import InputError
 from flexdyn.records.files import read_recording
-from flexdyn.records.near_names import asked_back
 from flexdyn.records.recording import Recording
+from flexdyn.records.suggestion import asked_back
 
 
 def as_recording(given: Any, key: str | None = None, *, signals: bool = False) -> Recording:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from flexdyn.errors import InputError
+from flexdyn.io.locked import frozen
 
 _LONGEST_META = 16 * 2**20
 
@@ -30,7 +30,8 @@ def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
     if meta is not None and not isinstance(meta, Mapping):
         raise InputError("meta is not a mapping", key="meta", value=meta)
     try:
-        return MappingProxyType({key: _locked(value) for key, value in as_plain(meta or {}).items()})
+        locked_meta: Mapping[str, Any] = frozen(as_plain(meta or {}))
+        return locked_meta
     except (TypeError, ValueError, RecursionError) as error:
         if isinstance(error, InputError):
             raise
@@ -65,12 +66,6 @@ def from_json(text: str) -> dict[str, Any]:
     if not isinstance(meta, dict):
         raise InputError("meta is not a JSON object of up to 16 MiB", key="meta", value=text)
     return meta
-
-
-def _locked(value: Any) -> Any:
-    if isinstance(value, dict):
-        return MappingProxyType({key: _locked(item) for key, item in value.items()})
-    return tuple(_locked(item) for item in value) if isinstance(value, list) else value
 
 
 def _plain(value: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import zipfile
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -13,11 +13,9 @@ from flexdyn.errors import InputError
 from flexdyn.records.array_columns import RequestedColumn, parts_of
 from flexdyn.records.bounds import MOST_COLUMNS, check_count, check_size
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import RESERVED, Table, check_name, damage_named
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _PIECE = 2**20
 _DIRECTORY_SIZE = 5
@@ -79,9 +77,8 @@ def _check_directory(path: Path) -> None:
 def _name_of(member: zipfile.ZipInfo, *, by_convention: bool) -> str:
     name = member.filename.removesuffix(".npy")
     if name == member.filename or member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise InputError(
-            "the file holds more than NumPy's arrays", value=member.filename, remedy="write it with numpy.savez"
-        )
+        remedy = "write it with numpy.savez"
+        raise InputError("the file holds more than NumPy's arrays", value=member.filename, remedy=remedy)
     if by_convention and name not in ("t", RESERVED):
         check_name(name)
     return name
@@ -91,7 +88,7 @@ def _array(stream: IO[bytes], size: int, name: str, parts: list[RequestedColumn]
     """One array of a member of `size` bytes; nothing is allocated before type, shape and size agree."""
     reader = _READERS.get(np.lib.format.read_magic(stream))
     if reader is None:
-        raise InputError("the column has named fields", key=name, remedy="write plain arrays of doubles", channel=name)
+        raise InputError("the column has named fields", remedy="write plain arrays of doubles", channel=name)
     shape, by_columns, dtype = reader(stream)
     if name == RESERVED and (shape != () or dtype.kind != "U"):
         raise InputError("meta is not one JSON text", key=name, remedy="write it with write_recording")
@@ -109,7 +106,6 @@ def _array(stream: IO[bytes], size: int, name: str, parts: list[RequestedColumn]
         buffer[filled : filled + len(piece)] = piece
         filled += len(piece)
     if filled != expected:
-        raise InputError(
-            f"cut after {filled} of {expected} bytes", key=name, remedy="copy the file again", channel=name
-        )
+        remedy = "copy the file again"
+        raise InputError(f"cut after {filled} of {expected} bytes", key=name, remedy=remedy, channel=name)
     return array

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from flexdyn.errors import InputError, needed
 from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import (
     RESERVED,
@@ -24,9 +25,6 @@ from flexdyn.records.table import (
     check_time_named,
     damage_named,
 )
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _ROWS_AT_ONCE = 2**20
 _PANDAS_LABELS = "__index_level_"
@@ -101,7 +99,7 @@ def _names(there: list[str], request: Request) -> list[str]:
                 check_name(name)
     for name in names:
         if names.count(name) > 1:
-            raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+            raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
     return names
 
 
@@ -114,7 +112,7 @@ def _check_type(pa: Any, kind: Any, name: str) -> None:
         remedy = "write one flat column per channel"
     elif pa.types.is_temporal(kind):
         remedy = "write seconds as doubles, in pandas: (time - time[0]).dt.total_seconds()"
-    raise InputError(f"the column holds {kind}, not doubles", key=name, remedy=remedy, channel=name)
+    raise InputError(f"the column holds {kind}, not doubles", remedy=remedy, channel=name)
 
 
 def _column(file: Any, name: str, rows: list[int]) -> FloatArray:

@@ -10,17 +10,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known, did_you_mean
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.meta import as_plain, locked
+from flexdyn.records.signals import cut, derivatives
 from flexdyn.records.signals.beside import beside
-from flexdyn.records.signals.cut import shifted, split, trimmed
 from flexdyn.records.signals.decimate import decimated
-from flexdyn.records.signals.derivatives import noise_of, smoothed
 from flexdyn.records.signals.gaps import gaps_of
-from flexdyn.records.signals.noise import Noise
 from flexdyn.records.signals.resample import resampled
-from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.stated_units import settle_units
 from flexdyn.records.table import FloatArray, Rows, Table, checked
 from flexdyn.records.units import check_unit, split_name, unit_of
@@ -67,9 +64,8 @@ class Recording(Public):
         if not isinstance(channels, Mapping):
             raise InputError("channels is not a mapping", key="channels", value=channels, remedy="give {name: array}")
         if "t" in channels:
-            raise InputError(
-                "t stands among the channels", key="channels", remedy="give it as the first argument", channel="t"
-            )
+            remedy = "give it as the first argument"
+            raise InputError("t stands among the channels", key="channels", remedy=remedy, channel="t")
         self._fill({"t": t, **channels}, meta, name, Rows(), copy=True)
 
     @classmethod
@@ -260,45 +256,17 @@ class Recording(Public):
             table[:, column] = self[f"{name}.{joint}"]
         return table
 
-    def resample(
-        self,
-        *,
-        rate: float | None = None,
-        times: npt.ArrayLike | None = None,
-        method: str = "spline",
-        filtered: bool = False,
-        longest_gap: float | None = None,
-    ) -> Recording:
-        """At a uniform rate [Hz] or at other times [s]; see `flexdyn.records.signals.resample.resampled`."""
-        return resampled(self, rate=rate, times=times, method=method, filtered=filtered, longest_gap=longest_gap)
-
-    def decimate(self, factor: int) -> Recording:
-        """One of every `factor` samples, after a filter; see `flexdyn.records.signals.decimate.decimated`."""
-        return decimated(self, factor)
-
-    def trim(self, start: float | None = None, end: float | None = None) -> Recording:
-        """The samples from `start` to `end` [s], both included."""
-        return trimmed(self, start, end)
-
-    def split(self, *, at: Sequence[float] | None = None, gaps: float | None = None) -> tuple[Recording, ...]:
-        """The pieces between given times [s], or between gaps longer than a given time [s]."""
-        return split(self, at=at, gaps=gaps)
-
-    def shifted(self, seconds: float | Mapping[str, float]) -> Recording:
-        """The recording with an offset added to its time [s], or with single channels shifted against the others."""
-        return shifted(self, seconds)
+    resample = resampled
+    decimate = decimated
+    trim = cut.trimmed
+    split = cut.split
+    shifted = cut.shifted
+    smoothed = derivatives.smoothed
+    noise = derivatives.noise_of
 
     def beside(self, *others: Recording, method: str = "linear") -> Recording:
         """The recording with the channels of others, at its own times; see `flexdyn.records.signals.beside.beside`."""
         return beside(self, others, method)
-
-    def smoothed(self, smoother: Smoother) -> Recording:
-        """Every channel smoothed by one filter; see `flexdyn.records.signals.derivatives.smoothed`."""
-        return smoothed(self, smoother)
-
-    def noise(self, channel: str) -> Noise:
-        """The noise of one channel, estimated from its samples; see `flexdyn.records.signals.noise.estimate_noise`."""
-        return noise_of(self, channel)
 
     def unit(self, channel: str) -> str:
         """Unit of ``t`` or a channel, from ``meta["units"]`` or the signal; empty if it is not known."""
@@ -357,8 +325,7 @@ def _check_units(units: Any, channels: Mapping[str, FloatArray]) -> None:
     if not isinstance(units, Mapping) or not all(isinstance(unit, str) for unit in units.values()):
         raise InputError("units is not a mapping of channel to unit", key="meta.units", value=units)
     for channel, unit in units.items():
-        if channel not in channels:
-            raise InputError("no such channel", key=f"meta.units.{channel}", remedy=did_you_mean(channel, channels))
+        check_known(channel, channels, "no such channel", key=f"meta.units.{channel}")
         check_unit(channel, unit)
 
 
@@ -367,9 +334,7 @@ def _check_prescribed(joints: Any, channels: Mapping[str, FloatArray]) -> None:
         raise InputError("a list of joints is needed", key="meta.prescribed", value=joints, remedy='such as ["slide"]')
     known = {parts[1] for parts in map(split_name, channels) if parts}
     for joint in joints:
-        if joint not in known:
-            remedy = did_you_mean(joint, known)
-            raise InputError("no channel of this joint", key="meta.prescribed", value=joint, remedy=remedy)
+        check_known(joint, known, "no channel of this joint", key="meta.prescribed", value=joint)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import as_number
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import number
+from flexdyn.errors import InputError, check_known
 from flexdyn.records.table import FloatArray, Rows, Table, as_floats, check_lengths, check_time_named
 
 LONGEST_FILLED_GAP = 0.1
@@ -47,9 +47,8 @@ def repairs_of(entries: Any) -> tuple[Repair, ...]:
     if isinstance(entries, str | Mapping):
         entries = [entries]
     if not isinstance(entries, Iterable):
-        raise InputError(
-            "a list of repairs is needed", key="repair", value=entries, remedy=f"known: {', '.join(KNOWN)}"
-        )
+        remedy = f"known: {', '.join(KNOWN)}"
+        raise InputError("a list of repairs is needed", key="repair", value=entries, remedy=remedy)
     return tuple(_repair(entry) for entry in entries)
 
 
@@ -102,45 +101,24 @@ def _repair(entry: Any) -> Repair:
         return entry
     if isinstance(entry, Mapping) and len(entry) == 1:
         name, numbers = next(iter(entry.items()))
-    if not isinstance(name, str) or name not in KNOWN:
-        raise InputError("no such repair", key="repair", value=name, remedy=did_you_mean(str(name), KNOWN))
+    check_known(name, KNOWN, "no such repair", key="repair", value=name)
     if numbers is None:
         return Repair(name)
     if name != "fill_nan" or not isinstance(numbers, Mapping) or set(numbers) != {"longest"}:
         remedy = "write its name, or {fill_nan: {longest: 0.5}} to fill longer gaps"
         raise InputError("the repair takes no such number", key=f"repair.{name}", value=numbers, remedy=remedy)
-    longest = as_number(numbers["longest"])
-    if not (math.isfinite(longest) and longest > 0):
-        raise InputError("a time above zero is needed, in s", key=f"repair.{name}.longest", value=numbers["longest"])
-    return Repair(name, longest)
-
-
-def _sorted(columns: _Columns) -> _Order:
-    return np.argsort(columns["t"], kind="stable")
-
-
-def _first_of_each_time(columns: _Columns) -> _Order:
-    return np.sort(np.unique(columns["t"], return_index=True, equal_nan=False)[1])
-
-
-def _forwards(columns: _Columns) -> _Order:
-    t = columns["t"]
-    return np.flatnonzero(~(t < np.fmax.accumulate(t)))  # a time that is no number is before no other time
-
-
-def _finite(columns: _Columns) -> _Order:
-    whole = np.ones(len(columns["t"]), bool)
-    for values in columns.values():
-        whole &= np.isfinite(values)
-    return np.flatnonzero(whole)
+    key = f"repair.{name}.longest"
+    return Repair(name, number(key, numbers["longest"], "a time above zero is needed, in s", above=0.0))
 
 
 _ORDERS: Mapping[str, Callable[[_Columns], _Order]] = {
-    "sort_time": _sorted,
-    "drop_duplicate_times": _first_of_each_time,
-    "drop_backwards": _forwards,
-    "drop_nan": _finite,
+    "sort_time": lambda columns: np.argsort(columns["t"], kind="stable"),
+    "drop_duplicate_times": lambda columns: np.sort(np.unique(columns["t"], return_index=True, equal_nan=False)[1]),
+    # A time that is no number is before no other time.
+    "drop_backwards": lambda columns: np.flatnonzero(~(columns["t"] < np.fmax.accumulate(columns["t"]))),
+    "drop_nan": lambda columns: np.flatnonzero(np.logical_and.reduce([np.isfinite(x) for x in columns.values()])),
 }
+"""The rows that a repair keeps, in their new order."""
 KNOWN = (*_ORDERS, "fill_nan")
 """Names of the repairs."""
 
@@ -168,8 +146,7 @@ def _check_gaps(t: FloatArray, good: npt.NDArray[np.bool_], name: str, rows: Row
     known = np.flatnonzero(good)
     if not len(known) or not good[0] or not good[-1]:
         at = 0 if not good[0] else int(known[-1]) + 1
-        remedy = "drop_nan drops such rows"
-        raise rows.error("the gap has no sample on one side", index=at, channel=name, remedy=remedy)
+        raise rows.error("the gap has no sample on one side", index=at, channel=name, remedy="drop_nan drops such rows")
     gaps = np.diff(t[known])
     long = (np.diff(known) > 1) & ~(gaps <= longest) | (gaps <= 0)
     if long.any():

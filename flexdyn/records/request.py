@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import check_known
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,8 @@ class Request:
         Raises:
             InputError: a requested column does not exist.
         """
-        for name in sorted((self.columns or frozenset()) - set(there), key=str):
-            raise InputError("no such column", key=str(name), remedy=did_you_mean(str(name), there), channel=str(name))
+        for name in sorted(self.columns or (), key=str):
+            check_known(name, there, "no such column", channel=str(name))
         return [name for name in there if self.wants(name)]
 
     def wants(self, name: str) -> bool:

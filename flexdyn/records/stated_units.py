@@ -19,7 +19,7 @@ def settle_units(table: Table) -> None:
     for name, stated in table.units.items():
         if stated is None:
             problem = "the file states the unit in a way that is not read"
-            raise InputError(problem, key=name, remedy="state it in a channel map", channel=name)
+            raise InputError(problem, remedy="state it in a channel map", channel=name)
         unit, units = usual(stated), table.meta.get("units", {})
         if unit in UNITLESS:
             continue

@@ -1,13 +1,12 @@
-"""A channel map suggested for columns that do not follow the convention: a line to be copied and corrected."""
+"""What the names of columns that do not follow the convention may mean: a channel map to be copied, or other names."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from flexdyn.records.channelmap.known_units import UNITS, plain_unit
-from flexdyn.records.column_names import split_unit
-from flexdyn.records.units import split_name
+from flexdyn.records.channelmap.known_units import UNITS, plain_unit, split_unit
+from flexdyn.records.units import SIGNALS, split_name
 
 _SIGNALS = {"angle": "q", "length": "q", "angular velocity": "v", "velocity": "v", "torque": "tau", "force": "tau"}
 _WORDS = {
@@ -112,3 +111,36 @@ def _quoted(name: str) -> str:
     """The name without its unit, in a form for YAML inside braces."""
     bare = split_unit(name)[0]
     return bare if _PLAIN.fullmatch(bare) else '"' + bare.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+_ANY_SIGNAL = "|".join(sorted(SIGNALS, key=len, reverse=True))
+_NEARLY = re.compile(rf"({_ANY_SIGNAL})[_\-/: ](\S.*)", re.IGNORECASE)
+MOST_NEAR_NAMES = 3
+
+
+def nearly_signals(channels: Iterable[str]) -> dict[str, str]:
+    """Probable correct names of channels, by their present names; empty if one channel has a correct name."""
+    channels = list(channels)
+    found: dict[str, str] = {}
+    if any(map(split_name, channels)):
+        return found
+    for name in channels:
+        match = None if name in SIGNALS else _NEARLY.fullmatch(name)
+        if match is not None:
+            found[name] = f"{match[1].lower()}.{match[2]}"
+    return found
+
+
+def asked_back(channels: Iterable[str], signal: str = "") -> str:
+    """The question "did you mean ...?" for such channels, as a remedy; empty if there are none.
+
+    Args:
+        channels: of a recording.
+        signal: that is missing; empty: any.
+    """
+    meant = nearly_signals(channels)
+    near = [(name, other) for name, other in meant.items() if not signal or other.startswith(f"{signal}.")]
+    if not near:
+        return ""
+    listed = ", ".join(f"{other} for {name}" for name, other in near[:MOST_NEAR_NAMES])
+    return f"did you mean {listed}{', ...' if len(near) > MOST_NEAR_NAMES else ''}?"

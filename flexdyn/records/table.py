@@ -50,8 +50,7 @@ class Rows:
     ) -> InputError:
         """An error that names row and channel in its line and has both as data."""
         row = self.number(index)
-        text = f"{self.word} {row}: {problem}"
-        return InputError(text, key=channel, value=value, remedy=remedy, row=row, channel=channel)
+        return InputError(f"{self.word} {row}: {problem}", value=value, remedy=remedy, row=row, channel=channel)
 
 
 @dataclass
@@ -75,11 +74,11 @@ class Table:
     def add(self, name: str, values: npt.NDArray[Any]) -> None:
         """Append a column; a name that exists already, or a column beyond the limits of a file, is refused."""
         if name in self.columns:
-            raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+            raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
         check_count(len(self.columns) + 1)
         if values.size > MOST_SAMPLES:
             problem = f"the column has {values.size} rows, more than {MOST_SAMPLES}"
-            raise InputError(problem, key=name, remedy="split the recording", channel=name)
+            raise InputError(problem, remedy="split the recording", channel=name)
         self.columns[name] = values
 
 
@@ -103,7 +102,8 @@ def check_name(name: str) -> None:
     elif name.endswith(".") and name.count(".") == 1:
         problem = "no joint follows the dot"
     if problem:
-        raise InputError(problem, value=name, remedy="name channels <signal>.<joint>, such as q.elbow", channel=name)
+        remedy = "name channels <signal>.<joint>, such as q.elbow"
+        raise InputError(problem, key="", value=name, remedy=remedy, channel=name)
 
 
 def check_time_named(names: Collection[str], gaps: Collection[str] = ()) -> None:
@@ -118,7 +118,7 @@ def check_time_named(names: Collection[str], gaps: Collection[str] = ()) -> None
     """
     if "t" in names:
         return
-    raise InputError("no column t", key="t", remedy=remedy_without_time(list(names), gaps), channel="t")
+    raise InputError("no column t", remedy=remedy_without_time(list(names), gaps), channel="t")
 
 
 def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> FloatArray:
@@ -145,7 +145,7 @@ def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> FloatArray:
     check_numbers(array.dtype, array.shape, channel)
     if array.dtype.kind in "iu" and array.size and max(int(array.max()), -int(array.min())) > _LARGEST_INTEGER:
         remedy = "give seconds and SI units as floating point"
-        raise InputError("integers beyond 2^53 are no exact doubles", key=channel, remedy=remedy, channel=channel)
+        raise InputError("integers beyond 2^53 are no exact doubles", remedy=remedy, channel=channel)
     floats = np.array(array, np.float64) if copy else np.ascontiguousarray(array, np.float64)
     floats.setflags(write=False)
     return floats
@@ -159,12 +159,11 @@ def check_numbers(dtype: np.dtype[Any], shape: tuple[int, ...], channel: str) ->
     """
     if dtype.kind not in "fiub" or dtype.itemsize > 8:
         kind = "objects" if dtype.hasobject else f"the type {dtype}"
-        raise InputError(
-            f"the column holds {kind}, not doubles", key=channel, remedy="give real numbers", channel=channel
-        )
+        remedy = "give real numbers"
+        raise InputError(f"the column holds {kind}, not doubles", key=channel, remedy=remedy, channel=channel)
     if len(shape) != 1:
         text = f"the column has the shape {shape}"
-        raise InputError(text, key=channel, remedy="give one dimension, one number per sample", channel=channel)
+        raise InputError(text, remedy="give one dimension, one number per sample", channel=channel)
 
 
 def checked(
@@ -209,7 +208,7 @@ def check_lengths(columns: Mapping[str, FloatArray], rows: Rows) -> None:
         if len(values) != length:
             problem = f"{len(values)} samples where t has {length}"
             row = rows.number(min(len(values), length))
-            raise InputError(problem, key=name, remedy="give one number per sample", row=row, channel=name)
+            raise InputError(problem, remedy="give one number per sample", row=row, channel=name)
 
 
 def check_finite(values: FloatArray, channel: str, rows: Rows) -> None:
@@ -237,7 +236,7 @@ def check_time(t: FloatArray, rows: Rows) -> None:
         InputError: the message names the row and a possible repair.
     """
     if len(t) < 2:
-        raise InputError(f"{len(t)} samples are too few", key="t", remedy="give two or more", channel="t")
+        raise InputError(f"{len(t)} samples are too few", remedy="give two or more", channel="t")
     check_finite(t, "t", rows)
     grows = t[1:] > t[:-1]
     if not grows.all():

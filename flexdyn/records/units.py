@@ -21,6 +21,9 @@ SIGNALS: Mapping[str, str] = {
 }
 """Unit of each signal at a revolute joint; other names before the dot are no signals of a joint."""
 
+HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
+"""Signals that are held from each sample to the next (contract, section 4)."""
+
 PRISMATIC: Mapping[str, str] = {"rad": "m", "rad/s": "m/s", "N m": "N"}
 """The unit at a prismatic joint for each unit at a revolute one."""
 
@@ -44,6 +47,11 @@ def split_name(channel: str) -> tuple[str, str] | None:
     """Signal and joint of ``<signal>.<joint>`` (a joint's name may hold dots), or None for any other channel."""
     signal, dot, joint = channel.partition(".")
     return (signal, joint) if dot and signal in SIGNALS else None
+
+
+def is_held(channel: str) -> bool:
+    """Whether the signal of a channel is held from each sample to the next."""
+    return channel.partition(".")[0] in HELD and "." in channel
 
 
 def unit_of(channel: str, units: Mapping[str, str] | None = None) -> str:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.checks import as_number
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import number
+from flexdyn.errors import InputError, check_known
 
 if TYPE_CHECKING:
     from flexdyn.robot.robot import Robot
@@ -122,12 +122,8 @@ def _checked(robot: Robot, entries: Any) -> Axes:
         if not isinstance(entry, Mapping) or not entry:
             raise InputError("an axis is a mapping of its joints", key=f"{KEY}.{axis}", value=entry, remedy=shape)
         for joint, value in entry.items():
-            if joint not in robot.joint_names:
-                remedy = did_you_mean(str(joint), robot.joint_names)
-                raise InputError("the robot has no such joint", key=f"{KEY}.{axis}.{joint}", remedy=remedy)
-            if not math.isfinite(as_number(value)):
-                remedy = "it says how far the axis turns with this joint"
-                raise InputError("a finite number is needed", key=f"{KEY}.{axis}.{joint}", value=value, remedy=remedy)
+            check_known(joint, robot.joint_names, "the robot has no such joint", key=f"{KEY}.{axis}.{joint}")
+            number(f"{KEY}.{axis}.{joint}", value, remedy="it says how far the axis turns with this joint")
         found[str(axis)] = MappingProxyType({str(joint): float(value) for joint, value in entry.items()})
     return MappingProxyType(found)
 

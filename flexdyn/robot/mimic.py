@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from numbers import Real
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import number
+from flexdyn.errors import InputError, check_known
 
 Mimic = tuple[str, float, float]
 """Leader, multiplier, offset: q_follower = multiplier * q_leader + offset."""
@@ -42,9 +42,7 @@ def resolve_mimics(
             if leader in chain:
                 loop = " -> ".join([*chain[chain.index(leader) :], leader])
                 raise InputError(f"mimics form a loop: {loop}", key=key, remedy="one joint of them must lead")
-            if leader not in known:
-                remedy = did_you_mean(leader, sorted(known - {at}))
-                raise InputError("mimics an unknown joint", key=key, value=leader, remedy=remedy)
+            check_known(leader, sorted(known - {at}), "mimics an unknown joint", key=key, value=leader)
             offset += gain * shift
             gain *= multiplier
             at = leader
@@ -90,8 +88,6 @@ def check_lock(
             raise InputError("the joint mimics another and cannot be locked alone", key=key, remedy=remedy)
         if joint not in moving:
             free = [name for name in moving if name not in mimics]
-            raise InputError("no such joint", key=key, remedy=did_you_mean(str(joint), free))
-        if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-            raise InputError("not a finite number", key=key, value=value, remedy="give the position in rad or m")
-        checked[joint] = float(value)
+            check_known(joint, free, "no such joint", key=key)
+        checked[joint] = number(key, value, "not a finite number", remedy="give the position in rad or m")
     return checked

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,16 +17,8 @@ _ALIGNED = {
     "prismatic": (pin.JointModelPX, pin.JointModelPY, pin.JointModelPZ),
 }
 _UNALIGNED = {"revolute": pin.JointModelRevoluteUnaligned, "prismatic": pin.JointModelPrismaticUnaligned}
-_PREFIXES = {
-    "JointModelRUB": ("revolute", True),
-    "JointModelR": ("revolute", False),
-    "JointModelP": ("prismatic", False),
-}
-_SKEW = {
-    "JointModelRevoluteUnaligned": ("revolute", False),
-    "JointModelRevoluteUnboundedUnaligned": ("revolute", True),
-    "JointModelPrismaticUnaligned": ("prismatic", False),
-}
+_NAME = re.compile(r"JointModel(?:([RP])(UB)?([XYZ])|(Revolute|Prismatic)(Unbounded)?Unaligned)")
+"""Names of Pinocchio's joints that are one rotation or translation: unbounded or not, about any axis."""
 
 
 @dataclass(frozen=True)
@@ -55,14 +48,14 @@ def motion_of(model: pin.Model, index: int) -> JointMotion:
     kind_name = joint.shortname()
     if kind_name == "JointModelMimic":
         return _mimic_motion(model, index)
-    if kind_name in _SKEW:
-        kind, continuous = _SKEW[kind_name]
-        subspace = _subspace(model, index)
-        return JointMotion(kind, subspace[3:] if kind == "revolute" else subspace[:3], continuous)
-    if kind_name[:-1] in _PREFIXES and kind_name[-1] in "XYZ":
-        kind, continuous = _PREFIXES[kind_name[:-1]]
-        return JointMotion(kind, np.eye(3)["XYZ".index(kind_name[-1])], continuous)
-    raise _refused(model.names[index], kind_name)
+    match = _NAME.fullmatch(kind_name)
+    if match is None:
+        raise _refused(model.names[index], kind_name)
+    kind = "revolute" if (match[1] or match[4])[0] == "R" else "prismatic"
+    if match[3]:
+        return JointMotion(kind, np.eye(3)["XYZ".index(match[3])], match[2] is not None)
+    subspace = _subspace(model, index)
+    return JointMotion(kind, subspace[3:] if kind == "revolute" else subspace[:3], match[5] is not None)
 
 
 def _subspace(model: pin.Model, index: int) -> np.ndarray:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pinocchio as pin
 
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.files import exists
 
 EXAMPLES = {
     "alex_nub_hands": "alex_description/urdf/alex_nub_hands.urdf",
@@ -105,7 +106,7 @@ def find_robot(source: str | Path) -> tuple[Path, str | None]:
         return shipped_dir() / source / "robot.urdf", source
     path = _absolute(Path(source))
     # Only a text that cannot be a path is an unknown name.
-    if not source.strip() or (Path(source).name == source and not Path(source).suffix and not _exists(path)):
+    if not source.strip() or (Path(source).name == source and not Path(source).suffix and not exists(path)):
         remedy = did_you_mean(source.lower(), robot_names())
         raise InputError("neither a file nor a known robot", key="robot", value=source, remedy=remedy)
     return path, None
@@ -120,10 +121,3 @@ def _absolute(path: Path) -> Path:
         return Path(os.path.abspath(path.expanduser()))
     except RuntimeError:
         return Path(os.path.abspath(path))
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except OSError:
-        return False

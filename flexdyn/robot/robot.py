@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from flexdyn.errors import InputError, did_you_mean, visible
+from flexdyn.errors import InputError, check_known, did_you_mean, visible
 from flexdyn.io.locked import Locked, locked_copy
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.axes import Axes, with_axes
@@ -189,7 +189,7 @@ class Robot(Locked, Public):
             return self._placements[name]
         found = [entry for entry in self._model.frames if entry.name == name]
         if not found:
-            raise InputError("no such frame", key="frame", value=name, remedy=did_you_mean(name, self.frame_names))
+            check_known(name, self.frame_names, "no such frame", key="frame", value=name)
         best = min(found, key=lambda entry: _FRAME_ORDER.index(entry.type))
         place = FramePlacement(name, best.parentJoint - 1, best.placement.rotation, best.placement.translation)
         self._placements[name] = place

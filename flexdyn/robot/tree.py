@@ -138,9 +138,7 @@ class Tree(Locked):
         total = self.mass[j] + mass
         com = (self.mass[j] * self.com[j] + mass * point) / total
         inertia = self.inertia[j] + self.mass[j] * _steiner(self.com[j] - com) + mass * _steiner(point - com)
-        masses, coms, inertias = self.mass.copy(), self.com.copy(), self.inertia.copy()
-        masses[j], coms[j], inertias[j] = total, com, inertia
-        return replace(self, mass=masses, com=coms, inertia=inertias)
+        return self._with_body(j, total, com, inertia)
 
     def with_rotor(self, joint: int, *, prismatic: bool) -> Tree:
         """The tree with an additional joint without a body, on the base, which follows an independent joint.
@@ -155,25 +153,13 @@ class Tree(Locked):
         Returns:
             A new tree.
         """
-
-        def more(array: NDArray[Any], row: Any) -> NDArray[Any]:
-            return np.concatenate([array, np.asarray(row, dtype=array.dtype)[None]])
-
-        unit = np.zeros(self.n)
-        unit[joint] = 1.0
-        return Tree(
-            parent=more(self.parent, -1),
-            prismatic=more(self.prismatic, prismatic),
-            axis=more(self.axis, [0.0, 0.0, 1.0]),
-            rotation=more(self.rotation, np.eye(3)),
-            translation=more(self.translation, np.zeros(3)),
-            mass=more(self.mass, 0.0),
-            com=more(self.com, np.zeros(3)),
-            inertia=more(self.inertia, np.zeros((3, 3))),
-            armature=more(self.armature, 0.0),
-            gain=more(self.gain, unit),
-            offset=more(self.offset, 0.0),
-        )
+        rows: dict[str, Any] = {"parent": -1, "prismatic": prismatic, "rotation": np.eye(3), "gain": np.zeros(self.n)}
+        rows["axis"], rows["gain"][joint] = (0.0, 0.0, 1.0), 1.0
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        for name, column in columns.items():
+            row = np.broadcast_to(rows.get(name, 0.0), column.shape[1:])
+            columns[name] = np.concatenate([column, row[None]]).astype(column.dtype)
+        return Tree(**columns)
 
     def with_body_changed(self, joint: int, given: pin.Inertia, true: pin.Inertia) -> Tree:
         """The tree with one part of a body replaced.
@@ -191,9 +177,14 @@ class Tree(Locked):
         body = spatial(float(self.mass[joint]), self.com[joint], self.inertia[joint])
         total = body.toDynamicParameters() - given.toDynamicParameters() + true.toDynamicParameters()
         new = pin.Inertia.FromDynamicParameters(total)
-        masses, coms, inertias = self.mass.copy(), self.com.copy(), self.inertia.copy()
-        masses[joint], coms[joint], inertias[joint] = new.mass, new.lever, new.inertia
-        return replace(self, mass=masses, com=coms, inertia=inertias)
+        return self._with_body(joint, new.mass, new.lever, new.inertia)
+
+    def _with_body(self, joint: int, *body: Any) -> Tree:
+        """The tree with another mass, centre of mass and inertia of one body."""
+        changed = {name: getattr(self, name).copy() for name in ("mass", "com", "inertia")}
+        for column, number in zip(changed.values(), body, strict=True):
+            column[joint] = number
+        return replace(self, **changed)
 
 
 def tree_of(model: pin.Model, independent: Sequence[str], followers: Mapping[str, Mimic]) -> Tree:
@@ -215,15 +206,16 @@ def tree_of(model: pin.Model, independent: Sequence[str], followers: Mapping[str
         name = model.names[index]
         leader, multiplier, shift = followers.get(name, (name, 1.0, 0.0))
         gain[row, column[leader]], offset[row] = multiplier, shift
+    placements, bodies = list(model.jointPlacements)[1:], list(model.inertias)[1:]
     return Tree(
         parent=np.array([model.parents[index] - 1 for index in joints]),
         prismatic=np.array([motion.kind == "prismatic" for motion in motions]),
         axis=np.array([motion.axis for motion in motions]),
-        rotation=np.array([model.jointPlacements[index].rotation for index in joints]),
-        translation=np.array([model.jointPlacements[index].translation for index in joints]),
-        mass=np.array([model.inertias[index].mass for index in joints]),
-        com=np.array([model.inertias[index].lever for index in joints]),
-        inertia=np.array([model.inertias[index].inertia for index in joints]),
+        rotation=np.array([placement.rotation for placement in placements]),
+        translation=np.array([placement.translation for placement in placements]),
+        mass=np.array([body.mass for body in bodies]),
+        com=np.array([body.lever for body in bodies]),
+        inertia=np.array([body.inertia for body in bodies]),
         armature=np.array(model.armature),
         gain=gain,
         offset=offset,

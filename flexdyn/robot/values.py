@@ -36,8 +36,7 @@ def fail(element: Any, key: str, problem: str, value: Any = None, remedy: str | 
         An InputError to raise.
     """
     line = element.sourceline
-    where = f" (line {line})" if line else ""
-    return InputError(f"{problem}{where}", key=key, value=value, remedy=remedy, line=line)
+    return InputError(f"{problem}{f' (line {line})' if line else ''}", key=key, value=value, remedy=remedy, line=line)
 
 
 def numbers(

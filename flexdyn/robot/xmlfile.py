@@ -15,6 +15,8 @@ MAX_ATTRIBUTES = 1000
 """Largest number of attributes of an element; a URDF has no more than six."""
 
 _ENCODING = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_DOCTYPE = re.compile(r"(?:\s|<\?.*?\?>|<!--.*?-->)*+<!(?!--)", re.DOTALL)
+"""A DOCTYPE can be only before the root; blanks, comments and instructions may precede it."""
 _OTHER_ROOTS = {"sdf": "an SDF file", "mujoco": "a MuJoCo file", "COLLADA": "a mesh", "gazebo": "a Gazebo file"}
 
 
@@ -35,10 +37,9 @@ def read_xml(path: Path) -> Any:
         raise InputError("the file is empty", remedy="give a URDF file")
     if not text.lstrip().startswith("<"):
         raise InputError("not an XML file", remedy="give a URDF file, which begins with <robot name=...>")
-    if _prolog_has_doctype(text):
-        raise InputError(
-            "a DOCTYPE is not read, it could pull in other files", remedy="delete the <!DOCTYPE ...> lines"
-        )
+    if _DOCTYPE.match(text):
+        remedy = "delete the <!DOCTYPE ...> lines"
+        raise InputError("a DOCTYPE is not read, it could pull in other files", remedy=remedy)
     root = _parsed(text)
     _refuse_xacro(root, path)
     namespace = root.tag.rpartition("}")[0]
@@ -68,9 +69,8 @@ def _bytes_of(path: Path) -> bytes:
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", remedy="check the path and its permissions") from None
     if len(data) > MAX_URDF_BYTES:
-        raise InputError(
-            f"larger than {MAX_URDF_BYTES // 10**6} MB", remedy="a URDF is text; keep meshes in their own files"
-        )
+        remedy = "a URDF is text; keep meshes in their own files"
+        raise InputError(f"larger than {MAX_URDF_BYTES // 10**6} MB", remedy=remedy)
     return data
 
 
@@ -87,23 +87,6 @@ def _decoded(data: bytes) -> str:
         raise InputError(f"not UTF-8 text (line {line})", remedy="give a URDF file saved as UTF-8", line=line) from None
 
 
-def _prolog_has_doctype(text: str) -> bool:
-    """Refuse a DOCTYPE, which can be only before the root; blanks, comments and instructions may precede it."""
-    at = 0
-    while True:
-        while at < len(text) and text[at].isspace():
-            at += 1
-        if text.startswith("<?", at):
-            end, length = text.find("?>", at), 2
-        elif text.startswith("<!--", at):
-            end, length = text.find("-->", at + 4), 3
-        else:
-            return text.startswith("<!", at)
-        if end < 0:
-            return False
-        at = end + length
-
-
 def _parsed(text: str) -> Any:
     from lxml import etree
 
@@ -111,13 +94,8 @@ def _parsed(text: str) -> Any:
     body = re.sub(r"^\s*<\?xml.*?\?>", "", text, count=1, flags=re.DOTALL).encode()
     skipped = text.count("\n") - body.count(b"\n")
     body = b"\n" * skipped + body
-    options = {
-        "encoding": "utf-8",
-        "resolve_entities": False,
-        "no_network": True,
-        "huge_tree": False,
-        "load_dtd": False,
-    }
+    closed = dict.fromkeys(("resolve_entities", "huge_tree", "load_dtd"), False)
+    options = {"encoding": "utf-8", "no_network": True, **closed}
     parser = etree.XMLParser(**options)
     try:
         return etree.fromstring(body, parser)

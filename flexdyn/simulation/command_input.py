@@ -21,7 +21,7 @@ from flexdyn.io.yaml import read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
 from flexdyn.records.given import as_recording
-from flexdyn.records.near_names import asked_back
+from flexdyn.records.suggestion import asked_back
 from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
 
 Array = NDArray[np.float64]

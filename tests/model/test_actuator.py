@@ -50,15 +50,15 @@ def test_with_firmware(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("actuator", "said"),
     [
-        ("{dc_motr: {}}", "joints.swing.actuator.dc_motr: there is no such key; did you mean 'dc_motor'?"),
+        ("{dc_motr: {}}", "joints.swing.actuator.dc_motr: no such key; did you mean 'dc_motor'?"),
         ("{dc_motor: 3}", "joints.swing.actuator.dc_motor: a mapping is needed, got 3; its keys are torque_constant,"),
-        ("{dc_motor: {resistance: 2}}", "joints.swing.actuator.dc_motor.torque_constant: it is needed"),
+        ("{dc_motor: {resistance: 2}}", "joints.swing.actuator.dc_motor.torque_constant: the key is missing"),
         (
             "{dc_motor: {torque_constant: 0.04, resistance: 0}}",
             "joints.swing.actuator.dc_motor.resistance: a number above 0 is needed, got 0",
         ),
-        ("{dc_motor: {torque_constant: 1, resistance: 2, suply: 3}}", "dc_motor.suply: there is no such key; did you"),
-        ("{}", "joints.swing.actuator.dc_motor: it is needed"),
+        ("{dc_motor: {torque_constant: 1, resistance: 2, suply: 3}}", "dc_motor.suply: no such key; did you"),
+        ("{}", "joints.swing.actuator.dc_motor: the key is missing"),
     ],
 )
 def test_mistakes_are_one_line(tmp_path: Path, actuator: str, said: str) -> None:

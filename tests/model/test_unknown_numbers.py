@@ -91,7 +91,7 @@ def test_an_absolute_tolerance_is_the_one_that_holds(tmp_path: Path) -> None:
         ({"rotor_inertia": "unknwon"}, "joints.hinge.rotor_inertia: a number is needed, got 'unknwon'"),
         ({"rotor_inertia": {"value": 0.0}}, "joints.hinge.rotor_inertia.tolerance: it is missing; write {value"),
         ({"rotor_inertia": {"tolerance": 1.0}}, "joints.hinge.rotor_inertia.value: it is missing"),
-        ({"rotor_inertia": {"value": 0, "tolerence": 1}}, "joints.hinge.rotor_inertia.tolerence: there is no such key"),
+        ({"rotor_inertia": {"value": 0, "tolerence": 1}}, "joints.hinge.rotor_inertia.tolerence: no such key"),
         ({"rotor_inertia": {"value": 0, "tolerance": 0}}, "joints.hinge.rotor_inertia.tolerance: a number above 0"),
         ({"rotor_inertia": {"value": math.inf, "tolerance": 1}}, "joints.hinge.rotor_inertia.value: a finite number"),
         ({"rotor_inertia": {"value": -1, "tolerance": 1}}, "joints.hinge.rotor_inertia: it must be finite and at"),

@@ -18,6 +18,12 @@ def sines(t: Array) -> Array:
     return np.asarray(0.9 * np.sin(2 * np.pi * 0.4 * t + 0.3) + 0.1 * np.sin(2 * np.pi * 2.3 * t))
 
 
+def acceleration(t: Array) -> Array:
+    """Second derivative of `sines`, in closed form."""
+    slow, fast = 2 * np.pi * 0.4, 2 * np.pi * 2.3
+    return np.asarray(-0.9 * slow**2 * np.sin(slow * t + 0.3) - 0.1 * fast**2 * np.sin(fast * t))
+
+
 def chirp(t: Array) -> Array:
     """0.2 to 6 Hz, amplitude falling as 1/f [rad]."""
     frequency = 0.2 + (6.0 - 0.2) * t / t[-1]

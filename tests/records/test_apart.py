@@ -56,7 +56,7 @@ def deed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
         return caught.value.problem
 
     yield told
-    caller._end_all()
+    caller._release_all(caller._Server.end)
 
 
 @pytest.fixture
@@ -80,9 +80,9 @@ def test_crashes_are_one_line_and_the_next_file_is_read(deed: Any, file: Path) -
 def test_time_and_memory_are_bounded(deed: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """A file that computes or waits for ever, or takes all memory, comes to an end."""
     assert re.fullmatch(r"reading it takes more than 1073\d{6} bytes of memory", deed("bytearray(2**33)"))
-    monkeypatch.setattr("flexdyn.records.apart.limits.COMPUTING_SECONDS", 1)
+    monkeypatch.setattr("flexdyn.records.apart.server.COMPUTING_SECONDS", 1)
     assert deed("while True: pass") == "reading it takes more than 1 s of computing, or 10 s in all"
-    monkeypatch.setattr("flexdyn.records.apart.limits.WAITING", 1)
+    monkeypatch.setattr("flexdyn.records.apart.server.WAITING", 1)
     assert "s in all" in deed("signal.alarm(1); time.sleep(60)")
 
 

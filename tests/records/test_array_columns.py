@@ -126,7 +126,7 @@ def test_units_that_are_not_read(tmp_path: Path, unit: Any) -> None:
 
 def test_damaged_heaps_do_no_harm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Wherever the heap of the texts is damaged, there is an answer, though HDF5 hangs on one of these."""
-    monkeypatch.setattr("flexdyn.records.apart.limits.COMPUTING_SECONDS", 1)
+    monkeypatch.setattr("flexdyn.records.apart.server.COMPUTING_SECONDS", 1)
     path = with_units(tmp_path, q__a="deg")
     whole = path.read_bytes()
     heap = whole.index(b"GCOL")

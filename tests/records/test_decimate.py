@@ -64,7 +64,7 @@ def test_mistakes() -> None:
         (T, 0, "factor: a whole number"),
         (T, 2.5, "factor: a whole number"),
         (gap, 2, "t: there are gaps"),
-        (jitter, 2, r"t: the clock is not uniform; resample it first"),
+        (jitter, 2, r"t: row 19692: the samples are not uniform.*; resample first: \.resample\(rate=5000\)"),
         (T[:300], 10, "factor: 300 samples are too few"),
     ):
         with pytest.raises(InputError, match=match):

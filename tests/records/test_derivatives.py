@@ -11,16 +11,10 @@ from flexdyn.errors import InputError
 from flexdyn.records import Recording, Smoother, derivatives
 from flexdyn.records.signals.noise import estimate_noise
 from flexdyn.records.signals.width import best_smoother
-from tests.records.motions import sines
+from tests.records.motions import acceleration, sines
 
 RATE = 1000.0
 T = np.arange(8000) / RATE
-
-
-def acceleration(t: np.ndarray) -> np.ndarray:
-    """Second derivative of `sines`, in closed form."""
-    slow, fast = 2 * np.pi * 0.4, 2 * np.pi * 2.3
-    return np.asarray(-0.9 * slow**2 * np.sin(slow * t + 0.3) - 0.1 * fast**2 * np.sin(fast * t))
 
 
 def noisy(std: float, seed: int = 1) -> Recording:

@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter, savgol_coeffs
 
 from flexdyn.errors import InputError
+from flexdyn.records.signals.gaussian import GaussianSmoother
 from flexdyn.records.signals.kernels import kernels
 from flexdyn.records.signals.smooth import ORDERS, Smoother
+from tests.records.motions import acceleration, sines
 
 RATE = 500.0
 SMOOTHERS = [
@@ -112,6 +114,24 @@ def test_held_torque_is_the_second_derivative_of_what_it_accelerates(smoother: S
     error = smoother.second(x) - smoother.held(u)
     assert np.abs(error).max() < 1e-7
     assert np.std(smoother.second(x) - smoother.value(u)) > 1e3 * np.std(error)
+
+
+@pytest.mark.parametrize("std", [1e-6, 1e-5, 1e-4])
+def test_users_are_served_better_than_by_the_gaussian_of_the_diagnosis(std: float) -> None:
+    """Smallest error of an acceleration that any width of a family reaches: the Gaussian's is at least three times."""
+    rate = 1000.0
+    t = np.arange(8000) / rate
+    x = sines(t) + std * np.random.default_rng(4).normal(size=len(t))
+    truth = acceleration(t)
+
+    def error(found: np.ndarray, lost: int) -> float:
+        inner = slice(300 - lost, len(t) - 300 - lost)  # the same samples for every filter
+        return float(np.sqrt(np.mean((found[inner] - truth[300:-300]) ** 2)))
+
+    local = [Smoother(2 * round(2.5 * 1.2**k) + 1, rate) for k in range(24)]
+    gaussian = [GaussianSmoother.of_width(1.25 * 1.12**k / rate, 1 / rate) for k in range(33)]
+    best = min(error(smoother.second(x), smoother.reach) for smoother in local)
+    assert min(error(smoother.apply(x, 2), smoother.half) for smoother in gaussian) > 3.0 * best
 
 
 @pytest.mark.parametrize("smoother", SMOOTHERS, ids=str)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.kernel import Kernel
+from flexdyn.records.signals.gaussian import GaussianSmoother
 
 Array = NDArray[np.float64]
 FIRST_FILTER_WIDTH = 0.00125
@@ -26,8 +26,8 @@ class Filters:
         every: number of samples for each row.
     """
 
-    first: Kernel
-    second: Kernel
+    first: GaussianSmoother
+    second: GaussianSmoother
     every: int
 
     @classmethod
@@ -35,7 +35,8 @@ class Filters:
         """Filters with these standard deviations [s]; wider ones if the clock is too slow for them."""
         narrow = max(first, 1.25 * dt)
         wide = max(second, 2.5 * dt)
-        return cls(Kernel.gaussian(narrow, dt), Kernel.gaussian(wide, dt), max(1, round(2.0 * wide / dt)))
+        first_filter, second_filter = (GaussianSmoother.of_width(width, dt) for width in (narrow, wide))
+        return cls(first_filter, second_filter, max(1, round(2.0 * wide / dt)))
 
     def rows(self, x: Array, order: int = 0) -> Array:
         """The second filter's derivative of that order of x (samples, ...), one row of every `every` samples."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.kernel import Kernel
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import Backlash, HardeningSpring, JointEffect, SpringHysteresis
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.records.signals.gaussian import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ def made_up(
     theta: Array,
     tau: Array,
     data: Measured,
-    kernel: Kernel,
+    kernel: GaussianSmoother,
     resting: NDArray[np.bool_],
 ) -> tuple[Array, Array]:
     """Link and rotor positions; missing ones are computed from the law of the transmission.

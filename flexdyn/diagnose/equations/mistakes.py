@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.kernel import Kernel
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.records.signals.gaussian import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -153,8 +153,8 @@ def _both(data: Measured) -> Measured:
     return replace(data, q=q, theta=theta, has_q=there, has_theta=there)
 
 
-def _kernel(dt: float) -> Kernel:
-    return Kernel.gaussian(max(SMOOTHING, 1.25 * dt), dt)
+def _kernel(dt: float) -> GaussianSmoother:
+    return GaussianSmoother.of_width(max(SMOOTHING, 1.25 * dt), dt)
 
 
 def reach(dt: float) -> int:

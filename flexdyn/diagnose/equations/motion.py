@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.channel_noise import encoder_noise
-from flexdyn.diagnose.data.kernel import Kernel
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.made_up import made_up
 from flexdyn.diagnose.equations.rest import long_runs, uncertain_sign
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.records.signals.gaussian import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.prescribed import links_behind
 
@@ -154,7 +154,7 @@ def smoothed(
     model: FlexibleJointModel,
     links: LinkSide,
     data: Measured,
-    kernel: Kernel,
+    kernel: GaussianSmoother,
     rests: NDArray[np.bool_] | None = None,
 ) -> Smoothed:
     """Smooth a recording.
@@ -204,7 +204,7 @@ def smoothed(
     )
 
 
-def resting(data: Measured, kernel: Kernel, longest: int) -> NDArray[np.bool_]:
+def resting(data: Measured, kernel: GaussianSmoother, longest: int) -> NDArray[np.bool_]:
     """Where motors rest whose links are not measured (samples after the filter, n).
 
     Args:

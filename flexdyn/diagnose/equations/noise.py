@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.data.channel_noise import recorded_torque_noise
 from flexdyn.diagnose.equations.covariance import SampleNoise, variances
 from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, Equations
-from flexdyn.records.signals.noise_spectrum import GAUSS
+from flexdyn.records.signals.reading_noise import robust_std
 
 Array = NDArray[np.float64]
 ENCODER_NOISE_SHARE = 0.5
@@ -38,7 +38,7 @@ def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], enc
         clear = ~(hidden[2:, place] | hidden[1:-1, place] | hidden[:-2, place])
         if clear.sum() < 20:
             clear[:] = True
-        seen = (GAUSS * float(np.median(np.abs(second[clear] - np.median(second[clear]))))) ** 2
+        seen = robust_std(second[clear]) ** 2
         others, unit = variances(equations, encoders, place, j)
         if others > ENCODER_NOISE_SHARE * seen:
             found[j] = recorded_torque_noise(equations.data)[j]

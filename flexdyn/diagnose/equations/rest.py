@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.kernel import Kernel
+from flexdyn.records.signals.gaussian import GaussianSmoother
 
 Array = NDArray[np.float64]
 CERTAIN_SIGN_SIGMAS = 5.0
 """The sign of a velocity below this number of standard deviations is uncertain [1]."""
 
 
-def uncertain_sign(u: Array, sigma: float, kernel: Kernel) -> NDArray[np.bool_]:
+def uncertain_sign(u: Array, sigma: float, kernel: GaussianSmoother) -> NDArray[np.bool_]:
     """Samples (samples,) at which a filtered velocity may have either sign.
 
     Args:

@@ -13,13 +13,14 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError
-from flexdyn.records.apart.limits import WAITING, bytes_for, seconds_for
 from flexdyn.records.apart.messages import Lost, received, received_error, received_table, request_as_data
-from flexdyn.records.apart.server import SIGNALLED
+from flexdyn.records.apart.server import SIGNALLED, WAITING, bytes_for, seconds_for
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table
 
@@ -178,19 +179,12 @@ def _enlarge(stream: Any) -> None:
             fcntl.fcntl(stream.fileno(), fcntl.F_SETPIPE_SZ, _PIPE_BYTES)
 
 
-def _end_all() -> None:
+def _release_all(release: Callable[[_Server], Any]) -> None:
     for servers in _idle.values():
         for server in servers:
-            server.end()
+            release(server)
     _idle.clear()
 
 
-def _forget_all() -> None:
-    for servers in _idle.values():
-        for server in servers:
-            server.forget()
-    _idle.clear()
-
-
-atexit.register(_end_all)
-os.register_at_fork(after_in_child=_forget_all)
+atexit.register(_release_all, _Server.end)
+os.register_at_fork(after_in_child=partial(_release_all, _Server.forget))

@@ -6,9 +6,12 @@ refused leaves no trace, because its child has ended.
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import json
 import os
+import resource
+import signal
 import sys
 from dataclasses import replace
 from functools import partial
@@ -17,8 +20,54 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import FlexdynError
-from flexdyn.records.apart.limits import limit_this_process
 from flexdyn.records.apart.messages import request_of, send, send_error, send_table
+from flexdyn.records.bounds import most_bytes
+
+COMPUTING_SECONDS = 10
+"""Computing time that any file may take [s]; a sound file of a megabyte takes about 0.01 s."""
+BYTES_A_SECOND = 20_000_000
+"""Bytes on disk for which a larger file may take one more second."""
+WAITING = 10
+"""Clock time per computing time [1]: a busy machine or a slow disk is no fault of the file."""
+BYTES = 2**30
+"""Bytes of memory that any file may take in addition to the process itself."""
+
+
+def seconds_for(on_disk: int) -> int:
+    """Seconds of computing that reading a file may take.
+
+    Args:
+        on_disk: bytes of the file.
+    """
+    return COMPUTING_SECONDS + on_disk // BYTES_A_SECOND
+
+
+def bytes_for(on_disk: int) -> int:
+    """Bytes of memory that reading a file may take: twice the bytes that it may declare, and a constant.
+
+    Args:
+        on_disk: bytes of the file.
+    """
+    return BYTES + 2 * most_bytes(on_disk)
+
+
+def limit_this_process(seconds: int, memory: int) -> None:
+    """Limit time and memory of this process permanently; the system ends it if it takes more time.
+
+    Memory is bounded on Linux only: other systems do not keep to the limit.
+
+    Args:
+        seconds: of computing.
+        memory: bytes beyond what the process has already.
+    """
+    limits = {"RLIMIT_CORE": 0, "RLIMIT_FSIZE": 0, "RLIMIT_CPU": seconds}
+    with contextlib.suppress(OSError), open("/proc/self/statm", "rb") as stream:
+        limits["RLIMIT_AS"] = int(stream.read().split()[0]) * os.sysconf("SC_PAGE_SIZE") + memory
+    for name, most in limits.items():
+        with contextlib.suppress(OSError, ValueError):
+            resource.setrlimit(getattr(resource, name), (most, most + (name == "RLIMIT_CPU")))
+    signal.alarm(WAITING * seconds)
+
 
 SIGNALLED = 64
 """The server's exit code, plus the number of the signal that ended its child."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known
 from flexdyn.records.channelmap.clock import clocked, undelayed, with_times
 from flexdyn.records.channelmap.couplings import couple
 from flexdyn.records.channelmap.description import TIME, ChannelMap, column_name
@@ -82,9 +82,7 @@ class _Raw:
             InputError: there is no column of that name.
         """
         name = column_name(source)
-        if name not in self._columns:
-            remedy = did_you_mean(name, self._known)
-            raise InputError("the file has no such column", key=key, value=source, remedy=remedy, channel=name)
+        check_known(name, self._known, "the file has no such column", key=key, value=source, channel=name)
         self._uses[name] -= 1
         return self._columns[name] if self._uses[name] else self._columns.pop(name)
 

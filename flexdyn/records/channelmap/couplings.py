@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import as_number
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known
 from flexdyn.io.yaml import check_keys
 from flexdyn.records.channelmap.description import Channel, Coupling
 from flexdyn.records.table import FloatArray
@@ -92,8 +92,7 @@ def _words(key: str, value: Any, known: Sequence[str]) -> tuple[str, ...]:
     if not isinstance(value, list) or len(set(map(str, value))) != len(value):
         raise InputError("a list without repetition is needed", key=key, value=value)
     for word in value:
-        if word not in known:
-            raise InputError("no such name", key=key, value=word, remedy=did_you_mean(str(word), known))
+        check_known(word, known, "no such name", key=key, value=word)
     return tuple(value)
 
 

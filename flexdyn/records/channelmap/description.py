@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, asdict, dataclass, field, fields
 from typing import Any
 
+from flexdyn.io.locked import thawed
 from flexdyn.records.channelmap.expression import Expression
 from flexdyn.records.repairs import Repair
 from flexdyn.records.request import Layout, Request
@@ -148,7 +149,7 @@ class ChannelMap:
             "joints": {joint: {"prismatic": True} for joint in self.prismatic},
             "channels": {channel.name: _changed(channel) for channel in self.channels},
             "computed": {name: expression.text for name, expression in self.computed},
-            "couplings": [_coupling(coupling) for coupling in self.couplings],
+            "couplings": [thawed(asdict(coupling)) for coupling in self.couplings],
             "repair": [repair.to_plain() for repair in self.repair],
             "prescribed": list(self.prescribed),
         }
@@ -177,12 +178,3 @@ def _changed(entry: Any) -> dict[str, Any]:
         if item.name != "name" and (item.default is MISSING or value != item.default):
             plain["from" if item.name == "source" else item.name] = value
     return plain
-
-
-def _coupling(coupling: Coupling) -> dict[str, Any]:
-    return {
-        "joints": list(coupling.joints),
-        "position": [list(row) for row in coupling.position],
-        "torque": [list(row) for row in coupling.torque],
-        "signals": list(coupling.signals),
-    }

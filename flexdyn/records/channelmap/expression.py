@@ -12,16 +12,15 @@ A name is that of a channel, such as ``alpha`` or ``q.elbow``; a name with other
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, check_known
+from flexdyn.records.table import FloatArray
 
-Array = NDArray[np.float64]
 LONGEST_EXPRESSION = 1000
 """Largest number of letters of an expression."""
 DEEPEST = 50
@@ -45,7 +44,7 @@ class Expression:
     names: tuple[str, ...] = field(compare=False)
     _tree: Any = field(compare=False, repr=False)
 
-    def value(self, channels: Mapping[str, Array]) -> Array:
+    def value(self, channels: Mapping[str, FloatArray]) -> FloatArray:
         """Its values, an array of the length of the channels.
 
         Args:
@@ -76,16 +75,14 @@ def expression_of(text: Any, key: str) -> Expression:
     return Expression(text, names, tree)
 
 
-def check_names(expression: Expression, known: Mapping[str, Any] | tuple[str, ...], key: str) -> None:
+def check_names(expression: Expression, known: Collection[str], key: str) -> None:
     """Refuse an expression with unknown channels.
 
     Raises:
         InputError: an unknown channel, with the most similar name.
     """
     for name in expression.names:
-        if name not in known:
-            remedy = did_you_mean(name, known)
-            raise InputError("no such channel", key=key, value=name, remedy=remedy, channel=name)
+        check_known(name, known, "no such channel", key=key, value=name, channel=name)
 
 
 class _Reader:
@@ -149,7 +146,7 @@ class _Reader:
         raise self.refused("it ends too early" if kind == "end" else f"'{text}' does not fit there")
 
 
-def _value(tree: Any, channels: Mapping[str, Array]) -> Any:
+def _value(tree: Any, channels: Mapping[str, FloatArray]) -> Any:
     if isinstance(tree, float):
         return tree
     if isinstance(tree, str):

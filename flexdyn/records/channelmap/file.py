@@ -36,31 +36,19 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean
-from flexdyn.io.yaml import check_keys, read_yaml
+from flexdyn.errors import InputError, check_known, placed
+from flexdyn.io.yaml import check_format, check_keys, read_yaml
 from flexdyn.records.channelmap.couplings import couplings_of
 from flexdyn.records.channelmap.description import MAP_FORMAT, Channel, ChannelMap
 from flexdyn.records.channelmap.expression import Expression, check_names, expression_of
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
-from flexdyn.records.channelmap.source import layout_of, time_of
 from flexdyn.records.channelmap.units import conversions_of, units_of
-from flexdyn.records.channelmap.values import POSITIVE, as_choice, as_finite, as_source, as_text
+from flexdyn.records.channelmap.values import POSITIVE, as_choice, as_finite, as_source, as_text, layout_of, time_of
 from flexdyn.records.repairs import repairs_of
 from flexdyn.records.table import check_name
 from flexdyn.records.units import SIGNALS
 
-TOP_KEYS = (
-    "flexdyn_map",
-    "source",
-    "time",
-    "joints",
-    "channels",
-    "computed",
-    "couplings",
-    "prescribed",
-    "others",
-    "repair",
-)
+TOP_KEYS = ("source", "time", "joints", "channels", "computed", "couplings", "prescribed", "others", "repair")
 CHANNEL_KEYS = tuple("from" if item.name == "source" else item.name for item in fields(Channel) if item.name != "name")
 JOINT_KEYS = ("gear_ratio", "torque_constant", "counts_per_turn", "prismatic")
 
@@ -87,11 +75,8 @@ def read_map(path: str | os.PathLike[str]) -> ChannelMap:
         file = Path(path)
     except TypeError:
         raise InputError("the path of a map file is needed", key="map", value=path) from None
-    content = read_yaml(file)
-    try:
-        return map_from_dict(content)
-    except InputError as error:
-        raise error.at(file=file) from None
+    with placed(file=file):
+        return map_from_dict(read_yaml(file))
 
 
 def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
@@ -100,10 +85,7 @@ def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
     Raises:
         InputError: a key, unit or number that does not fit.
     """
-    check_keys(content, TOP_KEYS, required=("flexdyn_map",))
-    if isinstance(content["flexdyn_map"], bool) or content["flexdyn_map"] != MAP_FORMAT:
-        remedy = f"this version reads format {MAP_FORMAT}"
-        raise InputError("no such format", key="flexdyn_map", value=content["flexdyn_map"], remedy=remedy)
+    check_format(content, "flexdyn_map", MAP_FORMAT, TOP_KEYS)
     entry = {key: value for key, value in content.items() if value is not None}
     keep = as_choice("others", entry.get("others", "drop"), ("drop", "keep")) == "keep"
     channels, prismatic = _channels(entry.get("channels", {}), entry.get("joints", {}))
@@ -172,10 +154,8 @@ def _prescribed(joints: Any, channels: tuple[Channel, ...], *, keep: bool) -> tu
         raise InputError("a list of joints is needed", key="prescribed", value=joints, remedy=remedy)
     known = tuple(dict.fromkeys(channel.joint for channel in channels if channel.signal))
     for joint in joints:
-        if joint not in known and not keep:
-            raise InputError(
-                "no channel of this joint", key="prescribed", value=joint, remedy=did_you_mean(joint, known)
-            )
+        if not keep:
+            check_known(joint, known, "no channel of this joint", key="prescribed", value=joint)
     return tuple(joints)
 
 

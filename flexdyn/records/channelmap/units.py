@@ -36,8 +36,7 @@ def _conversion(channel: Channel, stated: Mapping[str, str | None]) -> Conversio
     unit = stated.get(column_name(channel.source), "")
     if unit is None and channel.unit is None and channel.factor is None:
         problem = "the file states the column's unit in a way that is not read"
-        remedy = "state it here"
-        raise InputError(problem, key=f"channels.{channel.name}.unit", value=channel.source, remedy=remedy)
+        raise InputError(problem, key=f"channels.{channel.name}.unit", value=channel.source, remedy="state it here")
     return conversion(channel, unit or None)
 
 

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TextIO
 
 import numpy as np
 
@@ -14,11 +14,9 @@ from flexdyn.errors import InputError
 from flexdyn.records.csv.guess import encoding_of
 from flexdyn.records.csv.header import header_of
 from flexdyn.records.csv.rows import Block, Header, blocks_of_numbers
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import FloatArray, Rows, Table
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _CSV_BLOCK = 2**20
 _LONGEST_LINE = 2**20
@@ -107,9 +105,8 @@ def _blocks(stream: TextIO, size: int, request: Request) -> Iterator[Block]:
             yield number, lines
         number += len(lines)
         if len(rest) > _LONGEST_LINE:
-            raise InputError(
-                f"line {number}: longer than {_LONGEST_LINE} characters", remedy="is it a CSV file?", row=number
-            )
+            remedy = "is it a CSV file?"
+            raise InputError(f"line {number}: longer than {_LONGEST_LINE} characters", remedy=remedy, row=number)
         request.report(stream.buffer.tell() / size)
     if rest:
         yield number, [rest]

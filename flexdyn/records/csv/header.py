@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.bounds import check_count
-from flexdyn.records.column_names import split_unit
-from flexdyn.records.csv.dialect import NOTHING, Dialect
+from flexdyn.records.channelmap.known_units import split_unit
+from flexdyn.records.csv.dialect import NOTHING, Dialect, Stamps, is_stamp
 from flexdyn.records.csv.guess import dialect_of
 from flexdyn.records.csv.rows import Block, Header
-from flexdyn.records.csv.stamps import Stamps, is_stamp
 from flexdyn.records.request import Layout, Request
 from flexdyn.records.table import check_name, check_time_named
 from flexdyn.records.units import split_name
@@ -97,7 +96,7 @@ def _every(start: _Start, request: Request) -> Header:
         if key != "t" and not request.mapped:
             check_name(key)
         if key in wanted:
-            raise InputError("the channel is there twice", key=key, remedy="rename or remove one", channel=key)
+            raise InputError("the channel is there twice", remedy="rename or remove one", channel=key)
         wanted[key] = column
         if unit:
             units[key] = unit
@@ -166,16 +165,15 @@ def _column(asked: str | int, names: tuple[str, ...], width: int) -> int:
     """Index of a column that was requested by name, or by number from 1."""
     if isinstance(asked, int):
         if not 1 <= asked <= width:
-            raise InputError("no such column", key=_key(asked), remedy=f"there are {width}", channel=_key(asked))
+            raise InputError("no such column", remedy=f"there are {width}", channel=_key(asked))
         return asked - 1
     places = [column for column, name in enumerate(names[:width]) if name == asked]
     places = places or [column for column, name in enumerate(names[:width]) if split_unit(name)[0] == asked]
     if not places:
-        raise InputError("no such column", key=asked, remedy=did_you_mean(asked, filter(None, names)), channel=asked)
+        raise InputError("no such column", remedy=did_you_mean(asked, filter(None, names)), channel=asked)
     if len(places) > 1:
         numbers = " and ".join(str(place + 1) for place in places)
-        remedy = f"give the number of one: {numbers}"
-        raise InputError("several columns have the name", key=asked, remedy=remedy, channel=asked)
+        raise InputError("several columns have the name", remedy=f"give the number of one: {numbers}", channel=asked)
     return places[0]
 
 

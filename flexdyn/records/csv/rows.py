@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
 from flexdyn.errors import InputError
-from flexdyn.records.csv.dialect import Dialect
-from flexdyn.records.csv.stamps import is_stamp
+from flexdyn.records.csv.dialect import Dialect, is_stamp
 from flexdyn.records.table import FloatArray
 
 Block = tuple[int, list[str]]
@@ -77,7 +76,7 @@ def _explain(header: Header, number: int, lines: list[str]) -> NoReturn:
         told = "header names" if header.columns is None else "first has"
         problem = f"line {row}: {len(cells)} cells where the {told} {width}"
         missing = header.names[len(cells)] if len(cells) < len(header.names) else None
-        raise InputError(problem, key=missing, remedy="one cell per channel", row=row, channel=missing)
+        raise InputError(problem, remedy="one cell per channel", row=row, channel=missing)
     raise _bad_cell(header, row, cells)
 
 
@@ -91,7 +90,7 @@ def _bad_cell(header: Header, row: int, cells: list[str]) -> InputError:
         if not is_stamp(asked[at]):
             remedy = "the first row has a date and a time of day there, so every row needs one"
             problem = f"line {row}: no date and time of day"
-            return InputError(problem, key=name, value=asked[at], remedy=remedy, row=row, channel=name)
+            return InputError(problem, value=asked[at], remedy=remedy, row=row, channel=name)
         asked[at] = "0"
     at = _first_bad(replace(dialect, stamps=None), asked, 1, None)
     text, name = asked[at], list(header.wanted)[at]
@@ -99,7 +98,7 @@ def _bad_cell(header: Header, row: int, cells: list[str]) -> InputError:
     remedy = f"give a number with a decimal {sign}"
     if dialect.decimal == "." and "," in text:
         remedy += ", or say decimal: ',' in a channel map"
-    return InputError(f"line {row}: not a number", key=name, value=text, remedy=remedy, row=row, channel=name)
+    return InputError(f"line {row}: not a number", value=text, remedy=remedy, row=row, channel=name)
 
 
 def _first_bad(dialect: Dialect, items: list[str], width: int, columns: Sequence[int] | None) -> int:

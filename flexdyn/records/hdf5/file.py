@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -21,12 +21,10 @@ from flexdyn.records.array_columns import parts_of
 from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.hdf5.library import check_library, library, new_file
 from flexdyn.records.meta import as_json, from_json
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import RESERVED, Table, check_name, damage_named
 from flexdyn.records.units import SIGNALS
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _LARGEST_CHUNK = 2**30
 _LONGEST_UNIT = 999
@@ -79,7 +77,8 @@ def read_here(path: Path, request: Request) -> Table:
         wanted = {part.array: datasets[part.array] for part in parts}
         for name, dataset in wanted.items():
             check_storage(dataset, name)
-        _check_sizes(wanted, os.path.getsize(path))
+        sizes = (dataset.size * dataset.dtype.itemsize for dataset in wanted.values() if dataset.size)
+        check_size(sum(sizes), os.path.getsize(path))
         for done, part in enumerate(parts):
             dataset = wanted[part.array]
             part.check(dataset.dtype, dataset.shape or ())
@@ -117,9 +116,9 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
             if name not in ("t", RESERVED):
                 check_name(name)
             if name in seen:
-                raise InputError("the channel is there twice", key=name, remedy="rename or remove one", channel=name)
+                raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
             if not isinstance(dataset, h5py.Dataset):
-                raise InputError("the channel is no dataset", key=name, remedy="groups nest one deep", channel=name)
+                raise InputError("the channel is no dataset", remedy="groups nest one deep", channel=name)
             seen.add(name)
             check_count(len(seen))
             yield name, dataset
@@ -169,20 +168,14 @@ def attribute(h5py: Any, dataset: Any, name: str) -> str | None:
 def check_storage(dataset: Any, name: str) -> None:
     """Refuse a dataset whose bytes are in other files or in chunks of more than 1 GiB."""
     if dataset.is_virtual or dataset.external:
-        remedy = "copy the samples into the file"
-        raise InputError("the samples lie in another file", key=name, remedy=remedy, channel=name)
+        raise InputError("the samples lie in another file", remedy="copy the samples into the file", channel=name)
     if math.prod(dataset.chunks or ()) * dataset.dtype.itemsize > _LARGEST_CHUNK:
-        raise InputError("a chunk is larger than 1 GiB", key=name, remedy="write smaller chunks", channel=name)
-
-
-def _check_sizes(datasets: dict[str, Any], on_disk: int) -> None:
-    check_size(sum(dataset.size * dataset.dtype.itemsize for dataset in datasets.values() if dataset.size), on_disk)
+        raise InputError("a chunk is larger than 1 GiB", remedy="write smaller chunks", channel=name)
 
 
 def _text(h5py: Any, dataset: Any) -> str:
     kind = h5py.check_string_dtype(dataset.dtype)
     if kind is None or not kind.length or dataset.shape != ():
-        raise InputError(
-            "meta is not one JSON text of fixed length", key=RESERVED, remedy="write it with write_recording"
-        )
+        remedy = "write it with write_recording"
+        raise InputError("meta is not one JSON text of fixed length", key=RESERVED, remedy=remedy)
     return bytes(dataset[()]).decode()

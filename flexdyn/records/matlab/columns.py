@@ -99,7 +99,7 @@ class LeafColumns:
             for key, _ in wanted:
                 if key not in table.columns:
                     names = [seen.split(" (")[0] for seen in self._seen]
-                    raise InputError("no such column", key=key, remedy=did_you_mean(key, names), channel=key)
+                    raise InputError("no such column", remedy=did_you_mean(key, names), channel=key)
         return table
 
     def _check_convention(self) -> None:
@@ -109,15 +109,14 @@ class LeafColumns:
             suggested = suggested_map(columns_of_arrays(self._shapes))
             told = f"what the columns are (--map), such as {suggested}" if suggested else "where it is"
             remedy = f"name the column of time [s] t, or say in a channel map {told}; there are {there or 'none'}"
-            raise InputError("no column t", key="t", remedy=remedy, channel="t")
+            raise InputError("no column t", remedy=remedy, channel="t")
         if self._misfit is not None:
             raise self._misfit
         samples = len(table.columns["t"])
         for name, values in table.columns.items():
             if len(values) != samples:
                 problem = f"{len(values)} values where t has {samples}"
-                remedy = "say in a channel map which columns to read"
-                raise InputError(problem, key=name, remedy=remedy, channel=name)
+                raise InputError(problem, remedy="say in a channel map which columns to read", channel=name)
 
     def _take_channel(self, leaf: Leaf) -> None:
         if leaf.name != "t" and not self._mapped:
@@ -133,7 +132,7 @@ class LeafColumns:
             if leaf.kind != "numbers" and (path == leaf.name or path.startswith(f"{leaf.name}.")):
                 key = wanted[0][0]
                 remedy = "in MATLAB, save plain arrays of doubles"
-                raise InputError(f"{leaf.name} is {leaf.kind}, not numbers", key=key, remedy=remedy, channel=key)
+                raise InputError(f"{leaf.name} is {leaf.kind}, not numbers", remedy=remedy, channel=key)
         if leaf.name in asked:
             values = leaf.values()
             for key, index in asked[leaf.name]:
@@ -151,7 +150,7 @@ def _by_path(columns: frozenset[str | int]) -> dict[str, list[tuple[str, str]]]:
         match = _COLUMN.fullmatch(key) if isinstance(key, str) else None
         if match is None or (match["row"] and (match["row"] == ":") == (match["column"] == ":")):
             remedy = "write it as MATLAB does: t, q.elbow, q(1,:) or q(:,1)"
-            raise InputError("not the name of a column in a MAT file", key=str(key), remedy=remedy, channel=str(key))
+            raise InputError("not the name of a column in a MAT file", remedy=remedy, channel=str(key))
         index = f"{match['row']},{match['column']}" if match["row"] else ""
         asked.setdefault(match["path"].strip(), []).append((str(key), index))
     return asked
@@ -162,13 +161,12 @@ def _part(leaf: Leaf, values: npt.NDArray[Any], key: str, index: str) -> npt.NDA
     if not index:
         if max(leaf.shape, default=0) != values.size:
             remedy = f"take a row or column, such as {leaf.name}(1,:) or {leaf.name}(:,1)"
-            raise InputError(f"an array, not a column: {leaf}", key=key, remedy=remedy, channel=key)
+            raise InputError(f"an array, not a column: {leaf}", remedy=remedy, channel=key)
         return values.reshape(-1)
     row, column = index.split(",")
     number, axis = (int(column), 1) if row == ":" else (int(row), 0)
     if values.ndim != 2 or not 1 <= number <= values.shape[axis]:
-        remedy = f"it is {leaf}; rows and columns count from 1"
-        raise InputError("no such row or column", key=key, remedy=remedy, channel=key)
+        raise InputError("no such row or column", remedy=f"it is {leaf}; rows and columns count from 1", channel=key)
     part: npt.NDArray[Any] = np.take(values, number - 1, axis)
     return part
 
@@ -186,6 +184,6 @@ def _as_written(table: Table, text: str) -> Table:
     for place in (*pairs, *(name for name in table.columns if name not in pairs)):
         if place not in table.columns:
             remedy = f"copy the file again; if you removed the column, remove {KEY} too"
-            raise InputError(f"the column is not there, and {KEY} lists it", key=place, remedy=remedy, channel=place)
+            raise InputError(f"the column is not there, and {KEY} lists it", remedy=remedy, channel=place)
         known.add(pairs.get(place, place), table.columns[place])
     return known

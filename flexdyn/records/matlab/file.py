@@ -10,17 +10,15 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flexdyn.records.matlab import v5, v73
 from flexdyn.records.matlab.columns import KEY, LeafColumns
 from flexdyn.records.meta import as_plain
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table, damage_named
 from flexdyn.records.units import SIGNALS, split_name
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 LARGEST_V5 = 2**31 - 2**20
 """Largest variable of version 5 [bytes]; MATLAB itself writes at most 2 GB."""
@@ -28,20 +26,10 @@ LARGEST_V5 = 2**31 - 2**20
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _OTHER = "other"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
-_KEYWORDS: tuple[str, ...] = (
-    "break",
-    "case",
-    "catch",
-    "classdef",
-    "continue",
-    "else",
-    "elseif",
-    "end",
-    "for",
-    "function",
-    "global",
+_KEYWORD = re.compile(
+    "break|case|catch|classdef|continue|else|elseif|end|for|function|global"
+    "|if|otherwise|parfor|persistent|return|spmd|switch|try|while"
 )
-_KEYWORDS += ("if", "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while")
 
 
 def write(rec: Recording, path: Path) -> None:
@@ -105,4 +93,4 @@ def _places(names: list[str]) -> dict[str, str]:
 
 def _is_name(text: str) -> bool:
     """Whether it is a valid name of a variable or field in MATLAB."""
-    return _NAME.fullmatch(text) is not None and text not in _KEYWORDS
+    return _NAME.fullmatch(text) is not None and _KEYWORD.fullmatch(text) is None

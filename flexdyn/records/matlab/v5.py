@@ -185,5 +185,5 @@ def _array(cursor: Cursor, head: _Head, name: str) -> npt.NDArray[Any]:
     expected = np.prod(head.shape, dtype=object)
     if numbers.size != expected:
         problem = f"{numbers.size} numbers where the shape {head.shape} needs {expected}"
-        raise InputError(problem, key=name, remedy="the file is damaged", channel=name)
+        raise InputError(problem, remedy="the file is damaged", channel=name)
     return numbers.reshape(head.shape, order="F")

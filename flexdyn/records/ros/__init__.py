@@ -19,14 +19,11 @@ of more than one year (the time of day) are counted from the first one, which is
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from flexdyn.errors import needed
+from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 
 def read(path: Path, request: Request) -> Table:

@@ -179,9 +179,8 @@ def _files(path: Path, stack: ExitStack) -> tuple[list[Path], Callable[[bytes], 
     kind = str(info.get("compression_format") or "none").lower()
     if mode not in ("none", "file", "message") or (mode != "none" and kind != "zstd"):
         problem = "this compression is not supported"
-        raise InputError(
-            problem, file=path / "metadata.yaml", value=f"{mode} {kind}", remedy="convert it with ros2 bag"
-        )
+        remedy = "convert it with ros2 bag"
+        raise InputError(problem, file=path / "metadata.yaml", value=f"{mode} {kind}", remedy=remedy)
     files = [_inside(path, name) for name in names]
     if mode == "file":
         folder = Path(stack.enter_context(TemporaryDirectory()))

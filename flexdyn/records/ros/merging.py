@@ -58,7 +58,7 @@ def merged(every: Sequence[Series], request: Request) -> Merged:
     if kept.sum() < 2:
         names = " and ".join(series.topic for series in every)
         remedy = "read one topic at a time, or take the time of recording: source: {clock: bag}"
-        raise InputError(f"{names} have no time in common", key="t", remedy=remedy, channel="t")
+        raise InputError(f"{names} have no time in common", remedy=remedy, channel="t")
     stamps = base.stamps[kept]
     columns, said = {}, []
     for series in every:
@@ -112,4 +112,4 @@ def _check_increasing(series: Series) -> None:
         row = int(np.argmin(steps > 0)) + 1 if len(steps) else 0
         problem = f"message {row} of {series.topic}: stamps do not increase"
         remedy = "read this topic alone with a repair, or take the time of recording: source: {clock: bag}"
-        raise InputError(problem, key="t", remedy=remedy, row=row, channel="t")
+        raise InputError(problem, remedy=remedy, row=row, channel="t")

@@ -68,8 +68,7 @@ class Wanted:
         if missing:
             alike = near(missing[0], columns)
             problem = f"message {row} of {self.topic} has no such column, but has other requested ones"
-            remedy = f"{alike} if {_TWO_PUBLISHERS}"
-            raise InputError(problem, key=missing[0], remedy=remedy, row=row, channel=missing[0])
+            raise InputError(problem, remedy=f"{alike} if {_TWO_PUBLISHERS}", row=row, channel=missing[0])
         self.found.update(self.names)
         return {out: columns[name] for name, out in self.names.items()}
 
@@ -77,4 +76,4 @@ class Wanted:
         """Refuse columns that no message had."""
         if missing := [name for name in self.names if name not in self.found]:
             problem, remedy = f"the topic {self.topic} has no such column", near(missing[0], self.known)
-            raise InputError(problem, key=missing[0], remedy=remedy, channel=missing[0])
+            raise InputError(problem, remedy=remedy, channel=missing[0])

@@ -40,7 +40,7 @@ def read(path: Path, request: Request) -> Table:
     table = Table(rows=Rows("message"))
     one = merged(every, request)
     if own and one.said:
-        raise InputError("the bag's own topics have different times", key="t", remedy="copy the whole bag", channel="t")
+        raise InputError("the bag's own topics have different times", remedy="copy the whole bag", channel="t")
     table.said += one.said
     zero = own["zero_ns"] if own else _zero(one.stamps)
     columns = dict(one.columns)
@@ -80,9 +80,8 @@ def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tupl
     if own or request.columns is None:
         names = [name for name in bag.topics if is_own(name)] if own else [_topic(bag, request)]
         if not names:
-            raise InputError(
-                "no topic with the channels that flexdyn wrote", key=META_TOPIC, remedy="copy the whole bag"
-            )
+            remedy = "copy the whole bag"
+            raise InputError("no topic with the channels that flexdyn wrote", key=META_TOPIC, remedy=remedy)
         topics = [bag.topics[name] for name in names]
         if bad := [topic for topic in topics if topic.msgtype not in CONVENTIONAL]:
             problem = f"messages of {bad[0].msgtype} make no recording by themselves"

@@ -142,8 +142,7 @@ class Series:
 
     def _doubles(self, name: str, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         if values.dtype.itemsize == 8 and values.dtype.kind in "iu" and (np.abs(values.astype(float)) > _EXACT).any():
-            remedy = "leave the column out"
-            raise InputError("integers beyond 2^53 are no exact doubles", key=name, remedy=remedy, channel=name)
+            raise InputError("integers beyond 2^53 are no exact doubles", remedy="leave the column out", channel=name)
         return values
 
     def _append(self, values: Floats, stamps: Integers, keep: npt.NDArray[np.bool_]) -> None:

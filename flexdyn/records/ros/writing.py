@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rosbags import rosbag1, rosbag2
@@ -18,6 +18,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from flexdyn.errors import InputError
 from flexdyn.records.meta import as_json, as_plain
+from flexdyn.records.recording import Recording
 from flexdyn.records.ros.clock import NANO, Integers, nanoseconds, seconds
 from flexdyn.records.ros.columns import (
     CHANNELS_TOPIC,
@@ -32,9 +33,6 @@ from flexdyn.records.ros.definitions import control_types
 from flexdyn.records.ros.reading import META_TOPIC
 from flexdyn.records.ros.walk import Bytes, lay_out
 from flexdyn.records.units import split_name
-
-if TYPE_CHECKING:
-    from flexdyn.records.recording import Recording
 
 _STRING = "std_msgs/msg/String"
 _LATEST = 2**31 * NANO
@@ -102,20 +100,23 @@ def _writer(path: Path, suffix: str) -> Any:
 
 def _stamps(rec: Recording) -> tuple[Integers, int]:
     """Stamps [ns], never negative, and the stamp that is time 0."""
-    if max(-float(rec.t[0]), float(rec.t[-1])) >= _LATEST / NANO:
-        raise InputError("ROS cannot hold the time", key="t", value=float(rec.t[-1]), remedy="count from the start")
+    value, remedy = float(rec.t[-1]), "count from the start"
+    too_late = InputError("ROS cannot hold the time", key="t", value=value, remedy=remedy)
+    if max(-float(rec.t[0]), value) >= _LATEST / NANO:
+        raise too_late
     since = nanoseconds(rec.t)
     same = since[1:] == since[:-1]
     if same.any():
         row = int(np.argmax(same)) + 1
         problem = f"row {row}: two samples fall on one nanosecond, which is all that ROS resolves"
-        raise InputError(problem, key="t", value=float(rec.t[row]), remedy="write another format", row=row, channel="t")
+        raise InputError(problem, value=float(rec.t[row]), remedy="write another format", row=row, channel="t")
+    first, last = int(since[0]), int(since[-1])
     start = rec.meta.get("start_ns", 0)
     fits = isinstance(start, int) and not isinstance(start, bool)
-    if not fits or start + int(since[0]) < 0 or start + int(since[-1]) >= _LATEST:
-        start = max(0, -int(since[0]))
-    if start + int(since[-1]) >= _LATEST:
-        raise InputError("ROS cannot hold the time", key="t", value=float(rec.t[-1]), remedy="count from the start")
+    if not fits or start + first < 0 or start + last >= _LATEST:
+        start = max(0, -first)
+    if start + last >= _LATEST:
+        raise too_late
     return since + start, start
 
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexdyn.checks import as_number
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import number
+from flexdyn.errors import InputError, check_known
 from flexdyn.records.meta import as_plain
 from flexdyn.records.table import FloatArray, Table
 
@@ -63,9 +63,8 @@ def split(rec: Recording, *, at: Sequence[float] | None = None, gaps: float | No
                 value, remedy = times[min(i, len(times) - 1)], "every piece needs two samples or more"
                 raise InputError("the split leaves a piece too short", key="at", value=value, remedy=remedy)
         return tuple(_rows(rec, low, high) for low, high in pairwise(rows))
-    longest = as_number(gaps)
-    if not longest > 0:
-        raise InputError("not a length of time", key="gaps", value=gaps, remedy="give seconds greater than 0")
+    remedy = "give seconds greater than 0"
+    longest = number("gaps", gaps, "not a length of time", above=0.0, infinite=True, remedy=remedy)
     ends = np.flatnonzero(np.diff(rec.t) > longest) + 1
     rows = [0, *(int(end) for end in ends), len(rec)]
     pieces = tuple(_rows(rec, low, high) for low, high in pairwise(rows) if high - low >= 2)
@@ -89,9 +88,7 @@ def shifted(rec: Recording, seconds: float | Mapping[str, float]) -> Recording:
         by = _time("seconds", seconds)
         return made(rec, {"t": rec.t + by, **rec.channels})
     for channel in seconds:
-        if channel not in rec:
-            remedy = did_you_mean(channel, rec.channels)
-            raise InputError("no such channel", key=f"seconds.{channel}", remedy=remedy, channel=channel)
+        check_known(channel, rec.channels, "no such channel", key=f"seconds.{channel}", channel=channel)
     shifts = {channel: _time(f"seconds.{channel}", value) for channel, value in seconds.items()}
     first = float(rec.t[0]) + max([0.0, *shifts.values()])
     last = float(rec.t[-1]) + min([0.0, *shifts.values()])
@@ -115,7 +112,4 @@ def made(rec: Recording, columns: Mapping[str, FloatArray], *, meta: bool = True
 
 
 def _time(key: str, value: object) -> float:
-    number = as_number(value)
-    if not math.isfinite(number):
-        raise InputError("not a time", key=key, value=value, remedy="give seconds")
-    return number
+    return number(key, value, "not a time", remedy="give seconds")

@@ -7,17 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import whole
 from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.gaps import gap_rows
 from flexdyn.records.table import FloatArray
-from flexdyn.records.units import split_name
+from flexdyn.records.units import is_held
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
-HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
-"""Signals that are held from each sample to the next (contract, section 4)."""
 FILTER_REACH = 20
 """Reach of the filter to either side, in samples of the new rate."""
 CLOCK_JITTER = 0.02
@@ -39,11 +38,12 @@ def decimated(rec: Recording, factor: int) -> Recording:
     Raises:
         InputError: no such factor, gaps, a clock that is not uniform, or too few samples.
     """
-    if isinstance(factor, bool) or not isinstance(factor, int) or factor < 1:
-        raise InputError("a whole number of samples is needed", key="factor", value=factor)
+    whole("factor", factor, 1, problem="a whole number of samples is needed")
     if factor == 1:
         return rec
-    _check_clock(rec)
+    if len(gap_rows(rec.t)):
+        raise InputError("there are gaps in time", key="t", remedy="take the pieces between them: rec.split(gaps=...)")
+    uniform_rate(rec)
     kept = np.arange(FILTER_REACH * factor, len(rec) - FILTER_REACH * factor, factor)
     kept = kept[kept + factor <= len(rec)]
     if len(kept) < 2:
@@ -51,8 +51,7 @@ def decimated(rec: Recording, factor: int) -> Recording:
         raise InputError(problem, key="factor", value=factor, remedy="give a smaller one")
     columns = {"t": rec.t[kept]}
     for name, values in rec.channels.items():
-        held = (split_name(name) or ("",))[0] in HELD
-        columns[name] = _means(values, kept, factor) if held else _filtered(values, kept, factor)
+        columns[name] = _means(values, kept, factor) if is_held(name) else _filtered(values, kept, factor)
     return made(rec, columns)
 
 
@@ -69,11 +68,19 @@ def _means(values: FloatArray, kept: npt.NDArray[np.intp], factor: int) -> Float
     return np.asarray(values[kept[:, None] + np.arange(factor)].mean(axis=1))
 
 
-def _check_clock(rec: Recording) -> None:
-    if len(gap_rows(rec.t)):
-        raise InputError("there are gaps in time", key="t", remedy="take the pieces between them: rec.split(gaps=...)")
-    steps = np.diff(rec.t)
-    even = rec.t[0] + rec.duration / len(steps) * np.arange(len(rec))
-    if float(np.abs(rec.t - even).max()) > CLOCK_JITTER * rec.duration / len(steps):
-        remedy = f"resample it first: rec.resample(rate={1.0 / float(np.median(steps)):.6g})"
-        raise InputError("the clock is not uniform", key="t", remedy=remedy)
+def uniform_rate(rec: Recording) -> float:
+    """The rate of a recording whose samples are on a uniform grid, within a fiftieth of its period [Hz].
+
+    Raises:
+        InputError: they are not; the message gives row and remedy.
+    """
+    rate = rec.rate
+    off = np.abs((rec.t - rec.t[0]) * rate - np.arange(len(rec)))
+    if off.max() > CLOCK_JITTER:
+        steps = np.abs(np.diff(rec.t) * rate - 1)
+        row = int(np.argmax(steps)) + 1
+        typical = 1 / float(np.median(np.diff(rec.t)))
+        problem = f"row {row}: the samples are not uniform, {float(off.max()):.2g} periods off a grid"
+        remedy = f"resample first: .resample(rate={typical:.4g})"
+        raise InputError(problem, value=float(rec.t[row]), remedy=remedy, row=row, channel="t")
+    return rate

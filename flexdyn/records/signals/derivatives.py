@@ -11,18 +11,17 @@ import numpy as np
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 from flexdyn.records.signals.cut import made
+from flexdyn.records.signals.decimate import uniform_rate
 from flexdyn.records.signals.noise import Noise, estimate_noise
-from flexdyn.records.signals.resample import HELD
 from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.signals.width import best_smoother
 from flexdyn.records.table import FloatArray
-from flexdyn.records.units import split_name
+from flexdyn.records.units import is_held, split_name
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 _POSITIONS = ("q", "theta")
-_UNEVEN = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +51,7 @@ class Derivatives(Locked):
 
     def value(self, channel: str) -> FloatArray:
         """The smoothed channel; tau and tau_applied are taken as held from each sample to the next."""
-        held = _signal(channel) in HELD
-        return self.smoother.held(self.recording[channel]) if held else self.smoother.value(self.recording[channel])
+        return (self.smoother.held if is_held(channel) else self.smoother.value)(self.recording[channel])
 
     def first(self, channel: str) -> FloatArray:
         """First derivative [unit/s]: velocity from a position, acceleration from a velocity."""
@@ -72,7 +70,7 @@ class Derivatives(Locked):
         """
         if channel not in self.noise:
             raise InputError("the noise of the channel was not requested", key=channel, remedy="name it in channels=")
-        held = order == "value" and _signal(channel) in HELD
+        held = order == "value" and is_held(channel)
         return self.smoother.noise_std("held" if held else order, self.noise[channel].autocovariance)
 
 
@@ -106,7 +104,7 @@ def derivatives(
     rate = uniform_rate(rec)
     if cutoff is not None and smoother is not None:
         raise InputError("the width is given twice", key="cutoff", value=cutoff, remedy="give cutoff or smoother")
-    positions = [channel for channel in rec.channels if _signal(channel) in _POSITIONS]
+    positions = [channel for channel in rec.channels if (split_name(channel) or ("",))[0] in _POSITIONS]
     names = positions if channels is None else list(channels)
     noise = {channel: noise_of(rec, channel) for channel in names}
     if cutoff is not None:
@@ -140,34 +138,12 @@ def smoothed(rec: Recording, smoother: Smoother) -> Recording:
 def noise_of(rec: Recording, channel: str) -> Noise:
     """The noise of one channel, estimated from its samples; a commanded torque with repeated values is exact."""
     try:
-        return estimate_noise(rec.t, rec[channel], unit=rec.unit(channel), held=_signal(channel) in HELD)
+        return estimate_noise(rec.t, rec[channel], unit=rec.unit(channel), held=is_held(channel))
     except InputError as error:
         raise InputError(error.problem, **{**error.data, "key": channel, "channel": channel}) from None
-
-
-def uniform_rate(rec: Recording) -> float:
-    """The rate of a recording whose samples are on a uniform grid, within a fiftieth of its period [Hz].
-
-    Raises:
-        InputError: they are not; the message gives row and remedy.
-    """
-    rate = rec.rate
-    off = np.abs((rec.t - rec.t[0]) * rate - np.arange(len(rec)))
-    if off.max() > _UNEVEN:
-        steps = np.abs(np.diff(rec.t) * rate - 1)
-        row = int(np.argmax(steps)) + 1
-        typical = 1 / float(np.median(np.diff(rec.t)))
-        problem = f"row {row}: the samples are not uniform, {float(off.max()):.2g} periods off a grid"
-        remedy = f"resample first: .resample(rate={typical:.4g})"
-        raise InputError(problem, key="t", value=float(rec.t[row]), remedy=remedy, row=row, channel="t")
-    return rate
 
 
 def _check_rate(smoother: Smoother, rate: float) -> None:
     if abs(smoother.rate - rate) > 1e-3 * rate:
         problem = f"the filter is made for another rate than the recording's {rate:.6g} Hz"
         raise InputError(problem, key="smoother.rate", value=smoother.rate, remedy="make it for that rate")
-
-
-def _signal(channel: str) -> str:
-    return (split_name(channel) or ("",))[0]

@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from flexdyn.io.locked import lock
 from flexdyn.records.table import FloatArray
 
 DIFFERENCE_REACH = 4
@@ -34,6 +35,14 @@ class Kernels:
     first: FloatArray
     second: FloatArray
     held: FloatArray
+
+
+def correlated(x: FloatArray, kernel: FloatArray) -> FloatArray:
+    """sum_m kernel[half + m] x[k + m] of a column or table x, where the kernel (2 half + 1,) is within the samples."""
+    from scipy.ndimage import correlate1d  # here, as `import flexdyn` loads no scipy
+
+    half = len(kernel) // 2
+    return np.asarray(correlate1d(x, kernel, axis=0)[half : len(x) - half])
 
 
 @lru_cache(maxsize=256)
@@ -67,7 +76,7 @@ def kernels(half: int, degree: int, taper: int) -> Kernels:
     second = _symmetric(np.convolve(corrected, _SQUARED), total=0.0)
     smooth = _symmetric(corrected, total=1.0) / 2
     held = np.pad(smooth, (0, 2)) + np.pad(smooth, (1, 1))
-    return Kernels(*(_locked(kernel) for kernel in (value, first, second, _summing_to_one(held))))
+    return Kernels(*(lock(kernel) for kernel in (value, first, second, _summing_to_one(held))))
 
 
 def _fit(half: int, degree: int, taper: int) -> FloatArray:
@@ -108,8 +117,3 @@ def _rounded(part: FloatArray, kernel: FloatArray) -> FloatArray:
     """Multiples of a power of two that is so large that no sum over the kernel needs rounding."""
     grid = 2.0 ** (math.frexp(float(np.abs(kernel).sum()))[1] - 52)
     return np.asarray(np.round(part / grid) * grid)
-
-
-def _locked(kernel: FloatArray) -> FloatArray:
-    kernel.setflags(write=False)
-    return kernel

@@ -11,7 +11,8 @@ import numpy.typing as npt
 from flexdyn.errors import InputError
 from flexdyn.records.signals.noise_spectrum import Spectrum, clipped, contrasts, spectrum
 from flexdyn.records.signals.quantisation import held_for, quantisation_step
-from flexdyn.records.table import FloatArray
+from flexdyn.records.signals.reading_noise import reading_noise
+from flexdyn.records.table import FloatArray, Rows, check_finite, check_time
 
 FEWEST = 64
 """Smallest number of samples for an estimate."""
@@ -36,6 +37,8 @@ class Noise:
         autocorrelation: at lags 0, 1, ... 8 (times `hold`) samples.
         seen_above: frequency above which the noise is larger than the motion [Hz]; below it, the spectrum is
             extrapolated.
+        reading_std: noise that changes from sample to sample [unit], by which the diagnosis weighs encoders
+            (`reading_noise`); as `std` for white noise, smaller for noise with memory; None if not estimated.
 
     Example:
         >>> t = np.arange(4000) / 1000
@@ -51,6 +54,7 @@ class Noise:
     flatness: float | None = None
     autocorrelation: tuple[float, ...] = (1.0,)
     seen_above: float | None = None
+    reading_std: float | None = None
 
     @property
     def exact(self) -> bool:
@@ -105,9 +109,10 @@ def estimate_noise(t: npt.ArrayLike, x: npt.ArrayLike, *, unit: str = "", held: 
         True
     """
     times, samples = _checked(t, x)
+    reading = reading_noise(samples)
     hold = held_for(samples)
     if held and (hold > 1 or np.mean(np.diff(samples) == 0) > 0.5):
-        return Noise(0.0, unit, hold=hold)
+        return Noise(0.0, unit, hold=hold, reading_std=reading)
     if hold > 1:
         start = int(np.flatnonzero(np.diff(samples))[0] + 1) % hold
         times, samples = times[start::hold], samples[start::hold]
@@ -118,14 +123,14 @@ def estimate_noise(t: npt.ArrayLike, x: npt.ArrayLike, *, unit: str = "", held: 
     std, found = _estimated(times, samples, step)
     std = max(std, step / math.sqrt(12) if step else 0.0)
     if std <= 8 * np.finfo(float).eps * float(np.abs(samples).max()):
-        return Noise(0.0, unit, step, hold)
+        return Noise(0.0, unit, step, hold, reading_std=reading)
     if found is None:
-        return Noise(std, unit, step, hold)
+        return Noise(std, unit, step, hold, reading_std=reading)
     covariance = found.autocovariance[:_LAGS]
     rate = 1 / float(np.median(np.diff(times)))
     seen = found.seen * rate / (2 * (len(found.power) - 1))
     lags = tuple(float(value) for value in covariance / covariance[0])
-    return Noise(std, unit, step, hold, found.flatness, lags, seen)
+    return Noise(std, unit, step, hold, found.flatness, lags, seen, reading)
 
 
 def _estimated(t: FloatArray, x: FloatArray, step: float | None) -> tuple[float, Spectrum | None]:
@@ -149,14 +154,8 @@ def _checked(t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[FloatArray, FloatArray
         problem = f"times {times.shape} and samples {samples.shape} are no two columns of one length"
         raise InputError(problem, key="x", remedy="give one channel")
     if len(times) < FEWEST:
-        raise InputError(
-            f"{len(times)} samples are too few to estimate noise", key="x", remedy=f"give {FEWEST} or more"
-        )
-    for key, values in (("t", times), ("x", samples)):
-        if not np.isfinite(values).all():
-            row = int(np.argmin(np.isfinite(values)))
-            raise InputError(f"row {row}: not a finite number", key=key, remedy="remove or fill the gap", row=row)
-    if not (np.diff(times) > 0).all():
-        row = int(np.argmin(np.diff(times) > 0)) + 1
-        raise InputError(f"row {row}: time does not increase", key="t", value=float(times[row]), row=row)
+        problem = f"{len(times)} samples are too few to estimate noise"
+        raise InputError(problem, key="x", remedy=f"give {FEWEST} or more")
+    check_time(times, Rows())
+    check_finite(samples, "x", Rows())
     return times, samples

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.records.signals.reading_noise import GAUSS
 from flexdyn.records.table import FloatArray
 
 Mask = npt.NDArray[np.bool_]
@@ -15,8 +16,6 @@ Mask = npt.NDArray[np.bool_]
 SEGMENT_LENGTHS = (256, 128, 64, 32, 16)
 _FEWEST_SEGMENTS = 24
 _CLIP = 4.0
-GAUSS = 1.4826
-"""Standard deviation over median absolute deviation of a Gaussian."""
 _STEEP = 25.0
 """If the power exceeds that an octave above by this factor (14 dB), the spectrum is that of the motion [1]."""
 _TOP = 0.85

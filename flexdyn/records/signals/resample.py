@@ -8,20 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import as_number
+from flexdyn.checks import number
 from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.gaps import gap_limit
-from flexdyn.records.signals.smooth import Smoother
+from flexdyn.records.signals.smooth import Smoother, sample_rate
 from flexdyn.records.table import FloatArray
-from flexdyn.records.units import split_name
+from flexdyn.records.units import is_held, split_name
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 METHODS = ("spline", "hermite", "linear")
-HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
-"""Signals that are held from each sample to the next (contract, section 4)."""
 
 _SMOOTH = ("q", "v", "theta", "omega", "tau_s")
 _RATES = {"q": "v", "theta": "omega"}
@@ -75,10 +73,10 @@ def resampled(
 
 def _column(rec: Recording, name: str, times: FloatArray, method: str) -> FloatArray:
     """One channel at new times; old times keep their samples bit for bit."""
+    if is_held(name):
+        return rec[name][_row_held(rec.t, times)]
     signal, joint = split_name(name) or ("", "")
     row = np.clip(np.searchsorted(rec.t, times, "right") - 1, 0, None)
-    if signal in HELD:
-        return rec[name][_row_held(rec.t, times)]
     rates = f"{_RATES.get(signal)}.{joint}"
     if signal not in _SMOOTH or method == "linear":
         out = np.interp(times, rec.t, rec[name])
@@ -116,18 +114,14 @@ def _filtered(rec: Recording, wanted: FloatArray, method: str) -> Recording:
     if len(kept) < 2:
         raise InputError("no two new times are left inside the filter's reach", key="filtered", remedy="filtered=False")
     columns = {"t": kept}
-    smoothed = {n: smoother.value(values) for n, values in even.channels.items() if not _is_held(n)}
+    smoothed = {n: smoother.value(values) for n, values in even.channels.items() if not is_held(n)}
     for name in rec.channels:
-        if _is_held(name):
+        if is_held(name):
             columns[name] = _means(rec, name, kept)
         else:
             inside = made(rec, {"t": inner, name: smoothed[name]}, meta=False)
             columns[name] = _column(inside, name, kept, "linear" if method == "linear" else "spline")
     return made(rec, columns)
-
-
-def _is_held(name: str) -> bool:
-    return (split_name(name) or ("",))[0] in HELD
 
 
 def _means(rec: Recording, name: str, times: FloatArray) -> FloatArray:
@@ -140,9 +134,7 @@ def _means(rec: Recording, name: str, times: FloatArray) -> FloatArray:
 
 
 def _grid(rec: Recording, rate: float | None) -> FloatArray:
-    value = as_number(rate)
-    if not 0 < value < math.inf:
-        raise InputError("not a sample rate", key="rate", value=rate, remedy="give samples per second [Hz]")
+    value = sample_rate(rate)
     count = math.floor(rec.duration * value + 1e-6) + 1
     if not 2 <= count <= 1e9:
         problem = f"{count} samples would come out of {rec.duration:g} s"
@@ -169,11 +161,10 @@ def _times(rec: Recording, times: npt.ArrayLike) -> FloatArray:
 
 def _check_gaps(rec: Recording, longest_gap: float | None) -> None:
     steps = np.diff(rec.t)
-    limit = gap_limit(rec.t) if longest_gap is None else as_number(longest_gap)
-    if not limit > 0:
-        raise InputError("not a length of time", key="longest_gap", value=longest_gap, remedy="give seconds")
+    longest_gap = gap_limit(rec.t) if longest_gap is None else longest_gap
+    limit = number("longest_gap", longest_gap, "not a length of time", above=0.0, infinite=True, remedy="give seconds")
     if (steps > limit).any():
         row = int(np.argmax(steps > limit))
         problem = f"row {row}: a gap of {steps[row]:.4g} s follows, longer than {limit:.4g} s"
         remedy = f"split the recording there, .split(gaps={limit:.4g}), or give longest_gap="
-        raise InputError(problem, key="t", value=float(rec.t[row]), remedy=remedy, row=row, channel="t")
+        raise InputError(problem, value=float(rec.t[row]), remedy=remedy, row=row, channel="t")

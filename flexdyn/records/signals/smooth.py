@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import as_number
+from flexdyn.checks import as_number, number, whole
 from flexdyn.errors import InputError
-from flexdyn.records.signals.kernels import DIFFERENCE_REACH, Kernels, kernels
+from flexdyn.records.signals.kernels import DIFFERENCE_REACH, Kernels, correlated, kernels
 from flexdyn.records.table import FloatArray
 
 ORDERS = ("value", "first", "second", "held")
@@ -55,14 +56,13 @@ class Smoother:
 
     def __post_init__(self) -> None:
         """Refuse arguments outside the limits."""
-        _whole("degree", self.degree, 1, 7)
-        _whole("taper", self.taper, 0, 8)
-        _whole("width", self.width, self._least(self.degree), _WIDEST)
+        _in_range("degree", self.degree, 1, 7)
+        _in_range("taper", self.taper, 0, 8)
+        _in_range("width", self.width, self._least(self.degree), _WIDEST)
         if self.width % 2 == 0:
             remedy = f"give {self.width - 1} or {self.width + 1}"
             raise InputError("the width is even: no sample is its centre", key="width", value=self.width, remedy=remedy)
-        if not 0 < as_number(self.rate) < math.inf:
-            raise InputError("not a sample rate", key="rate", value=self.rate, remedy="give samples per second [Hz]")
+        sample_rate(self.rate)
 
     @classmethod
     def at_cutoff(cls, cutoff: float, rate: float, degree: int = 3, taper: int = 3) -> Smoother:
@@ -198,12 +198,8 @@ class Smoother:
 
             columns = kernel[::-1] if samples.ndim == 1 else kernel[::-1, None]
             out = oaconvolve(moved, columns, mode="valid", axes=0)
-        elif samples.ndim == 1:
-            out = np.correlate(moved, kernel, "valid")
         else:
-            out = np.empty((len(samples) - 2 * self.reach, samples.shape[1]))
-            for column in range(samples.shape[1]):
-                out[:, column] = np.correlate(moved[:, column], kernel, "valid")
+            out = correlated(moved, kernel)
         return np.asarray(out * self.rate**power if power else out + start)
 
     def _check(self, samples: FloatArray) -> None:
@@ -219,6 +215,14 @@ class Smoother:
             raise InputError(f"row {row}: not a finite number", key="x", remedy="remove or fill the gap", row=row)
 
 
-def _whole(key: str, value: object, least: int, most: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-        raise InputError("not a whole number in range", key=key, value=value, remedy=f"give {least} to {most}")
+def _in_range(key: str, value: object, least: int, most: int) -> None:
+    whole(key, value, least, most, problem="not a whole number in range", remedy=f"give {least} to {most}")
+
+
+def sample_rate(rate: Any) -> float:
+    """Check a sample rate [Hz].
+
+    Raises:
+        InputError: it is not above 0 and finite.
+    """
+    return number("rate", rate, "not a sample rate", above=0.0, remedy="give samples per second [Hz]")

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexdyn.diagnose.data.filters import Filters
-from flexdyn.diagnose.data.kernel import Kernel
+from flexdyn.records.signals.gaussian import GaussianSmoother
 
 
 @settings(deadline=None)
@@ -19,7 +19,7 @@ def test_parabolas_keep_their_derivatives(width: float, c: float, b: float, a: f
     """First and second derivative of c + b t + a t^2, to rounding."""
     dt = 1e-3
     t = dt * np.arange(200, dtype=float)
-    kernel = Kernel.gaussian(width * dt, dt)
+    kernel = GaussianSmoother.of_width(width * dt, dt)
     x = c + b * t + a * t * t
     inner = t[kernel.half : len(t) - kernel.half]
     np.testing.assert_allclose(kernel.apply(x, 1), b + 2.0 * a * inner, atol=1e-9)
@@ -29,7 +29,7 @@ def test_parabolas_keep_their_derivatives(width: float, c: float, b: float, a: f
 @pytest.mark.parametrize("width", [1.25, 2.0, 5.0])
 def test_no_position_leaks_into_a_velocity(width: float) -> None:
     """Taps of derivatives sum to zero, those of the value to one."""
-    taps = Kernel.gaussian(width * 1e-3, 1e-3).taps
+    taps = GaussianSmoother.of_width(width * 1e-3, 1e-3).taps
     assert math.fsum(taps[0]) == pytest.approx(1.0, abs=1e-15)
     assert math.fsum(taps[1]) == pytest.approx(0.0, abs=1e-12 * np.abs(taps[1]).max())
     assert math.fsum(taps[2]) == pytest.approx(0.0, abs=1e-12 * np.abs(taps[2]).max())
@@ -39,7 +39,7 @@ def test_no_position_leaks_into_a_velocity(width: float) -> None:
 @given(st.integers(60, 300), st.integers(1, 7), st.integers(0, 2))
 def test_rows_are_the_whole_filter_thinned(samples: int, every: int, order: int) -> None:
     """Filtering and keeping every so manieth row is what the fast path does, at the instants that it says."""
-    kernel = Kernel.gaussian(2e-3, 1e-3)
+    kernel = GaussianSmoother.of_width(2e-3, 1e-3)
     filters = Filters(kernel, kernel, every)
     x = np.random.default_rng(samples).standard_normal((samples, 2))
     whole = kernel.apply(x, order)
