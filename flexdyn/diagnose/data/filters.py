@@ -48,6 +48,12 @@ class Filters:
         y = upfirdn(self.second.taps[order][::-1], padded, down=self.every, axis=0)
         return np.asarray(y[(first + shift) // self.every :][: self.count(len(x))])
 
+    def calmed(self, x: Array) -> Array:
+        """A signal (samples, ...) through the second filter at every sample; its first and last values hold beyond."""
+        from scipy.ndimage import convolve1d
+
+        return np.asarray(convolve1d(x, self.second.taps[0], axis=0, mode="nearest"))
+
     def count(self, samples: int) -> int:
         """Number of rows for a number of samples after the first filter."""
         return max(0, (samples - 2 * self.second.half - 1) // self.every + 1)

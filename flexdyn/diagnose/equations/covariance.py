@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION, Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 
@@ -139,22 +138,24 @@ def _coefficients(equations: Equations, along: SmoothedMotion) -> dict[tuple[str
             add(("theta", j), 0, row, -K[j])
             add(("q", j), 0, row, K[j])
         if kind in (LINK, TOTAL):
-            _links(equations, along.data, M, row, j, kind, add)
+            _links(equations, along, M, row, j, kind, add)
     return found
 
 
-def _links(equations: Equations, data: Measured, M: Array, row: int, j: int, kind: str, add: Add) -> None:
+def _links(equations: Equations, along: SmoothedMotion, M: Array, row: int, j: int, kind: str, add: Add) -> None:
     """The links' accelerations in one equation: measured, or computed from those of the rotors."""
     model = equations.true
-    has_q, has_theta = data.has_q, data.has_theta
+    has_q, has_theta = along.data.has_q, along.data.has_theta
     K, D, J = model.stiffness, model.damping, model.rotor_inertia
+    moves = ~along.resting[equations.filters.instants(len(along.t))]
     for i in range(model.n):
         if model.elastic[i] and not has_q[i]:
             add(("theta", i), 2, row, -M[:, j, i])
-            add(("theta", i), 4, row, -M[:, j, i] * J[i] / K[i])
-            add(("tau", i), 2, row, M[:, j, i] / K[i])
-            add(("theta", i), 5, row, M[:, j, i] * D[i] * J[i] / K[i] ** 2)
-            add(("tau", i), 3, row, -M[:, j, i] * D[i] / K[i] ** 2)
+            soft = np.where(moves[:, i], M[:, j, i] / K[i], 0.0)  # of a resting joint the load is known, and smoothed
+            add(("theta", i), 4, row, -soft * J[i])
+            add(("tau", i), 2, row, soft)
+            add(("theta", i), 5, row, soft * D[i] * J[i] / K[i])
+            add(("tau", i), 3, row, -soft * D[i] / K[i])
         else:
             channel = "q" if has_q[i] else "theta"
             add((channel, i), 2, row, -M[:, j, i])

@@ -14,7 +14,8 @@ from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
-from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, hidden_links, motion, resting, smoothed
+from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, hidden_links, motion, smoothed
+from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.lazy import lazy
@@ -93,14 +94,16 @@ class Equations:
     @lazy
     def smoothed(self) -> tuple[Smoothed, ...]:
         """The recordings after the first filter, without the sensor effects of the model."""
-        kernel, rests = self.filters.first, self.resting
-        pairs = zip(self.data, rests, strict=True)
-        return tuple(smoothed(self.true, self.links, corrected(one, self.model), kernel, at) for one, at in pairs)
+        return tuple(
+            smoothed(self.true, self.links, corrected(data, self.model), self.filters.first, rests)
+            for data, rests in zip(self.data, self.rests, strict=True)
+        )
 
     @lazy
-    def resting(self) -> tuple[NDArray[np.bool_], ...]:
-        """Where motors rest whose links are not measured, longer than a row reaches (samples after the filter, n)."""
-        return tuple(resting(each, self.filters.first, 2 * self.filters.reach(2)) for each in self.data)
+    def rests(self) -> tuple[Rests | None, ...]:
+        """Where motors rest whose links are not measured, by recording; None: nowhere."""
+        found = (Rests.of(each, self.filters) for each in self.data)
+        return tuple(each if each.where.any() else None for each in found)
 
     @lazy
     def residual(self) -> Array:
@@ -112,7 +115,7 @@ class Equations:
         """The same data with another model; motions are shared if the models do not change them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
         other = replace(self, model=model, stiffness=own)
-        other.__dict__["resting"] = self.resting
+        other.__dict__["rests"] = self.rests
         if not (self.made_up.any() or self.replayed.any()) and same_signals(self.model, model):
             other.__dict__["smoothed"] = self.smoothed
             if same_links(self.model, model):
@@ -355,6 +358,8 @@ class Equations:
                 lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(own[1] / model.stiffness[i], 2)
             elif not first.has_q[i] and (own[0] is not None or along.resting[:, i].any()):
                 by_motor, by_link = (np.zeros(len(along.t)) if x is None else x for x in own)
-                wrong = np.where(along.resting[:, i], -by_link, by_motor) / model.stiffness[i]
+                wrong = by_motor / model.stiffness[i]
+                if along.resting[:, i].any():
+                    wrong = np.where(along.resting[:, i], -self.filters.calmed(by_link) / model.stiffness[i], wrong)
                 lifted += along.dragged(i, [self.filters.rows(wrong, order) for order in range(3)], at)
         return lifted

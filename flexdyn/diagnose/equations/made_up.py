@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import Backlash, HardeningSpring, JointEffect, SpringHysteresis
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -25,7 +26,7 @@ def made_up(
     tau: Array,
     data: Measured,
     kernel: GaussianSmoother,
-    resting: NDArray[np.bool_],
+    rests: Rests | None,
 ) -> tuple[Array, Array]:
     """Link and rotor positions; missing ones are computed from the law of the transmission.
 
@@ -41,7 +42,7 @@ def made_up(
         tau: commanded torques (samples, n).
         data: the recording.
         kernel: the first filter.
-        resting: where motors rest whose links are not measured (samples after the filter, n).
+        rests: where motors rest whose links are not measured; None: nowhere.
 
     Returns:
         Positions of links and of rotors after the filter, (samples, n) each [rad or m].
@@ -51,13 +52,13 @@ def made_up(
     omega, alpha = kernel.apply(theta, 1), kernel.apply(theta, 2)
     t = data.t[kernel.half : len(data.t) - kernel.half]
     total = np.zeros_like(smooth_q)
-    if only_link.any() or resting.any():  # a joint without link encoder moves nearly like its rotor: q is theta there
+    if only_link.any() or rests:  # a joint without link encoder moves nearly like its rotor: q is theta there
         v, a = kernel.apply(q, 1), kernel.apply(q, 2)
         total = links.inverse_dynamics(smooth_q, v, a)
     for j in np.flatnonzero(only_motor).tolist():
         rubbing = _friction(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
         carried = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
-        smooth_q[:, j] -= _wound(model, j, np.where(resting[:, j], total[:, j], carried))
+        smooth_q[:, j] -= _wound(model, j, rests.instead(j, total[:, j], carried) if rests else carried)
     if only_link.any():
         total = links.inverse_dynamics(smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.made_up import made_up
-from flexdyn.diagnose.equations.rest import long_runs, uncertain_sign
+from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.gaussian import GaussianSmoother
@@ -155,7 +154,7 @@ def smoothed(
     links: LinkSide,
     data: Measured,
     kernel: GaussianSmoother,
-    rests: NDArray[np.bool_] | None = None,
+    rests: Rests | None = None,
 ) -> Smoothed:
     """Smooth a recording.
 
@@ -164,7 +163,7 @@ def smoothed(
         links: its link side.
         data: channels without sensor effects.
         kernel: the first filter.
-        rests: where motors rest whose links are not measured (samples after the filter, n); None: nowhere.
+        rests: where motors rest whose links are not measured; None: nowhere.
 
     A joint with one encoder gets the other position from its own equation (`made_up`), or where its motion is
     prescribed by simulation (`replayed`); the whole motion is then filtered once more.
@@ -175,7 +174,7 @@ def smoothed(
     lost = kernel.half
     t = data.t
     tau_s = data.tau_s
-    rests = np.zeros((len(t) - 2 * kernel.half, model.n), dtype=bool) if rests is None else rests
+    resting = rests.where if rests else np.zeros((len(t) - 2 * kernel.half, model.n), dtype=bool)
     if (model.elastic & ~data.both).any():
         q, theta = made_up(model, links, q, theta, tau, data, kernel, rests)
         q = replayed(model, q, theta, data, t[kernel.half : len(t) - kernel.half])
@@ -200,23 +199,8 @@ def smoothed(
         tau_s=kernel.apply(tau_s, 0),
         data=data,
         lost=lost,
-        resting=rests[lost - kernel.half : len(rests) - (lost - kernel.half)],
+        resting=resting[lost - kernel.half : len(resting) - (lost - kernel.half)],
     )
-
-
-def resting(data: Measured, kernel: GaussianSmoother, longest: int) -> NDArray[np.bool_]:
-    """Where motors rest whose links are not measured (samples after the filter, n).
-
-    Args:
-        data: the recording.
-        kernel: the first filter.
-        longest: number of samples of a pause after which a motor rests.
-    """
-    found = np.zeros((len(data.t) - 2 * kernel.half, len(data.has_q)), dtype=bool)
-    noise = encoder_noise((data,), "theta")
-    for j in np.flatnonzero(data.has_theta & ~data.has_q & ~data.forced).tolist():
-        found[:, j] = long_runs(uncertain_sign(kernel.apply(data.theta[:, j], 1), noise[j], kernel), longest)
-    return found
 
 
 def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array) -> Array:

@@ -2,14 +2,47 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.diagnose.data.channel_noise import encoder_noise
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import Measured
 from flexdyn.records.signals.gaussian import GaussianSmoother
 
 Array = NDArray[np.float64]
 CERTAIN_SIGN_SIGMAS = 5.0
 """The sign of a velocity below this number of standard deviations is uncertain [1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rests:
+    """Where motors rest whose links are not measured.
+
+    Attributes:
+        where: (samples after the first filter, n).
+        filters: of the equations; the second one takes the encoders' noise off the load of a resting joint.
+    """
+
+    where: NDArray[np.bool_]
+    filters: Filters
+
+    @classmethod
+    def of(cls, data: Measured, filters: Filters) -> Rests:
+        """Pauses of motors that are longer than what a row covers."""
+        first = filters.first
+        where = np.zeros((len(data.t) - 2 * first.half, len(data.has_q)), dtype=bool)
+        noise = encoder_noise((data,), "theta")
+        for j in np.flatnonzero(data.has_theta & ~data.has_q & ~data.forced).tolist():
+            uncertain = uncertain_sign(first.apply(data.theta[:, j], 1), noise[j], first)
+            where[:, j] = long_runs(uncertain, 2 * filters.reach(2))
+        return cls(where, filters)
+
+    def instead(self, j: int, load: Array, other: Array) -> Array:
+        """The smoothed load of a joint where it rests, else another signal (samples,)."""
+        return np.where(self.where[:, j], self.filters.calmed(load), other) if self.where[:, j].any() else other
 
 
 def uncertain_sign(u: Array, sigma: float, kernel: GaussianSmoother) -> NDArray[np.bool_]:

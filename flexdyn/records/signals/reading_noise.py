@@ -22,9 +22,14 @@ def high_frequency_std(x: FloatArray) -> float:
     """Standard deviation of the white noise that has the sixth differences of these uniform samples.
 
     Sixth differences hardly contain any motion. Of noise with memory they contain the part that changes from sample to
-    sample.
+    sample. While a quantised channel stays on one value it hides its noise: such samples are left out.
+
+    Returns:
+        The standard deviation; 0 if nothing changes.
     """
-    return robust_std(np.convolve(x, _SIXTH_DIFFERENCE, "valid") / np.linalg.norm(_SIXTH_DIFFERENCE))
+    high = np.convolve(x, _SIXTH_DIFFERENCE, "valid") / np.linalg.norm(_SIXTH_DIFFERENCE)
+    changes = np.convolve(np.abs(np.diff(x)), np.ones(len(_SIXTH_DIFFERENCE) - 1), "valid") > 0.0
+    return robust_std(high[changes]) if changes.any() else 0.0
 
 
 def reading_noise(x: FloatArray) -> float:
