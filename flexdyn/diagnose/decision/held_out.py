@@ -88,7 +88,8 @@ def held_out(equations: Equations, hypothesis: Hypothesis, data: tuple[Measured,
     Raises:
         InputError: it is shorter than the filters.
     """
-    given = Equations(equations.model, data, _filters(equations, data[0].dt), equations.stiffness)
+    filters = _filters(equations, data[0].dt)
+    given = dataclasses.replace(equations, data=data, filters=filters)
     if not given.residual.size:
         samples = max(len(each.t) for each in data)
         remedy = "keep more apart (check, hold_out), or record faster"

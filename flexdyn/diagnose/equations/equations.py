@@ -43,12 +43,15 @@ class Equations:
         data: the recordings, as measured.
         filters: that every term passes.
         stiffness: scale of the links' equations (n,) [N m/rad]; None: the model's own.
+        quasi_static: whether an unmeasured link whose motor rests is taken to follow its load without ringing, so that
+            the equations of other joints can be used meanwhile.
     """
 
     model: FlexibleJointModel
     data: tuple[Measured, ...]
     filters: Filters
     stiffness: Array | None = None
+    quasi_static: bool = False
 
     @lazy
     def true(self) -> FlexibleJointModel:
@@ -101,9 +104,9 @@ class Equations:
 
     @lazy
     def rests(self) -> tuple[Rests | None, ...]:
-        """Where motors rest whose links are not measured, by recording; None: nowhere."""
-        found = (Rests.of(each, self.filters) for each in self.data)
-        return tuple(each if each.where.any() else None for each in found)
+        """Where motors rest whose links are not measured, by recording; None: nowhere, or it is not made use of."""
+        found = (Rests.of(each, self.filters) if self.quasi_static else None for each in self.data)
+        return tuple(each if each is not None and each.where.any() else None for each in found)
 
     @lazy
     def residual(self) -> Array:

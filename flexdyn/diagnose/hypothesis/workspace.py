@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +67,9 @@ def prepared(
     torque = np.maximum(recorded_torque_noise(data), 1e-12)
     noise = SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
     bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
+    used = ~sign_mask(bare.equations, noise).reshape(-1, len(bare.equations.kinds))
+    if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers
+        bare = Unweighted.of(dataclasses.replace(bare.equations, quasi_static=True), start)
     if sign_mask(bare.equations, noise).all():
         problem = "joints rest, or may rest, so often that no equation can be used"
         remedy = "let all joints move at once for seconds: while one sticks, its friction torque is unknown"

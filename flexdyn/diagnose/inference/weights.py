@@ -79,7 +79,7 @@ def filter_error(equations: Equations, here: Hypothesis) -> Array | None:
     dt = equations.data[0].dt
     first = Filters.of_rate(dt, first=math.sqrt(2.0) * max(FIRST_FILTER_WIDTH, 1.25 * dt)).first
     filters = dataclasses.replace(equations.filters, first=first)
-    wide = Equations(equations.model, equations.data, filters, equations.stiffness)
+    wide = dataclasses.replace(equations, filters=filters)
     total = np.zeros(len(equations.residual))
     for effect in here.effects:
         without = dataclasses.replace(here, effects=tuple(each for each in here.effects if each is not effect))
