@@ -7,6 +7,7 @@ import re
 import reprlib
 from collections.abc import Collection, Hashable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,7 @@ class FlexdynError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by problem and data: Exception would lose the keywords."""
-        return (_rebuild, (type(self), self.problem, self.data))
+        return (partial(type(self), **self.data), (self.problem,))
 
     def __str__(self) -> str:
         """One line of bounded length, for any name or message of a library in it."""
@@ -234,7 +235,3 @@ def _clipped(text: str) -> str:
 
 def _printable(text: str) -> str:
     return text if text.isprintable() else "".join(letter if letter.isprintable() else " " for letter in text)
-
-
-def _rebuild(kind: type[FlexdynError], problem: str, data: dict[str, Any]) -> FlexdynError:
-    return kind(problem, **data)

@@ -220,8 +220,7 @@ def cases_of(study: Study) -> Cases:
     Args:
         study: the study.
     """
-    found = _KEPT.get(study.to_text())
-    return keep(Cases(study)) if found is None else found
+    return cases_of_text(study.to_text())
 
 
 def keep(cases: Cases) -> Cases:

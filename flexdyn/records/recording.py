@@ -313,12 +313,7 @@ class Recording(Public):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Read-only mappings cannot be pickled: send plain ones, which are checked again when they are unpickled."""
-        columns = {"t": self.t, **self.channels}
-        return (_rebuild, (columns, as_plain(self.meta), self.name))
-
-
-def _rebuild(columns: dict[str, FloatArray], meta: dict[str, Any], name: str) -> Recording:
-    return Recording.from_table(Table(columns, meta), name)
+        return (Recording.from_table, (Table({"t": self.t, **self.channels}, as_plain(self.meta)), self.name))
 
 
 def _check_units(units: Any, channels: Mapping[str, FloatArray]) -> None:
