@@ -128,7 +128,7 @@ def _metric(unit: str, equation: str, *needs: str, missing: str = "") -> Callabl
 
 @_metric("m", "max over t of |tip(q) - tip(theta)|", "tip")
 def tip_deflection_max(motion: RunsMotion, _: slice) -> Array:
-    """Greatest distance between the tip and where it would be if the links stood at the rotors' angles."""
+    """Greatest distance between the tip and where it would be if the links were at the rotors' angles."""
     return np.asarray(lengths(motion.deflection).max(axis=1))
 
 

@@ -144,7 +144,7 @@ class Grid:
         for i, value in enumerate(entry):
             found = number(f"grid[{i}]", value)
             if found in seen:
-                raise InputError("the value stands twice in the grid", key=f"grid[{i}]", value=value)
+                raise InputError("the value is in the grid twice", key=f"grid[{i}]", value=value)
             seen[found] = None
         return cls(tuple(seen))
 

@@ -53,7 +53,7 @@ def draw_results(
                 blocks += tornado(columns)
                 notes.append(
                     "Sensitivities: from the mean of a metric over the fifth of runs with the lowest value of a "
-                    "parameter to that over the fifth with the highest, less its mean over all runs; beside it r."
+                    "parameter to that over the fifth with the highest, minus its mean over all runs; r is next to it."
                 )
             if columns.sensitivities:
                 notes.append(

@@ -215,7 +215,7 @@ def _names(key: str, entry: Any) -> tuple[str, ...]:
         if not isinstance(name, str):
             raise InputError("a name is needed", key=f"{key}[{i}]", value=name)
         if name in entry[:i]:
-            raise InputError("the name stands there twice", key=f"{key}[{i}]", value=name)
+            raise InputError("the name is there twice", key=f"{key}[{i}]", value=name)
     return tuple(entry)
 
 

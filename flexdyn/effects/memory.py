@@ -46,7 +46,7 @@ class MemoryEffect(JointEffect, abstract=True):
 
         Args:
             x: as `states_along` takes it.
-            u: the velocity there, which damping of the state feels (samples,) [rad/s or m/s]; 0: slowly.
+            u: the velocity there, for damping of the state (samples,) [rad/s or m/s]; 0: slow motion.
             z0: the state at its start [rad or m].
 
         Returns:

@@ -221,7 +221,7 @@ def recovered(effects: Iterable[SensorEffect], reported: ArrayLike, t: ArrayLike
     """The true channel behind a reported one, but for its lag, which is a shift in time: the inverse of `measure`.
 
     Users' own effects by Newton's method, sample by sample; then offset and gain; eccentricity by fixed-point
-    iteration, each round of which gains a factor of amplitude times harmonic, far below 1.
+    iteration, each round of which reduces the error by the factor amplitude times harmonic, far below 1.
 
     Args:
         effects: on this channel; those that make it late are passed over.

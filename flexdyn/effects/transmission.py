@@ -109,7 +109,7 @@ class DeflectionEffect(TransmissionEffect, abstract=True):
         return self._evaluate(nothing, delta_, nothing, theta_)
 
     def slope(self, theta: Array) -> Array:
-        """Of what it adds over the rotor's position [1]: by that share more the rotor feels the springs' torque."""
+        """Derivative of what it adds by the rotor's position [1]: the rotor's torque is larger by this share."""
         return np.zeros_like(theta)
 
 

@@ -95,7 +95,7 @@ def _check_other(robot: Robot, effect: JointCoupling) -> None:
 
 
 def _check_pairs(effects: list[Effect]) -> None:
-    """A motor rubs on one other motor: what a chain of them that sticks carries would not be determined."""
+    """Dry coupling is to one other motor only: the torques in a chain of motors that stick are not determined."""
     dry = [(i, each) for i, each in enumerate(effects) if isinstance(each, JointCoupling) and each.level > 0.0]
     for k, (i, second) in enumerate(dry):
         for _, first in dry[:k]:

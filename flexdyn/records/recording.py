@@ -65,7 +65,7 @@ class Recording(Public):
             raise InputError("channels is not a mapping", key="channels", value=channels, remedy="give {name: array}")
         if "t" in channels:
             remedy = "give it as the first argument"
-            raise InputError("t stands among the channels", key="channels", remedy=remedy, channel="t")
+            raise InputError("t is among the channels", key="channels", remedy=remedy, channel="t")
         self._fill({"t": t, **channels}, meta, name, Rows(), copy=True)
 
     @classmethod

@@ -136,7 +136,7 @@ def _matrix(axes: Axes, replaced: list[str]) -> NDArray[np.float64]:
         raise InputError("the matrix of the axes is not square", key=KEY, value=value, remedy=remedy)
     A = np.array([[entry.get(joint, 0.0) for joint in replaced] for entry in axes.values()])
     if not np.linalg.cond(A) < SINGULAR:
-        remedy = "the axes must tell every position of the joints"
+        remedy = "the axes must determine every position of the joints"
         raise InputError("the matrix of the axes has no inverse", key=KEY, value=A.tolist(), remedy=remedy)
     return A
 

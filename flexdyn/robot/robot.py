@@ -253,7 +253,7 @@ class Robot(Locked, Public):
             A new robot; only the link's inertia differs, and its source is None: no file describes it.
 
         Raises:
-            InputError: no such link, one without mass, or one that stands still.
+            InputError: no such link, one without mass, or one that does not move.
         """
         return self._with_inertial(link, lambda given: given.scaled(mass, com, inertia))
 
@@ -268,7 +268,7 @@ class Robot(Locked, Public):
             A new robot; only the link's inertia differs, and its source is None: no file describes it.
 
         Raises:
-            InputError: no such link, one without mass, or one that stands still.
+            InputError: no such link, one without mass, or one that does not move.
         """
         return self._with_inertial(link, lambda given: given.round(moment))
 
@@ -279,7 +279,7 @@ class Robot(Locked, Public):
             link: its name.
 
         Raises:
-            InputError: no such link, one without mass, or one that stands still.
+            InputError: no such link, one without mass, or one that does not move.
         """
         self._with_inertial(link, lambda given: given)  # refuses a link without size
         given = next(entry.inertial for entry in self._links if entry.name == link)
