@@ -27,7 +27,7 @@ class JointCoupling(JointEffect):
         other: the joint whose rotor turns.
         coefficient: [N m s/rad]; of either sign.
         level: of dry friction between both [N m].
-        ratio: velocity of the rotor of `joint` over that of `other` at which there is no dry friction [1]; of either sign.
+        ratio: velocity of the rotor of `joint` over that of `other` without dry friction [1]; of either sign.
     """
 
     sides = ("motor",)
