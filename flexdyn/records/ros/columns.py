@@ -107,10 +107,8 @@ def _plain(number: MessageNumber, joints: list[str], lengths: Mapping[Path, int]
         if count == len(joints):
             last = joints[last]
         elif msgtype in CONVENTIONAL and not str(head[0]).startswith("multi_dof"):
-            problem, remedy = (
-                f"{count} numbers for {len(joints)} joints",
-                "lists must be as long as the names, or empty",
-            )
+            problem = f"{count} numbers for {len(joints)} joints"
+            remedy = "lists must have the same length as the names, or be empty"
             raise InputError(problem, key=".".join(map(str, head)), remedy=remedy)
     return ".".join(str(part) for part in (*head, last))
 
