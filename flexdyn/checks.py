@@ -1,4 +1,4 @@
-"""Checks of numbers in the user's input."""
+"""Checks of numbers in the user's input, and the type of arrays of numbers."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 
 from flexdyn.errors import InputError
 
+Array = NDArray[np.float64]
+"""An array of doubles."""
 
-def as_numbers(values: Any) -> NDArray[np.float64]:
+
+def as_numbers(values: Any) -> Array:
     """A new array of doubles; text, dates and complex numbers are refused.
 
     Raises:

@@ -8,16 +8,15 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.batch.aim import Aim, aim_of_run
 from flexdyn.batch.motion import RunsMotion, lengths
 from flexdyn.batch.own_metric import single_number
+from flexdyn.checks import Array
 from flexdyn.errors import FlexdynError, InputError
 from flexdyn.simulation.energy import EnergyWarning
 from flexdyn.simulation.run import Run
 
-Array = NDArray[np.float64]
 Law = TypeVar("Law", bound=Callable[..., Any])
 BAND = 0.02
 """For settling_time: distances below this share of the largest one count as settled [1]."""

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from flexdyn.batch.quantiles import quantiles
 from flexdyn.batch.results import Results
+from flexdyn.checks import Array
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, blend, hue
 from flexdyn.plots.panel import Curve, Key, Panel, limits, short
 from flexdyn.plots.views import TIME
 
-Array = NDArray[np.float64]
 BAND_QUANTILES = (0.05, 0.95, 0.25, 0.75, 0.5)
 """Shares of runs below each line, the lowest line first."""
 LABELS = (

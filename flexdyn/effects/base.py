@@ -16,13 +16,12 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, Self, dataclass_transform
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn import _core
-from flexdyn.checks import as_number
+from flexdyn.checks import Array, as_number
 from flexdyn.errors import InputError, check_known
 
-Array = NDArray[np.float64]
 Side = Literal["link", "motor", "transmission", "sensor"]
 Stage = Literal["actuator", "deflection", "spring", "friction", "dry", "link", "inertia", "sensor", "model"]
 Scale = Literal["given", "speed", "deflection", "seconds", "one"]

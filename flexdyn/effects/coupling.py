@@ -6,12 +6,10 @@ import dataclasses
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.checks import Array
 from flexdyn.effects.base import JointEffect, parameter
 from flexdyn.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 class JointCoupling(JointEffect):

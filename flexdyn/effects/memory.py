@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn import _core
+from flexdyn.checks import Array
 from flexdyn.effects.base import JointEffect
-
-Array = NDArray[np.float64]
 
 
 class MemoryEffect(JointEffect, abstract=True):

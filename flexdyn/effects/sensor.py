@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.checks import Array
 from flexdyn.effects.base import Effect, Side, Stage, parameter
 from flexdyn.errors import InputError
 
-Array = NDArray[np.float64]
 POSITIONS = ("q", "theta")
 HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that keep their value from one sample to the next."""

@@ -9,12 +9,11 @@ import math
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.checks import Array
 from flexdyn.effects.base import JointEffect, Stage, parameter, spaced
 from flexdyn.effects.memory import MemoryEffect
-
-Array = NDArray[np.float64]
 
 
 class TransmissionEffect(JointEffect, abstract=True):

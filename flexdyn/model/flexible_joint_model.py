@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.checks import Array
 from flexdyn.effects import (
     CoulombFriction,
     Effect,
@@ -29,7 +30,6 @@ from flexdyn.model.resolved_parameters import folded
 from flexdyn.model.setting_checks import command_checked, gravity_checked, initial_checked, one_of, tolerance_checked
 from flexdyn.robot import Robot
 
-Array = NDArray[np.float64]
 EARTH = (0.0, 0.0, -9.81)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError, check_known, did_you_mean, visible
 from flexdyn.io.locked import Locked, locked_copy
 from flexdyn.io.notebook import Public, card, table
@@ -19,7 +20,7 @@ from flexdyn.robot.axes import Axes, with_axes
 from flexdyn.robot.joints import RobotJoint
 from flexdyn.robot.links import Inertial, Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
-from flexdyn.robot.tree import Floats, FramePlacement, Tree, spatial
+from flexdyn.robot.tree import FramePlacement, Tree, spatial
 
 _ARRAYS = ("lower", "upper", "velocity_limit", "effort_limit", "damping", "friction")
 _FRAME_ORDER = (
@@ -69,12 +70,12 @@ class Robot(Locked, Public):
     joint_names: tuple[str, ...]
     kinds: tuple[str, ...]
     continuous: tuple[bool, ...]
-    lower: Floats
-    upper: Floats
-    velocity_limit: Floats
-    effort_limit: Floats
-    damping: Floats
-    friction: Floats
+    lower: Array
+    upper: Array
+    velocity_limit: Array
+    effort_limit: Array
+    damping: Array
+    friction: Array
     followers: Mapping[str, Mimic]
     tree: Tree
     _model: pin.Model
@@ -200,7 +201,7 @@ class Robot(Locked, Public):
         """Frames that were computed before."""
         return {}
 
-    def expand(self, q: Any) -> Floats:
+    def expand(self, q: Any) -> Array:
         """Positions of all joints of the tree, followers included: q_tree = G q + g0.
 
         Args:
