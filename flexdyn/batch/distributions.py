@@ -19,7 +19,7 @@ MAX_GRID = 1_000_000
 
 
 @dataclass(frozen=True)
-class Law:
+class DistributionLaw:
     """A kind of distribution with two parameters.
 
     Attributes:
@@ -41,19 +41,19 @@ def _log_problem(median: float, std: float) -> str:
     return "" if std > 0 else "the standard deviation of the logarithm must be above 0"
 
 
-LAWS: Mapping[str, Law] = {
-    "uniform": Law(
+LAWS: Mapping[str, DistributionLaw] = {
+    "uniform": DistributionLaw(
         ("lowest", "highest"),
         lambda lowest, highest, share: lowest + share * (highest - lowest),
         lambda lowest, highest: "" if lowest < highest else "the first number must be the lower one",
         bounded=True,
     ),
-    "normal": Law(
+    "normal": DistributionLaw(
         ("mean", "standard deviation"),
         lambda mean, std, share: mean + std * _STANDARD_NORMAL.inv_cdf(share),
         lambda mean, std: "" if std > 0 else "the standard deviation must be above 0",
     ),
-    "lognormal": Law(
+    "lognormal": DistributionLaw(
         ("median", "standard deviation of the logarithm"),
         lambda median, std, share: median * math.exp(std * _STANDARD_NORMAL.inv_cdf(share)),
         _log_problem,
@@ -88,7 +88,7 @@ class Distribution:
             raise InputError(problem, key=self.name, value=[self.first, self.second], remedy=_written(self.name))
 
     @property
-    def law(self) -> Law:
+    def law(self) -> DistributionLaw:
         """Its kind."""
         return LAWS[self.name]
 
