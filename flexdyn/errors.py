@@ -8,6 +8,7 @@ import reprlib
 from collections.abc import Collection, Hashable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -153,6 +154,16 @@ def placed(*, file: str | Path | None = None, key: str | None = None) -> Iterato
         yield
     except InputError as error:
         raise error.at(file=file, key=key) from error.__cause__
+
+
+def check_installed(library: str, extra: str) -> None:
+    """Check that an optional library is installed, without loading it.
+
+    Raises:
+        MissingExtra: it is not installed.
+    """
+    if find_spec(library) is None:
+        raise MissingExtra(library, extra)
 
 
 def check_known(word: Any, known: Collection[str], problem: str, **where: Any) -> None:

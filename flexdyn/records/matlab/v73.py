@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import Array
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, check_installed
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import MOST_COLUMNS, check_size
 from flexdyn.records.hdf5.file import attribute, check_storage, member
-from flexdyn.records.hdf5.library import check_library, library, new_file
+from flexdyn.records.hdf5.library import library, new_file
 from flexdyn.records.matlab.columns import Leaf, LeafColumns
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table, damage_named
@@ -64,7 +64,7 @@ def read(path: Path, request: Request) -> Table:
         InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
         MissingExtra: h5py is not installed.
     """
-    check_library()
+    check_installed("h5py", "hdf5")
     return read_apart(__name__, path, request)
 
 
