@@ -97,7 +97,7 @@ class InputError(FlexdynError, ValueError):
         """A copy of the error with the place of the fault, added by a caller that knows it."""
         data = dict(self.data)
         data["file"] = data["file"] or file
-        data["key"] = ".".join(part for part in (key, data["key"]) if part) or None
+        data["key"] = ".".join(part for part in (key, data["key"]) if part) or ("" if "channel" in data else None)
         return type(self)(self.problem, **data)
 
 

@@ -152,23 +152,13 @@ class Smoother:
         """
         return self._applied(x, self._kernels.held, 0)
 
-    def noise_gain(self, order: str = "value") -> float:
-        """Standard deviation of an output if the input is white noise of standard deviation 1.
-
-        sqrt(sum of the kernel's squares) [1, 1/s, 1/s^2].
-
-        Args:
-            order: ``"value"``, ``"first"``, ``"second"`` or ``"held"``.
-        """
-        kernel, scale = self._weights(order)
-        return float(np.sqrt(kernel @ kernel)) * scale
-
     def noise_std(self, order: str, autocovariance: npt.ArrayLike) -> float:
         """Standard deviation of an output if the input is stationary noise with any autocovariance.
 
         Args:
-            order: as in `noise_gain`.
-            autocovariance: of the input at lags 0, 1, 2, ... samples; zero beyond those given.
+            order: ``"value"``, ``"first"``, ``"second"`` or ``"held"``.
+            autocovariance: of the input at lags 0, 1, 2, ... samples; zero beyond those given: [1.0] is white noise of
+                standard deviation 1.
         """
         kernel, scale = self._weights(order)
         given = np.asarray(autocovariance, float)[: len(kernel)]
