@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
-from collections.abc import Collection, Hashable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from importlib.util import find_spec
@@ -164,22 +164,6 @@ def check_installed(library: str, extra: str) -> None:
     """
     if find_spec(library) is None:
         raise MissingExtra(library, extra)
-
-
-def check_known(word: Any, known: Collection[str], problem: str, **where: Any) -> None:
-    """Refuse a word that is none of the known ones; the remedy names the most similar one.
-
-    Args:
-        word: the given word.
-        known: accepted words.
-        problem: the fault, in a few words.
-        where: further arguments of `InputError`: file, key, value, channel.
-
-    Raises:
-        InputError: it is another word.
-    """
-    if not isinstance(word, Hashable) or word not in known:
-        raise InputError(problem, remedy=did_you_mean(str(word), known), **where)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

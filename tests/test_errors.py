@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from flexdyn import FlexdynError, InputError, MissingExtra, SimulationError
-from flexdyn.checks import number, whole
-from flexdyn.errors import check_known, did_you_mean, placed, shown
+from flexdyn.checks import check_known, number, whole
+from flexdyn.errors import did_you_mean, placed, shown
 from tests.arms import repickled
 
 

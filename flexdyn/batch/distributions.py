@@ -11,8 +11,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.checks import number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import check_known, number
+from flexdyn.errors import InputError
 
 _STANDARD_NORMAL = NormalDist()
 MAX_GRID = 1_000_000

@@ -9,7 +9,8 @@ import numpy as np
 from flexdyn.batch.metric_views import DOTS, MetricColumns, scatter, tornado
 from flexdyn.batch.results import Results
 from flexdyn.batch.trajectory_views import trajectories, trajectory_keys
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import check_known
+from flexdyn.errors import InputError
 from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.palette import hue
 from flexdyn.plots.panel import Key, short

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn import _core
-from flexdyn.checks import Array, as_number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, as_number, check_known
+from flexdyn.errors import InputError
 
 Side = Literal["link", "motor", "transmission", "sensor"]
 Stage = Literal["actuator", "deflection", "spring", "friction", "dry", "link", "inertia", "sensor", "model"]

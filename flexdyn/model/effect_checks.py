@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from flexdyn.checks import check_known
 from flexdyn.effects import (
     Effect,
     JointCoupling,
@@ -14,7 +15,7 @@ from flexdyn.effects import (
     SensorEffect,
     effect_from_dict,
 )
-from flexdyn.errors import InputError, check_known, placed
+from flexdyn.errors import InputError, placed
 from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot
 from flexdyn.robot.axes import joint_row

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array
-from flexdyn.errors import InputError, check_known, did_you_mean
+from flexdyn.checks import Array, check_known
+from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.meta import as_plain, locked
 from flexdyn.records.signals import cut, derivatives

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array, number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, check_known, number
+from flexdyn.errors import InputError
 from flexdyn.records.table import Rows, Table, as_floats, check_lengths, check_time_named
 
 LONGEST_FILLED_GAP = 0.1

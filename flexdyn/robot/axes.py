@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.checks import number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import check_known, number
+from flexdyn.errors import InputError
 
 if TYPE_CHECKING:
     from flexdyn.robot.robot import Robot

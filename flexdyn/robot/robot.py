@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from flexdyn.checks import Array
-from flexdyn.errors import InputError, check_known, did_you_mean, visible
+from flexdyn.checks import Array, check_known
+from flexdyn.errors import InputError, did_you_mean, visible
 from flexdyn.io.locked import Locked, locked_copy
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.axes import Axes, with_axes

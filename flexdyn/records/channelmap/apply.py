@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, check_known
+from flexdyn.errors import InputError
 from flexdyn.records.channelmap.clock import clocked, undelayed, with_times
 from flexdyn.records.channelmap.couplings import couple
 from flexdyn.records.channelmap.description import TIME, ChannelMap, column_name

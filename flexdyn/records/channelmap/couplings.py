@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import Array, as_number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, as_number, check_known
+from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys
 from flexdyn.records.channelmap.description import Channel, Coupling
 

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import Array
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, check_known
+from flexdyn.errors import InputError
 
 LONGEST_EXPRESSION = 1000
 """Largest number of letters of an expression."""

@@ -36,7 +36,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, check_known, placed
+from flexdyn.checks import check_known
+from flexdyn.errors import InputError, placed
 from flexdyn.io.yaml import check_format, check_keys, read_yaml
 from flexdyn.records.channelmap.couplings import couplings_of
 from flexdyn.records.channelmap.description import MAP_FORMAT, Channel, ChannelMap

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexdyn.checks import Array, number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, check_known, number
+from flexdyn.errors import InputError
 from flexdyn.records.meta import as_plain
 from flexdyn.records.table import Table
 
