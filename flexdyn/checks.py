@@ -1,17 +1,21 @@
-"""Checks of numbers in the user's input."""
+"""Checks of numbers and words in the user's input, and the type of arrays of numbers."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Hashable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, did_you_mean
+
+Array = NDArray[np.float64]
+"""An array of doubles."""
 
 
-def as_numbers(values: Any) -> NDArray[np.float64]:
+def as_numbers(values: Any) -> Array:
     """A new array of doubles; text, dates and complex numbers are refused.
 
     Raises:
@@ -87,3 +91,19 @@ def whole(
             problem or f"a whole number of at least {least} is needed", key=key, value=value, remedy=remedy
         )
     return int(value)
+
+
+def check_known(word: Any, known: Collection[str], problem: str, **where: Any) -> None:
+    """Refuse a word that is none of the known ones; the remedy names the most similar one.
+
+    Args:
+        word: the given word.
+        known: accepted words.
+        problem: the fault, in a few words.
+        where: further arguments of `InputError`: file, key, value, channel.
+
+    Raises:
+        InputError: it is another word.
+    """
+    if not isinstance(word, Hashable) or word not in known:
+        raise InputError(problem, remedy=did_you_mean(str(word), known), **where)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
-from collections.abc import Collection, Hashable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +46,7 @@ class FlexdynError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by problem and data: Exception would lose the keywords."""
-        return (_rebuild, (type(self), self.problem, self.data))
+        return (partial(type(self), **self.data), (self.problem,))
 
     def __str__(self) -> str:
         """One line of bounded length, for any name or message of a library in it."""
@@ -95,7 +97,7 @@ class InputError(FlexdynError, ValueError):
         """A copy of the error with the place of the fault, added by a caller that knows it."""
         data = dict(self.data)
         data["file"] = data["file"] or file
-        data["key"] = ".".join(part for part in (key, data["key"]) if part) or None
+        data["key"] = ".".join(part for part in (key, data["key"]) if part) or ("" if "channel" in data else None)
         return type(self)(self.problem, **data)
 
 
@@ -154,20 +156,14 @@ def placed(*, file: str | Path | None = None, key: str | None = None) -> Iterato
         raise error.at(file=file, key=key) from error.__cause__
 
 
-def check_known(word: Any, known: Collection[str], problem: str, **where: Any) -> None:
-    """Refuse a word that is none of the known ones; the remedy names the most similar one.
-
-    Args:
-        word: the given word.
-        known: accepted words.
-        problem: the fault, in a few words.
-        where: further arguments of `InputError`: file, key, value, channel.
+def check_installed(library: str, extra: str) -> None:
+    """Check that an optional library is installed, without loading it.
 
     Raises:
-        InputError: it is another word.
+        MissingExtra: it is not installed.
     """
-    if not isinstance(word, Hashable) or word not in known:
-        raise InputError(problem, remedy=did_you_mean(str(word), known), **where)
+    if find_spec(library) is None:
+        raise MissingExtra(library, extra)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -234,7 +230,3 @@ def _clipped(text: str) -> str:
 
 def _printable(text: str) -> str:
     return text if text.isprintable() else "".join(letter if letter.isprintable() else " " for letter in text)
-
-
-def _rebuild(kind: type[FlexdynError], problem: str, data: dict[str, Any]) -> FlexdynError:
-    return kind(problem, **data)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 from flexdyn import FlexdynError, InputError, MissingExtra, SimulationError
-from flexdyn.errors import did_you_mean, shown
+from flexdyn.checks import check_known, number, whole
+from flexdyn.errors import did_you_mean, placed, shown
 from tests.arms import repickled
 
 
@@ -103,3 +106,55 @@ def test_near_misses() -> None:
     assert did_you_mean("stifness", ["stiffness", "damping"]) == "did you mean 'stiffness'?"
     assert did_you_mean("zzz", ["a", "b"]) == "known: a, b"
     assert did_you_mean("zzz", map(str, range(1000))).endswith("38, 39, ...")
+
+
+def test_a_place_is_added_to_errors_that_lack_it() -> None:
+    """File and key of the caller in front of the key of the fault; a file that is known already stays."""
+    with (
+        pytest.raises(InputError, match=r"^arm\.yaml: joints\.elbow\.stiffness: it must be above 0$"),
+        placed(file="arm.yaml", key="joints.elbow"),
+    ):
+        raise InputError("it must be above 0", key="stiffness")
+    with pytest.raises(InputError, match=r"^robot\.urdf: no link$"), placed(file="arm.yaml"):
+        raise InputError("no link", file="robot.urdf")
+
+
+def test_an_unknown_word_is_refused_with_the_nearest_one() -> None:
+    """Words of any kind that YAML has; the channel is the key where no other is given."""
+    check_known("q", ("q", "v"), "no such signal")
+    with pytest.raises(InputError, match=r"^signal: no such signal, got 'thata'; did you mean 'theta'\?$"):
+        check_known("thata", {"theta": 1}, "no such signal", key="signal", value="thata")
+    with pytest.raises(InputError, match=r"^q\.elbow: no such channel; known: v\.elbo$"):
+        check_known([1], ["v.elbo"], "no such channel", channel="q.elbow")
+
+
+@pytest.mark.parametrize(
+    ("value", "limits", "fits"),
+    [
+        (1.5, {}, True),
+        (np.float32(2.0), {"least": 2.0}, True),
+        (0.0, {"above": 0.0}, False),
+        (-1.0, {"least": 0.0}, False),
+        (math.inf, {}, False),
+        (math.inf, {"infinite": True}, True),
+        (-math.inf, {"infinite": True}, False),
+        (math.nan, {"infinite": True}, False),
+        (True, {}, False),
+        ("1.5", {}, False),
+    ],
+)
+def test_numbers_are_checked(value: object, limits: dict[str, Any], fits: bool) -> None:
+    """Finite unless infinity is allowed, within its limits; truth values and text are no numbers."""
+    if fits:
+        assert number("x", value, **limits) == value
+        return
+    with pytest.raises(InputError, match=r"^x: a finite number is needed, got"):
+        number("x", value, **limits)
+
+
+@pytest.mark.parametrize("value", [True, 1.0, "2", 0, 8])
+def test_whole_numbers_are_checked(value: object) -> None:
+    """From 1 to 7: no truth value, no decimal number, no text, none outside."""
+    assert whole("n", np.int32(7), 1, 7) == 7
+    with pytest.raises(InputError, match=r"^n: a whole number of at least 1 is needed, got"):
+        whole("n", value, 1, 7)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.checks import Array
 from flexdyn.control.commands import PD, Controller, Interpolation, Samples
 from flexdyn.control.servo import Servo
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -17,7 +17,6 @@ from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
 from flexdyn.simulation.command_input import followed, recorded, resolve_command
 from flexdyn.simulation.run import Run
 
-Array = NDArray[np.float64]
 AIM_END = 1e-9
 """A change of the command later than this share of the run before its end is ignored: it has no time to act [1]."""
 LATEST = 0.95

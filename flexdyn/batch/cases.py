@@ -18,6 +18,7 @@ from flexdyn.batch.draws import drawn
 from flexdyn.batch.metrics import metrics_of
 from flexdyn.batch.places import Changes, NumberPlace, places
 from flexdyn.batch.study import Study
+from flexdyn.checks import Array
 from flexdyn.control.commands import PD
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -28,7 +29,6 @@ from flexdyn.simulation.job import Job, prepare
 from flexdyn.simulation.parameter_variants import VariantColumns, Variants
 from flexdyn.simulation.solvers import Solver, make_solver
 
-Array = NDArray[np.float64]
 MOST_KEPT = 4
 """Number of studies whose cases are kept in memory."""
 
@@ -220,8 +220,7 @@ def cases_of(study: Study) -> Cases:
     Args:
         study: the study.
     """
-    found = _KEPT.get(study.to_text())
-    return keep(Cases(study)) if found is None else found
+    return cases_of_text(study.to_text())
 
 
 def keep(cases: Cases) -> Cases:

@@ -8,16 +8,15 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.batch.aim import Aim, aim_of_run
 from flexdyn.batch.motion import RunsMotion, lengths
 from flexdyn.batch.own_metric import single_number
+from flexdyn.checks import Array
 from flexdyn.errors import FlexdynError, InputError
 from flexdyn.simulation.energy import EnergyWarning
 from flexdyn.simulation.run import Run
 
-Array = NDArray[np.float64]
 Law = TypeVar("Law", bound=Callable[..., Any])
 BAND = 0.02
 """For settling_time: distances below this share of the largest one count as settled [1]."""
@@ -128,7 +127,7 @@ def _metric(unit: str, equation: str, *needs: str, missing: str = "") -> Callabl
 
 @_metric("m", "max over t of |tip(q) - tip(theta)|", "tip")
 def tip_deflection_max(motion: RunsMotion, _: slice) -> Array:
-    """Greatest distance between the tip and where it would be if the links stood at the rotors' angles."""
+    """Greatest distance between the tip and where it would be if the links were at the rotors' angles."""
     return np.asarray(lengths(motion.deflection).max(axis=1))
 
 

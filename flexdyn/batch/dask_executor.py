@@ -12,7 +12,6 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import Any, Self
 
 from flexdyn.batch.chunk import Done, Task
@@ -69,9 +68,7 @@ class Dask:
             warnings.warn(f"{self._name} has no workers yet; waiting for them", stacklevel=2)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Disconnect; a client that the user gave stays open."""
         if self._client is not self._where:
             with suppress(Exception):  # a scheduler that has stopped cannot be informed

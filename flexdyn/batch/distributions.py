@@ -3,64 +3,98 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.checks import number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import check_known, number
+from flexdyn.errors import InputError
 
 _STANDARD_NORMAL = NormalDist()
 MAX_GRID = 1_000_000
 
 
 @dataclass(frozen=True)
-class Distribution:
-    """Base: a distribution with two parameters, drawn by the inverse of its cumulative distribution.
+class DistributionLaw:
+    """A kind of distribution with two parameters.
 
-    Class attributes:
-        name: in a study file.
-        numbers: names of its two parameters.
+    Attributes:
+        numbers: names of the parameters.
+        quantile: function of both and a share (0 < share < 1).
+        problem: function of both that says why they are not allowed; empty if they are.
+        bounded: whether the parameters are the bounds of the draws.
     """
 
-    name: ClassVar[str] = ""
-    numbers: ClassVar[tuple[str, str]] = ("", "")
+    numbers: tuple[str, str]
+    quantile: Callable[[float, float, float], float]
+    problem: Callable[[float, float], str]
+    bounded: bool = False
 
+
+def _log_problem(median: float, std: float) -> str:
+    if not median > 0:
+        return "the median must be above 0"
+    return "" if std > 0 else "the standard deviation of the logarithm must be above 0"
+
+
+LAWS: Mapping[str, DistributionLaw] = {
+    "uniform": DistributionLaw(
+        ("lowest", "highest"),
+        lambda lowest, highest, share: lowest + share * (highest - lowest),
+        lambda lowest, highest: "" if lowest < highest else "the first number must be the lower one",
+        bounded=True,
+    ),
+    "normal": DistributionLaw(
+        ("mean", "standard deviation"),
+        lambda mean, std, share: mean + std * _STANDARD_NORMAL.inv_cdf(share),
+        lambda mean, std: "" if std > 0 else "the standard deviation must be above 0",
+    ),
+    "lognormal": DistributionLaw(
+        ("median", "standard deviation of the logarithm"),
+        lambda median, std, share: median * math.exp(std * _STANDARD_NORMAL.inv_cdf(share)),
+        _log_problem,
+    ),
+}
+"""Kinds of distributions by their names in a study file; all lognormal draws have the sign of the median."""
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """A distribution with two parameters, drawn by the inverse of its cumulative distribution.
+
+    Args:
+        name: of its law.
+        first: parameter.
+        second: parameter.
+
+    Raises:
+        InputError: parameters that are not allowed.
+    """
+
+    name: str
     first: float
     second: float
 
     def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            InputError: they are not allowed.
-        """
-        remedy = f"write {{{self.name}: [{', '.join(self.numbers)}]}}"
+        """Check the parameters."""
         for given in (self.first, self.second):
-            number(self.name, given, remedy=remedy)
-        problem = self._problem()
+            number(self.name, given, remedy=_written(self.name))
+        problem = self.law.problem(self.first, self.second)
         if problem:
-            raise InputError(problem, key=self.name, value=[self.first, self.second], remedy=remedy)
+            raise InputError(problem, key=self.name, value=[self.first, self.second], remedy=_written(self.name))
 
-    @classmethod
-    def of(cls, entry: Any) -> Self:
-        """Make it from a study file's two numbers.
-
-        Raises:
-            InputError: they are not two, or are not allowed.
-        """
-        if not isinstance(entry, list | tuple) or len(entry) != 2:
-            remedy = f"write {{{cls.name}: [{', '.join(cls.numbers)}]}}"
-            raise InputError("two numbers are needed", key=cls.name, value=entry, remedy=remedy)
-        return cls(*entry)
+    @property
+    def law(self) -> DistributionLaw:
+        """Its kind."""
+        return LAWS[self.name]
 
     def value(self, share: float) -> float:
         """The quantile for a share (0 < share < 1)."""
-        raise NotImplementedError
+        return self.law.quantile(self.first, self.second, share)
 
     def values(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """The quantiles for several shares."""
@@ -79,63 +113,7 @@ class Distribution:
     @property
     def extremes(self) -> tuple[float, ...]:
         """Bounds of the draws, if there are any."""
-        return ()
-
-    def _problem(self) -> str:
-        return ""
-
-
-class Uniform(Distribution):
-    """All numbers between two bounds with the same density."""
-
-    name = "uniform"
-    numbers = ("lowest", "highest")
-
-    def value(self, share: float) -> float:
-        """The bound at 0, the other at 1, linear between them."""
-        return self.first + share * (self.second - self.first)
-
-    def values(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same for many shares."""
-        return self.first + shares * (self.second - self.first)
-
-    @property
-    def extremes(self) -> tuple[float, ...]:
-        """The two bounds."""
-        return (float(self.first), float(self.second))
-
-    def _problem(self) -> str:
-        return "" if self.first < self.second else "the first number must be the lower one"
-
-
-class Normal(Distribution):
-    """The normal distribution."""
-
-    name = "normal"
-    numbers = ("mean", "standard deviation")
-
-    def value(self, share: float) -> float:
-        """Mean plus a multiple of the standard deviation."""
-        return self.first + self.second * _STANDARD_NORMAL.inv_cdf(share)
-
-    def _problem(self) -> str:
-        return "" if self.second > 0 else "the standard deviation must be above 0"
-
-
-class LogNormal(Distribution):
-    """The normal distribution of the logarithm: all draws have the sign of the median."""
-
-    name = "lognormal"
-    numbers = ("median", "standard deviation of the logarithm")
-
-    def value(self, share: float) -> float:
-        """Median times the exponential of a multiple of the standard deviation."""
-        return self.first * math.exp(self.second * _STANDARD_NORMAL.inv_cdf(share))
-
-    def _problem(self) -> str:
-        if not self.first > 0:
-            return "the median must be above 0"
-        return "" if self.second > 0 else "the standard deviation of the logarithm must be above 0"
+        return (float(self.first), float(self.second)) if self.law.bounded else ()
 
 
 @dataclass(frozen=True)
@@ -148,8 +126,6 @@ class Grid:
     Raises:
         InputError: not finite numbers, or one of them twice.
     """
-
-    name: ClassVar[str] = "grid"
 
     values: tuple[float, ...]
 
@@ -168,7 +144,7 @@ class Grid:
         for i, value in enumerate(entry):
             found = number(f"grid[{i}]", value)
             if found in seen:
-                raise InputError("the value stands twice in the grid", key=f"grid[{i}]", value=value)
+                raise InputError("the value is in the grid twice", key=f"grid[{i}]", value=value)
             seen[found] = None
         return cls(tuple(seen))
 
@@ -188,9 +164,8 @@ class Grid:
         return (min(self.values), max(self.values))
 
 
-DISTRIBUTIONS: dict[str, type[Distribution] | type[Grid]] = {
-    kind.name: kind for kind in (Uniform, Normal, LogNormal, Grid)
-}
+DISTRIBUTIONS = (*LAWS, "grid")
+"""Words of a study file."""
 
 
 def distribution(entry: Any) -> Distribution | Grid:
@@ -199,9 +174,17 @@ def distribution(entry: Any) -> Distribution | Grid:
     Raises:
         InputError: no such distribution, or numbers that are not allowed.
     """
-    known = ", ".join(f"{{{name}: [...]}}" for name in DISTRIBUTIONS)
     if not isinstance(entry, Mapping) or len(entry) != 1:
+        known = ", ".join(f"{{{name}: [...]}}" for name in DISTRIBUTIONS)
         raise InputError("one distribution is needed", value=entry, remedy=f"write one of {known}")
     ((name, numbers),) = entry.items()
     check_known(name, DISTRIBUTIONS, "no such distribution", key=str(name))
-    return DISTRIBUTIONS[name].of(numbers)
+    if name == "grid":
+        return Grid.of(numbers)
+    if not isinstance(numbers, list | tuple) or len(numbers) != 2:
+        raise InputError("two numbers are needed", key=name, value=numbers, remedy=_written(name))
+    return Distribution(name, *numbers)
+
+
+def _written(name: str) -> str:
+    return f"write {{{name}: [{', '.join(LAWS[name].numbers)}]}}"

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from queue import SimpleQueue
 from threading import Event
-from types import TracebackType
 from typing import Protocol, Self
 
 from flexdyn.batch.chunk import Done, Task
@@ -22,9 +21,7 @@ class Executor(Protocol):
     def __enter__(self) -> Self:
         """Start."""
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Stop the chunks in progress, and wait until they have stopped."""
 
     def run(self, task: Task, chunks: Iterable[int]) -> Iterator[Done]:
@@ -61,9 +58,7 @@ class Threads:
         self._pool = ThreadPoolExecutor(self._count, thread_name_prefix="flexdyn")
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Stop the chunks in progress: chunks that are not written are left for the next time."""
         self._stop.set()
         if self._pool is not None:

@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.batch.sensitivity import Sensitivity, sensitivity
+from flexdyn.checks import Array
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK
 from flexdyn.plots.panel import Curve, Panel, limits, short
 
-Array = NDArray[np.float64]
 DOTS = 3000
 """Largest number of runs that are drawn."""
 UPRIGHT, BESIDE = 24, 24

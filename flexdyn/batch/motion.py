@@ -8,14 +8,13 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.batch.aim import Aim
+from flexdyn.checks import Array
 from flexdyn.robot import Robot, frame_positions
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.run import Run
 
-Array = NDArray[np.float64]
 TAIL = 0.1
 """Share of the time after the command's rest that counts as the end, where positions are averaged [1]."""
 LEAST_SAMPLES_AFTER_REST = 10

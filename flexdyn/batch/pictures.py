@@ -9,7 +9,8 @@ import numpy as np
 from flexdyn.batch.metric_views import DOTS, MetricColumns, scatter, tornado
 from flexdyn.batch.results import Results
 from flexdyn.batch.trajectory_views import trajectories, trajectory_keys
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import check_known
+from flexdyn.errors import InputError
 from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.palette import hue
 from flexdyn.plots.panel import Key, short
@@ -53,7 +54,7 @@ def draw_results(
                 blocks += tornado(columns)
                 notes.append(
                     "Sensitivities: from the mean of a metric over the fifth of runs with the lowest value of a "
-                    "parameter to that over the fifth with the highest, less its mean over all runs; beside it r."
+                    "parameter to that over the fifth with the highest, minus its mean over all runs; r is next to it."
                 )
             if columns.sensitivities:
                 notes.append(

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from flexdyn.checks import Array
+
 EXACT = 4_000_000
 """Up to so many numbers are kept in memory (32 MB), and quantiles are exact."""
 HISTOGRAM_BINS = 512

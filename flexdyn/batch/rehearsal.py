@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from flexdyn.batch.cases import Cases
-from flexdyn.errors import FlexdynError, InputError, check_known
+from flexdyn.checks import check_known
+from flexdyn.errors import FlexdynError, InputError
 from flexdyn.simulation.job import prepare
 
 

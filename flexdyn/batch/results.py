@@ -17,13 +17,13 @@ from flexdyn.batch.layout import DONE, NOT_DONE
 from flexdyn.batch.store import open_store
 from flexdyn.batch.study import Study
 from flexdyn.batch.summary import Summary, metric_summary, parameter_summary, reasons_of
+from flexdyn.checks import Array
 from flexdyn.errors import InputError, needed, visible
 from flexdyn.io.notebook import Public, card, table
 
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
 
-Array = NDArray[np.float64]
 METRIC = "metric "
 """Beginning of the status of a run that has its channels but lacks a metric."""
 

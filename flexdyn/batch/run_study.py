@@ -120,7 +120,7 @@ def _same(study: Study, path: Path) -> Store:
     """The store, if it belongs to this study.
 
     Raises:
-        InputError: it does not; the message says what differs.
+        InputError: it does not; the message names the difference.
     """
     from flexdyn import __version__
 

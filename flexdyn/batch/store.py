@@ -12,7 +12,6 @@ import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +20,7 @@ from flexdyn.batch.layout import StoreArray, layouts
 from flexdyn.batch.metadata import FILE, array_metadata, encoded, group_metadata
 from flexdyn.batch.pieces import is_whole, write_piece
 from flexdyn.batch.study import Study
-from flexdyn.errors import InputError, MissingExtra
+from flexdyn.errors import InputError, check_installed
 
 STORE_FORMAT = 1
 
@@ -37,7 +36,7 @@ def create(study: Study, path: Path) -> Store:
         InputError: it cannot be made there.
         MissingExtra: zarr is not installed.
     """
-    _check_zarr()
+    check_installed("zarr", "batch")  # at the start, not at the end of a long study
     with writing(path, "give another place"), _skeleton(study, path) as fresh:
         os.rename(fresh, path)
     return Store(path, study)
@@ -53,7 +52,7 @@ def open_store(path: str | Path) -> Store:
         InputError: there is none, or this version cannot read it.
         MissingExtra: zarr is not installed.
     """
-    _check_zarr()
+    check_installed("zarr", "batch")  # at the start, not at the end of a long study
     folder = Path(path)
     if not folder.exists():
         raise InputError("there is no such store", file=path)
@@ -179,13 +178,3 @@ def _skeleton(study: Study, path: Path) -> Iterator[Path]:
         yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def _check_zarr() -> None:
-    """Check at the start for the libraries that the end of a long study needs.
-
-    Raises:
-        MissingExtra: zarr is not installed.
-    """
-    if find_spec("zarr") is None:
-        raise MissingExtra("zarr", "batch")

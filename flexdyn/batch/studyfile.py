@@ -13,10 +13,10 @@ from flexdyn.batch.digests import digests
 from flexdyn.batch.distributions import Distribution, Grid, distribution
 from flexdyn.batch.rehearsal import rehearse
 from flexdyn.batch.study import Study
-from flexdyn.checks import number, whole
+from flexdyn.checks import check_known, number, whole
 from flexdyn.control.commands import checked_rate
 from flexdyn.control.points import PD_KEYS
-from flexdyn.errors import InputError, check_known, placed
+from flexdyn.errors import InputError, placed
 from flexdyn.io.files import exists, is_file
 from flexdyn.io.yaml import check_format, check_keys, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -215,7 +215,7 @@ def _names(key: str, entry: Any) -> tuple[str, ...]:
         if not isinstance(name, str):
             raise InputError("a name is needed", key=f"{key}[{i}]", value=name)
         if name in entry[:i]:
-            raise InputError("the name stands there twice", key=f"{key}[{i}]", value=name)
+            raise InputError("the name is there twice", key=f"{key}[{i}]", value=name)
     return tuple(entry)
 
 

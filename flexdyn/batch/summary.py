@@ -8,11 +8,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.batch.sensitivity import Sensitivity, sensitivity
+from flexdyn.checks import Array
 
-Array = NDArray[np.float64]
 SUMMARY_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 """Quantiles of metrics."""
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d*)?([eE][-+]?\d+)?(?!\w)")

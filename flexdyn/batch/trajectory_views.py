@@ -10,23 +10,21 @@ from numpy.typing import NDArray
 
 from flexdyn.batch.quantiles import quantiles
 from flexdyn.batch.results import Results
+from flexdyn.checks import Array
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, blend, hue
 from flexdyn.plots.panel import Curve, Key, Panel, limits, short
 from flexdyn.plots.views import TIME
 
-Array = NDArray[np.float64]
-BAND_QUANTILES = (0.05, 0.95, 0.25, 0.75, 0.5)
-"""Shares of runs below each line, the lowest line first."""
-LABELS = (
-    "9 of 10 runs between",
-    "9 of 10 runs between",
-    "half of all runs between",
-    "half of all runs between",
-    "median",
-)
-STYLES = (("dashed", 0.9, 0.45), ("dashed", 0.9, 0.45), ("solid", 0.9, 0.3), ("solid", 0.9, 0.3), ("solid", 1.7, 0.0))
-"""Dash, width [pt] and paleness of each line."""
+_WIDE, _HALF = "9 of 10 runs between", "half of all runs between"
+LINES = {
+    0.05: (_WIDE, "dashed", 0.9, 0.45),
+    0.95: (_WIDE, "dashed", 0.9, 0.45),
+    0.25: (_HALF, "solid", 0.9, 0.3),
+    0.75: (_HALF, "solid", 0.9, 0.3),
+    0.5: ("median", "solid", 1.7, 0.0),
+}
+"""Share of runs below each line, the lowest line first: label, dash, width [pt] and paleness."""
 INSTANTS = 1000
 """Largest number of samples of a trajectory that are drawn."""
 MOST_JOINTS_DRAWN = 8
@@ -34,10 +32,7 @@ MOST_JOINTS_DRAWN = 8
 
 def trajectory_keys() -> tuple[Key, ...]:
     """The legend that all panels share."""
-    keys = [
-        Key(label, blend(INK, "#FFFFFF", pale), dash, width)
-        for label, (dash, width, pale) in zip(LABELS, STYLES, strict=True)
-    ]
+    keys = [Key(label, blend(INK, "#FFFFFF", pale), dash, width) for label, dash, width, pale in LINES.values()]
     return tuple(dict.fromkeys(reversed(keys)))
 
 
@@ -64,7 +59,7 @@ def trajectories(results: Results, channels: Sequence[str], notes: list[str]) ->
 
 
 def _panels(results: Results, channel: str, instants: NDArray[np.intp]) -> list[Panel]:
-    found = quantiles(lambda: results.blocks(channel, instants), len(results.complete), BAND_QUANTILES)
+    found = quantiles(lambda: results.blocks(channel, instants), len(results.complete), tuple(LINES))
     t = results.times[instants]
     return [
         _panel(t, found[:, :, j], f"{channel}.{joint}", results.unit(channel), hue(j))
@@ -75,7 +70,7 @@ def _panels(results: Results, channel: str, instants: NDArray[np.intp]) -> list[
 def _panel(t: Array, lines: Array, name: str, unit: str, colour: str) -> Panel:
     curves = tuple(
         Curve(t, line, f"{name}, {share:.0%}", label, blend(colour, "#FFFFFF", pale), dash, width)
-        for line, share, label, (dash, width, pale) in zip(lines, BAND_QUANTILES, LABELS, STYLES, strict=True)
+        for line, (share, (label, dash, width, pale)) in zip(lines, LINES.items(), strict=True)
     )
     signal, _, joint = name.partition(".")
     return Panel(

@@ -7,12 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from flexdyn.checks import as_numbers, number
+from flexdyn.checks import Array, as_numbers, number
 from flexdyn.errors import InputError
 
-Array = NDArray[np.float64]
 Interpolation = Literal["hold", "linear", "monotone", "cubic"]
 INTERPOLATIONS = ("hold", "linear", "monotone", "cubic")
 

@@ -22,8 +22,9 @@ from typing import Any
 
 import numpy as np
 
+from flexdyn.checks import check_known
 from flexdyn.control.commands import INTERPOLATIONS, PD, Interpolation, Samples
-from flexdyn.errors import InputError, check_known
+from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys
 
 COMMAND_KEYS = ("pd", "torques")

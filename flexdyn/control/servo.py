@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from flexdyn.checks import whole
+from flexdyn.checks import Array, whole
 from flexdyn.control.commands import Samples, State, check_feedback, checked_rate, per_joint, spline
 from flexdyn.control.firmware import Firmware
 from flexdyn.errors import InputError
 
-Array = NDArray[np.float64]
 Gains = float | ArrayLike | Mapping[str, float]
 
 

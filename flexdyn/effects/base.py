@@ -16,13 +16,12 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, Self, dataclass_transform
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn import _core
-from flexdyn.checks import as_number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, as_number, check_known
+from flexdyn.errors import InputError
 
-Array = NDArray[np.float64]
 Side = Literal["link", "motor", "transmission", "sensor"]
 Stage = Literal["actuator", "deflection", "spring", "friction", "dry", "link", "inertia", "sensor", "model"]
 Scale = Literal["given", "speed", "deflection", "seconds", "one"]
@@ -66,7 +65,7 @@ class Effect:
     Class attributes:
         name: the effect's name in files and reports: the class name in snake_case.
         sides: where it may act.
-        stage: where it stands in the equations: ``actuator`` (tau_applied = law(tau)), ``deflection`` (delta before
+        stage: its place in the equations: ``actuator`` (tau_applied = law(tau)), ``deflection`` (delta before
             every spring law), ``spring`` (adds to tau_s), ``friction`` and ``dry`` (left side, f_link or f_motor),
             ``link`` (right side, on the link), ``inertia`` (changes M and h), ``sensor`` (what is measured),
             ``model`` (a number of the model).
@@ -81,19 +80,19 @@ class Effect:
     A diagnosis proposes every class that names `linear` or `grids`.
 
     Class attributes for a diagnosis:
-        linear: parameters in which the torque is linear, all together: it is nothing where they are 0.
+        linear: parameters in which the torque is linear, all together; the torque is 0 if all of them are 0.
         grids: values to try of the others, in units of what the joint does: the greatest torque that its motor must
             have ``given``, its greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of
             the parameter's own unit.
-        contains: names of effects that it becomes in a limit of its numbers; they never stand beside it.
-        plainer: those of them that are the same law without its further numbers: only what these add speaks for it.
-        natural_size: prior standard deviation of its size where that has nothing to do with the drive's torque.
+        contains: names of effects that it becomes for some limit of its parameters; never proposed together with it.
+        plainer: those of them that are the same law with fewer parameters: only what the further ones explain counts.
+        natural_size: prior standard deviation of its size, if that does not depend on the drive's torque.
         prevalence: how many drives have it. It is weighed against something unknown that looks like it.
         of_velocity: friction or damping that the velocity alone decides.
         of_recorded_torque: it bends the torque on its way, so that what it does is a matter of the recorded torque;
             what others do is taken of the torque that the model needs, whose noise is less.
-        periodic: it comes again with position, `harmonic` times a turn.
-        position_error: of an effect on positions, the parameter that says how large it is [rad or m].
+        periodic: it is periodic over the position, with `harmonic` cycles per turn.
+        position_error: of an effect on positions, the parameter that is its size [rad or m].
         bends_spring: with it, the transmission is no linear spring.
     """
 

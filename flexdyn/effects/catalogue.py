@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from flexdyn.checks import check_known
 from flexdyn.effects.base import Effect, registered
-from flexdyn.errors import InputError, check_known
+from flexdyn.errors import InputError
 
 FILES = (
     "friction",

@@ -6,19 +6,17 @@ import dataclasses
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.checks import Array
 from flexdyn.effects.base import JointEffect, parameter
 from flexdyn.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 class JointCoupling(JointEffect):
     """The rotor of one joint drags on that of another: differential wrists, belts over a common shaft.
 
     ``f_motor = coefficient omega`` of joint `other`, on the left side of the rotor's equation of `joint`. This part is
-    not friction: it may supply power. With a `level` the parts that rub between both motors have dry friction of their
+    not friction: it may supply power. With a `level` the parts between both motors have dry friction of their
     relative velocity ``u = omega - ratio omega_other``: ``level Sgn(u)`` on the rotor of `joint` and ``-ratio`` times
     that on the rotor of `other`. It is set-valued: what it holds moves as one, u = 0 to the last bit.
 
@@ -27,7 +25,7 @@ class JointCoupling(JointEffect):
         other: the joint whose rotor turns.
         coefficient: [N m s/rad]; of either sign.
         level: of dry friction between both [N m].
-        ratio: velocity of the rotor of `joint` over that of `other` at which nothing rubs [1]; of either sign.
+        ratio: velocity of the rotor of `joint` over that of `other` without dry friction [1]; of either sign.
     """
 
     sides = ("motor",)
@@ -80,7 +78,7 @@ class CouplingFriction(JointEffect, abstract=True):
 
     Args:
         joint: its name.
-        other: the joint whose rotor rubs on it.
+        other: the joint to whose rotor it is coupled by friction.
         level: [N m].
         ratio: [1].
     """

@@ -17,7 +17,7 @@ class PositionDependentFriction(JointEffect):
     Args:
         joint: its name.
         side: ``link`` or ``motor``.
-        amplitude: mean level, and how far it swings [N m].
+        amplitude: mean level, and amplitude of its variation [N m].
         harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
         phase: [rad].
     """

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn import _core
+from flexdyn.checks import Array
 from flexdyn.effects.base import JointEffect
-
-Array = NDArray[np.float64]
 
 
 class MemoryEffect(JointEffect, abstract=True):
@@ -46,7 +45,7 @@ class MemoryEffect(JointEffect, abstract=True):
 
         Args:
             x: as `states_along` takes it.
-            u: the velocity there, which damping of the state feels (samples,) [rad/s or m/s]; 0: slowly.
+            u: the velocity there, for damping of the state (samples,) [rad/s or m/s]; 0: slow motion.
             z0: the state at its start [rad or m].
 
         Returns:

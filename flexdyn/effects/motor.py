@@ -63,7 +63,7 @@ class MotorWinding(MotorLaw, abstract=True):
 
     Args:
         joint: its name.
-        gain: torque at standstill over what the model file's numbers make of the voltage [1].
+        gain: torque at standstill over the torque that the model file's numbers give for the voltage [1].
         back_emf: [N m s/rad].
         limit: at the largest current [N m]; infinite: no limit.
         time_constant: L/R [s].

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.checks import Array
 from flexdyn.effects.base import Effect, Side, Stage, parameter
 from flexdyn.errors import InputError
 
-Array = NDArray[np.float64]
 POSITIONS = ("q", "theta")
 HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that keep their value from one sample to the next."""
@@ -221,7 +221,7 @@ def recovered(effects: Iterable[SensorEffect], reported: ArrayLike, t: ArrayLike
     """The true channel behind a reported one, but for its lag, which is a shift in time: the inverse of `measure`.
 
     Users' own effects by Newton's method, sample by sample; then offset and gain; eccentricity by fixed-point
-    iteration, each round of which gains a factor of amplitude times harmonic, far below 1.
+    iteration, each round of which reduces the error by the factor amplitude times harmonic, far below 1.
 
     Args:
         effects: on this channel; those that make it late are passed over.

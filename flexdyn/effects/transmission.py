@@ -9,12 +9,11 @@ import math
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.checks import Array
 from flexdyn.effects.base import JointEffect, Stage, parameter, spaced
 from flexdyn.effects.memory import MemoryEffect
-
-Array = NDArray[np.float64]
 
 
 class TransmissionEffect(JointEffect, abstract=True):
@@ -109,7 +108,7 @@ class DeflectionEffect(TransmissionEffect, abstract=True):
         return self._evaluate(nothing, delta_, nothing, theta_)
 
     def slope(self, theta: Array) -> Array:
-        """Of what it adds over the rotor's position [1]: by that share more the rotor feels the springs' torque."""
+        """Derivative of what it adds by the rotor's position [1]: the rotor's torque is larger by this share."""
         return np.zeros_like(theta)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import partial
 from types import MappingProxyType
 from typing import Any, TypeVar
 
@@ -23,7 +24,7 @@ class Locked:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Unpickle through the constructor, which locks again; read-only mappings do not pickle."""
-        return (_rebuild, (type(self), {name: plain(value) for name, value in _entries(self).items()}))
+        return (partial(type(self), **{name: plain(value) for name, value in _entries(self).items()}), ())
 
 
 def lock(value: Kept) -> Kept:
@@ -66,7 +67,3 @@ def thawed(value: Any) -> Any:
 
 def _entries(of: Any) -> dict[str, Any]:
     return {entry.name: getattr(of, entry.name) for entry in fields(of)}
-
-
-def _rebuild(kind: type[Any], entries: dict[str, Any]) -> Any:
-    return kind(**entries)

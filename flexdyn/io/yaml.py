@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import check_known
+from flexdyn.errors import InputError
 
 MAX_YAML_BYTES = 500_000
 """Largest size of a file [bytes]; such a file is read in some seconds."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from flexdyn.checks import check_known
 from flexdyn.effects import (
     Effect,
     JointCoupling,
@@ -14,7 +15,7 @@ from flexdyn.effects import (
     SensorEffect,
     effect_from_dict,
 )
-from flexdyn.errors import InputError, check_known, placed
+from flexdyn.errors import InputError, placed
 from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot
 from flexdyn.robot.axes import joint_row
@@ -95,7 +96,7 @@ def _check_other(robot: Robot, effect: JointCoupling) -> None:
 
 
 def _check_pairs(effects: list[Effect]) -> None:
-    """A motor rubs on one other motor: what a chain of them that sticks carries would not be determined."""
+    """Dry coupling is to one other motor only: the torques in a chain of motors that stick are not determined."""
     dry = [(i, each) for i, each in enumerate(effects) if isinstance(each, JointCoupling) and each.level > 0.0]
     for k, (i, second) in enumerate(dry):
         for _, first in dry[:k]:

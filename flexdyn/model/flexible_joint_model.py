@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.checks import Array
 from flexdyn.effects import (
     CoulombFriction,
     Effect,
@@ -29,7 +30,6 @@ from flexdyn.model.resolved_parameters import folded
 from flexdyn.model.setting_checks import command_checked, gravity_checked, initial_checked, one_of, tolerance_checked
 from flexdyn.robot import Robot
 
-Array = NDArray[np.float64]
 EARTH = (0.0, 0.0, -9.81)
 
 
@@ -124,7 +124,7 @@ class FlexibleJointModel(Public):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by the constructor's arguments."""
-        return (_rebuild, (self.robot, dict(self.joints), self.effects, self._settings()))
+        return (partial(FlexibleJointModel, **self._settings()), (self.robot, dict(self.joints), self.effects))
 
     def __eq__(self, other: object) -> bool:
         """Equal if robot source, joints, effects and settings are equal."""
@@ -299,10 +299,6 @@ class FlexibleJointModel(Public):
         joints = {name: dict(numbers) for name, numbers in true.joints.items()}
         settings = self._settings() | {"links": unknown_links(self.links)}
         return FlexibleJointModel(true.robot, joints, true.effects, **settings)
-
-
-def _rebuild(robot: Robot, joints: Any, effects: Any, settings: dict[str, Any]) -> FlexibleJointModel:
-    return FlexibleJointModel(robot, joints, effects, **settings)
 
 
 def _urdf_effects(robot: Robot) -> tuple[Effect, ...]:

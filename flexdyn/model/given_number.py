@@ -108,7 +108,7 @@ def link_inertias(entries: Any, robot: Robot) -> Links:
             raise InputError("a link's inertia is needed", key=key, value=entry, remedy="write {inertia: 0.01}")
         for name in entry:
             if name != INERTIA:
-                remedy = f"{did_you_mean(str(name), (INERTIA,))}; mass and centre of mass stand in the URDF"
+                remedy = f"{did_you_mean(str(name), (INERTIA,))}; mass and centre of mass are in the URDF"
                 raise InputError("a link has no such key", key=f"{key}.{name}", remedy=remedy)
         number = given_number(entry[INERTIA], f"{key}.{INERTIA}")
         if not 0.0 <= number.value < math.inf:

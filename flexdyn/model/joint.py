@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from flexdyn.errors import InputError, check_known, placed
+from flexdyn.checks import check_known
+from flexdyn.errors import InputError, placed
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.given_number import UNKNOWN, GivenNumber, given_number
 

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from flexdyn.checks import check_known
 from flexdyn.effects import Effect, JointElasticity, ParameterError
 from flexdyn.effects.model_error import effect_place
-from flexdyn.errors import InputError, check_known, did_you_mean, placed
+from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.model.given_number import UNKNOWN
 from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import as_number, number
+from flexdyn.checks import as_number, check_known, number
 from flexdyn.control.commands import PD, Samples, per_joint
 from flexdyn.control.points import command_of
 from flexdyn.effects import Effect
-from flexdyn.errors import InputError, check_known, placed
+from flexdyn.errors import InputError, placed
 from flexdyn.io.locked import frozen
 from flexdyn.model.joint import NUMBERS
 

@@ -15,10 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError, needed
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.recording import Recording
-from flexdyn.records.table import FloatArray, Table, as_floats
+from flexdyn.records.table import Table, as_floats
 from flexdyn.records.units import PRISMATIC, SIGNALS
 
 LONG_NAMES = {
@@ -82,7 +83,7 @@ def table_of(dataset: Any) -> Table:
     if "t" not in dataset.coords or dataset.coords["t"].dims != ("t",):
         remedy = "give a coordinate t in seconds, such as ds.rename(time='t')"
         raise InputError("the dataset has no coordinate t", remedy=remedy, channel="t")
-    found: dict[str, tuple[FloatArray, str]] = {}
+    found: dict[str, tuple[Array, str]] = {}
     for name, values, unit in _channels(dataset):
         if name in found:
             raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
@@ -130,7 +131,7 @@ def _attributes(unit: str, signal: str) -> dict[str, str]:
     return long_name | ({"units": unit} if unit else {})
 
 
-def _channels(dataset: Any) -> Iterator[tuple[str, FloatArray, str]]:
+def _channels(dataset: Any) -> Iterator[tuple[str, Array, str]]:
     """Name, samples and unit of every channel."""
     sliding = _sliding(dataset)
     for variable, array in dataset.data_vars.items():
@@ -158,7 +159,7 @@ def _sliding(dataset: Any) -> set[str]:
     return {str(joint) for joint, kind in pairs if str(kind) == "prismatic"}
 
 
-def _numbers(values: Any, name: str) -> FloatArray:
+def _numbers(values: Any, name: str) -> Array:
     """A column of its own."""
     if np.asarray(values).dtype.kind in "mM":
         remedy = "give seconds as doubles: (time - time[0]) / np.timedelta64(1, 's')"

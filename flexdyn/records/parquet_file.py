@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError, needed
 from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json
@@ -18,7 +19,6 @@ from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
 from flexdyn.records.table import (
     RESERVED,
-    FloatArray,
     Table,
     as_floats,
     check_name,
@@ -115,7 +115,7 @@ def _check_type(pa: Any, kind: Any, name: str) -> None:
     raise InputError(f"the column holds {kind}, not doubles", remedy=remedy, channel=name)
 
 
-def _column(file: Any, name: str, rows: list[int]) -> FloatArray:
+def _column(file: Any, name: str, rows: list[int]) -> Array:
     """One column from all row groups."""
     values = np.empty(sum(rows))
     begin = 0

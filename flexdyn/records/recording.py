@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.errors import InputError, check_known, did_you_mean
+from flexdyn.checks import Array, check_known
+from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.meta import as_plain, locked
 from flexdyn.records.signals import cut, derivatives
@@ -19,7 +20,7 @@ from flexdyn.records.signals.decimate import decimated
 from flexdyn.records.signals.gaps import gaps_of
 from flexdyn.records.signals.resample import resampled
 from flexdyn.records.stated_units import settle_units
-from flexdyn.records.table import FloatArray, Rows, Table, checked
+from flexdyn.records.table import Rows, Table, checked
 from flexdyn.records.units import check_unit, split_name, unit_of
 
 
@@ -48,8 +49,8 @@ class Recording(Public):
         (array([0. , 0.1, 0.3]), ('elbow',))
     """
 
-    t: FloatArray
-    channels: Mapping[str, FloatArray]
+    t: Array
+    channels: Mapping[str, Array]
     meta: Mapping[str, Any]
     name: str
 
@@ -65,7 +66,7 @@ class Recording(Public):
             raise InputError("channels is not a mapping", key="channels", value=channels, remedy="give {name: array}")
         if "t" in channels:
             remedy = "give it as the first argument"
-            raise InputError("t stands among the channels", key="channels", remedy=remedy, channel="t")
+            raise InputError("t is among the channels", key="channels", remedy=remedy, channel="t")
         self._fill({"t": t, **channels}, meta, name, Rows(), copy=True)
 
     @classmethod
@@ -210,11 +211,11 @@ class Recording(Public):
         """Names of the channels."""
         return self.channels.keys()
 
-    def values(self) -> ValuesView[FloatArray]:
+    def values(self) -> ValuesView[Array]:
         """Samples of the channels."""
         return self.channels.values()
 
-    def items(self) -> ItemsView[str, FloatArray]:
+    def items(self) -> ItemsView[str, Array]:
         """Names and samples of the channels."""
         return self.channels.items()
 
@@ -222,7 +223,7 @@ class Recording(Public):
         """Whether there is a channel of that name."""
         return channel in self.channels
 
-    def __getitem__(self, channel: str) -> FloatArray:
+    def __getitem__(self, channel: str) -> Array:
         """Samples of one channel, read-only.
 
         Raises:
@@ -238,7 +239,7 @@ class Recording(Public):
         """Whether the joint has that signal."""
         return f"{signal}.{joint}" in self.channels
 
-    def signal(self, name: str, joints: Sequence[str]) -> FloatArray:
+    def signal(self, name: str, joints: Sequence[str]) -> Array:
         """One signal of several joints side by side.
 
         Args:
@@ -313,15 +314,10 @@ class Recording(Public):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Read-only mappings cannot be pickled: send plain ones, which are checked again when they are unpickled."""
-        columns = {"t": self.t, **self.channels}
-        return (_rebuild, (columns, as_plain(self.meta), self.name))
+        return (Recording.from_table, (Table({"t": self.t, **self.channels}, as_plain(self.meta)), self.name))
 
 
-def _rebuild(columns: dict[str, FloatArray], meta: dict[str, Any], name: str) -> Recording:
-    return Recording.from_table(Table(columns, meta), name)
-
-
-def _check_units(units: Any, channels: Mapping[str, FloatArray]) -> None:
+def _check_units(units: Any, channels: Mapping[str, Array]) -> None:
     if not isinstance(units, Mapping) or not all(isinstance(unit, str) for unit in units.values()):
         raise InputError("units is not a mapping of channel to unit", key="meta.units", value=units)
     for channel, unit in units.items():
@@ -329,7 +325,7 @@ def _check_units(units: Any, channels: Mapping[str, FloatArray]) -> None:
         check_unit(channel, unit)
 
 
-def _check_prescribed(joints: Any, channels: Mapping[str, FloatArray]) -> None:
+def _check_prescribed(joints: Any, channels: Mapping[str, Array]) -> None:
     if not isinstance(joints, tuple) or not all(isinstance(joint, str) for joint in joints):
         raise InputError("a list of joints is needed", key="meta.prescribed", value=joints, remedy='such as ["slide"]')
     known = {parts[1] for parts in map(split_name, channels) if parts}

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import number
-from flexdyn.errors import InputError, check_known
-from flexdyn.records.table import FloatArray, Rows, Table, as_floats, check_lengths, check_time_named
+from flexdyn.checks import Array, check_known, number
+from flexdyn.errors import InputError
+from flexdyn.records.table import Rows, Table, as_floats, check_lengths, check_time_named
 
 LONGEST_FILLED_GAP = 0.1
 """Longest gap that is filled by default [s]."""
 
-_Columns = dict[str, FloatArray]
+_Columns = dict[str, Array]
 _Order = npt.NDArray[np.intp]
 
 
@@ -142,7 +142,7 @@ def _filled(columns: _Columns, rows: Rows, longest: float) -> tuple[_Columns, in
     return whole, int(touched.sum())
 
 
-def _check_gaps(t: FloatArray, good: npt.NDArray[np.bool_], name: str, rows: Rows, longest: float) -> None:
+def _check_gaps(t: Array, good: npt.NDArray[np.bool_], name: str, rows: Rows, longest: float) -> None:
     known = np.flatnonzero(good)
     if not len(known) or not good[0] or not good[-1]:
         at = 0 if not good[0] else int(known[-1]) + 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
-from flexdyn.errors import check_known
+from flexdyn.checks import check_known
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
 from flexdyn.errors import FlexdynError, InputError
 from flexdyn.records.bounds import MOST_SAMPLES, check_count
 from flexdyn.records.suggestion import remedy_without_time
-
-FloatArray = npt.NDArray[np.float64]
 
 RESERVED = "__meta__"
 
@@ -121,7 +120,7 @@ def check_time_named(names: Collection[str], gaps: Collection[str] = ()) -> None
     raise InputError("no column t", remedy=remedy_without_time(list(names), gaps), channel="t")
 
 
-def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> FloatArray:
+def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> Array:
     """One column as doubles, read-only.
 
     Args:
@@ -166,9 +165,7 @@ def check_numbers(dtype: np.dtype[Any], shape: tuple[int, ...], channel: str) ->
         raise InputError(text, remedy="give one dimension, one number per sample", channel=channel)
 
 
-def checked(
-    columns: Mapping[str, npt.ArrayLike], rows: Rows, *, copy: bool
-) -> tuple[FloatArray, dict[str, FloatArray]]:
+def checked(columns: Mapping[str, npt.ArrayLike], rows: Rows, *, copy: bool) -> tuple[Array, dict[str, Array]]:
     """Check time and channels of a recording.
 
     Args:
@@ -197,7 +194,7 @@ def checked(
     return t, channels
 
 
-def check_lengths(columns: Mapping[str, FloatArray], rows: Rows) -> None:
+def check_lengths(columns: Mapping[str, Array], rows: Rows) -> None:
     """Refuse columns that are shorter or longer than ``t``.
 
     Raises:
@@ -211,7 +208,7 @@ def check_lengths(columns: Mapping[str, FloatArray], rows: Rows) -> None:
             raise InputError(problem, remedy="give one number per sample", row=row, channel=name)
 
 
-def check_finite(values: FloatArray, channel: str, rows: Rows) -> None:
+def check_finite(values: Array, channel: str, rows: Rows) -> None:
     """Refuse a column with a number that is not finite.
 
     Raises:
@@ -229,7 +226,7 @@ def check_finite(values: FloatArray, channel: str, rows: Rows) -> None:
         )
 
 
-def check_time(t: FloatArray, rows: Rows) -> None:
+def check_time(t: Array, rows: Rows) -> None:
     """Refuse times that do not increase strictly.
 
     Raises:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.checks import number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import check_known, number
+from flexdyn.errors import InputError
 
 if TYPE_CHECKING:
     from flexdyn.robot.robot import Robot
@@ -53,22 +53,14 @@ def with_axes(robot: Robot, entries: Any, *, ignore_dynamics: bool = False) -> R
     for place, (axis, entry) in zip(places, axes.items(), strict=True):
         slides = all(robot.kinds[robot.joint_index(joint)] == "prismatic" for joint in entry)
         names[place], kinds[place], continuous[place] = axis, "prismatic" if slides else "revolute", not slides
-    return replace(
-        robot,
-        joint_names=tuple(names),
-        kinds=tuple(kinds),
-        continuous=tuple(continuous),
-        # The joints' limits bound a region that is no box in the axes: `coupled_limits` has those of positions.
-        lower=_filled(robot.lower, places, -np.inf),
-        upper=_filled(robot.upper, places, np.inf),
-        velocity_limit=_filled(robot.velocity_limit, places, np.inf),
-        effort_limit=_filled(robot.effort_limit, places, np.inf),
-        damping=_filled(robot.damping, places, 0.0),
-        friction=_filled(robot.friction, places, 0.0),
-        tree=replace(robot.tree, gain=gain),
-        axes=axes,
-        coupled_limits=_limits(robot, places),
-    )
+    # The joints' limits bound a region that is no box in the axes: `coupled_limits` has those of positions.
+    none = {"lower": -np.inf, **dict.fromkeys(("upper", "velocity_limit", "effort_limit"), np.inf)}
+    numbers: dict[str, Any] = {name: np.array(getattr(robot, name)) for name in (*none, "damping", "friction")}
+    for name, values in numbers.items():
+        values[places] = none.get(name, 0.0)
+    tree, limits = replace(robot.tree, gain=gain), _limits(robot, places)
+    named: Any = {"joint_names": tuple(names), "kinds": tuple(kinds), "continuous": tuple(continuous)}
+    return replace(robot, **named, **numbers, tree=tree, axes=axes, coupled_limits=limits)
 
 
 def _limits(robot: Robot, places: list[int]) -> dict[str, tuple[float, float]]:
@@ -96,13 +88,6 @@ def joint_row(robot: Robot, joint: str) -> NDArray[np.float64] | None:
     ]
     row[np.abs(row) < np.finfo(float).eps * np.abs(row).max()] = 0.0
     return row
-
-
-def _filled(values: NDArray[np.float64], places: list[int], value: float) -> NDArray[np.float64]:
-    """A copy with another value at some indices."""
-    copy = np.array(values)
-    copy[places] = value
-    return copy
 
 
 def plain_axes(axes: Axes) -> dict[str, dict[str, float]]:
@@ -136,7 +121,7 @@ def _matrix(axes: Axes, replaced: list[str]) -> NDArray[np.float64]:
         raise InputError("the matrix of the axes is not square", key=KEY, value=value, remedy=remedy)
     A = np.array([[entry.get(joint, 0.0) for joint in replaced] for entry in axes.values()])
     if not np.linalg.cond(A) < SINGULAR:
-        remedy = "the axes must tell every position of the joints"
+        remedy = "the axes must determine every position of the joints"
         raise InputError("the matrix of the axes has no inverse", key=KEY, value=A.tolist(), remedy=remedy)
     return A
 

@@ -66,12 +66,8 @@ def read_joint(element: Any) -> RobotJoint:
 def _kind(element: Any, key: str) -> str:
     kind = str(element.get("type") or "").strip()
     if kind in ("floating", "planar"):
-        raise fail(
-            element,
-            f"{key}/type",
-            f"a {kind} joint",
-            remedy='flexdyn models fixed-base arms of revolute and prismatic joints; make it type="fixed"',
-        )
+        remedy = 'flexdyn models fixed-base arms of revolute and prismatic joints; make it type="fixed"'
+        raise fail(element, f"{key}/type", f"a {kind} joint", remedy=remedy)
     if kind not in _KINDS:
         raise fail(element, f"{key}/type", "unknown joint type", kind, did_you_mean(kind, (*MOVING, "fixed")))
     return kind

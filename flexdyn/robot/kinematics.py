@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn import _core
+from flexdyn.checks import Array
 from flexdyn.robot.robot import Robot
-from flexdyn.robot.tree import Floats
 
 
-def frame_positions(robot: Robot, q: ArrayLike, frame: str | None = None) -> Floats:
+def frame_positions(robot: Robot, q: ArrayLike, frame: str | None = None) -> Array:
     """Forward kinematics of one frame for many positions.
 
     The computation goes from the frame to the base. A point x in the frame of joint k has the coordinates ``R_k

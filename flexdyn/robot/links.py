@@ -79,15 +79,15 @@ def _inertial(element: Any, key: str) -> Inertial:
     principal = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     # Published robots have tiny links whose rounded moments are negative by less than this.
     if principal[0] < -1e-6 * max(1.0, abs(principal[2])):
-        raise fail(
-            inertia,
-            f"{key}/inertia",
-            "not positive semi-definite",
-            f"principal moments {', '.join(f'{value:.4g}' for value in principal)} kg m^2",
-            "no body has a negative moment of inertia; check signs and units",
-        )
+        remedy = "no body has a negative moment of inertia; check signs and units"
+        raise fail(inertia, f"{key}/inertia", "not positive semi-definite", listed_moments(principal), remedy)
     xyz, rpy = pose_of(element, key)
     return Inertial(mass, xyz, rpy, (xx, xy, xz, yy, yz, zz))
+
+
+def listed_moments(principal: np.ndarray) -> str:
+    """Principal moments [kg m^2] for a message."""
+    return f"principal moments {', '.join(f'{value:.4g}' for value in principal)} kg m^2"
 
 
 def spatial_inertia(body: Inertial) -> pin.Inertia:

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from flexdyn.checks import number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import check_known, number
+from flexdyn.errors import InputError
 
 Mimic = tuple[str, float, float]
 """Leader, multiplier, offset: q_follower = multiplier * q_leader + offset."""

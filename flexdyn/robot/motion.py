@@ -86,12 +86,9 @@ def _mimic_motion(model: pin.Model, index: int) -> JointMotion:
 
 
 def _refused(name: str, kind_name: str) -> InputError:
-    free = kind_name in ("JointModelFreeFlyer", "JointModelPlanar")
-    remedy = (
-        "flexdyn models fixed-base arms; build the model without it"
-        if free
-        else "flexdyn models fixed-base arms of revolute and prismatic joints; build it from those"
-    )
+    remedy = "flexdyn models fixed-base arms of revolute and prismatic joints; build it from those"
+    if kind_name in ("JointModelFreeFlyer", "JointModelPlanar"):
+        remedy = "flexdyn models fixed-base arms; build the model without it"
     return InputError(f"a joint of kind {kind_name.removeprefix('JointModel')}", key=f"joint '{name}'", remedy=remedy)
 
 

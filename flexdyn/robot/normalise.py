@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from flexdyn.errors import InputError
+from flexdyn.robot.links import listed_moments
 from flexdyn.robot.mimic import Mimic
 from flexdyn.robot.motion import JointMotion, joint_model, motion_of
 from flexdyn.robot.values import unfit_name
@@ -97,12 +98,8 @@ def _check_body(model: pin.Model, index: int) -> None:
         raise InputError("the body it moves has no valid mass", key=key, value=float(body.mass), remedy=remedy)
     principal = np.linalg.eigvalsh(body.inertia)
     if principal[0] < -max(1e-12, 1e-6 * principal[2]):
-        raise InputError(
-            "the inertia of the body it moves is not positive semi-definite",
-            key=key,
-            value=f"principal moments {', '.join(f'{value:.4g}' for value in principal)} kg m^2",
-            remedy="check the inertias of its links",
-        )
+        problem, remedy = "the inertia of the body it moves is not positive semi-definite", "check its links' inertias"
+        raise InputError(problem, key=key, value=listed_moments(principal), remedy=remedy)
 
 
 def _copy_numbers(old: pin.Model, new: pin.Model, motions: list[JointMotion]) -> None:

@@ -12,14 +12,15 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from flexdyn.errors import InputError, check_known, did_you_mean, visible
+from flexdyn.checks import Array, check_known
+from flexdyn.errors import InputError, did_you_mean, visible
 from flexdyn.io.locked import Locked, locked_copy
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.axes import Axes, with_axes
 from flexdyn.robot.joints import RobotJoint
 from flexdyn.robot.links import Inertial, Link, spatial_inertia
 from flexdyn.robot.mimic import Mimic
-from flexdyn.robot.tree import Floats, FramePlacement, Tree, spatial
+from flexdyn.robot.tree import FramePlacement, Tree, spatial
 
 _ARRAYS = ("lower", "upper", "velocity_limit", "effort_limit", "damping", "friction")
 _FRAME_ORDER = (
@@ -69,12 +70,12 @@ class Robot(Locked, Public):
     joint_names: tuple[str, ...]
     kinds: tuple[str, ...]
     continuous: tuple[bool, ...]
-    lower: Floats
-    upper: Floats
-    velocity_limit: Floats
-    effort_limit: Floats
-    damping: Floats
-    friction: Floats
+    lower: Array
+    upper: Array
+    velocity_limit: Array
+    effort_limit: Array
+    damping: Array
+    friction: Array
     followers: Mapping[str, Mimic]
     tree: Tree
     _model: pin.Model
@@ -200,7 +201,7 @@ class Robot(Locked, Public):
         """Frames that were computed before."""
         return {}
 
-    def expand(self, q: Any) -> Floats:
+    def expand(self, q: Any) -> Array:
         """Positions of all joints of the tree, followers included: q_tree = G q + g0.
 
         Args:
@@ -253,7 +254,7 @@ class Robot(Locked, Public):
             A new robot; only the link's inertia differs, and its source is None: no file describes it.
 
         Raises:
-            InputError: no such link, one without mass, or one that stands still.
+            InputError: no such link, one without mass, or one that does not move.
         """
         return self._with_inertial(link, lambda given: given.scaled(mass, com, inertia))
 
@@ -268,7 +269,7 @@ class Robot(Locked, Public):
             A new robot; only the link's inertia differs, and its source is None: no file describes it.
 
         Raises:
-            InputError: no such link, one without mass, or one that stands still.
+            InputError: no such link, one without mass, or one that does not move.
         """
         return self._with_inertial(link, lambda given: given.round(moment))
 
@@ -279,7 +280,7 @@ class Robot(Locked, Public):
             link: its name.
 
         Raises:
-            InputError: no such link, one without mass, or one that stands still.
+            InputError: no such link, one without mass, or one that does not move.
         """
         self._with_inertial(link, lambda given: given)  # refuses a link without size
         given = next(entry.inertial for entry in self._links if entry.name == link)

@@ -5,9 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from flexdyn.robot.values import number, numbers, pose_of
+from flexdyn.robot.values import numbers, pose_of
 
 SHAPE_GREY = (0.7, 0.7, 0.7, 1.0)
+SIZES = {
+    "box": (("size", 3),),
+    "cylinder": (("radius", 1), ("length", 1)),
+    "sphere": (("radius", 1),),
+    "mesh": (("scale", 3),),
+}
+"""The attributes with the size of each shape, and how many numbers they have."""
 
 
 @dataclass(frozen=True)
@@ -67,16 +74,10 @@ def read_visuals(link: Any, key: str, colors: dict[str, tuple[float, ...]]) -> t
 
 
 def _size(shape: Any, key: str) -> tuple[float, ...]:
-    key = f"{key}/{shape.tag}"
-    if shape.tag == "box":
-        return numbers(shape, "size", f"{key}/size", 3, None)
-    if shape.tag == "cylinder":
-        return number(shape, "radius", f"{key}/radius"), number(shape, "length", f"{key}/length")
-    if shape.tag == "sphere":
-        return (number(shape, "radius", f"{key}/radius"),)
-    if shape.tag == "mesh":
-        return numbers(shape, "scale", f"{key}/scale", 3, (1.0, 1.0, 1.0))
-    return ()
+    default = (1.0, 1.0, 1.0) if shape.tag == "mesh" else None
+    given = SIZES.get(shape.tag, ())
+    read = (numbers(shape, name, f"{key}/{shape.tag}/{name}", count, default) for name, count in given)
+    return tuple(value for values in read for value in values)
 
 
 def _color(visual: Any, colors: dict[str, tuple[float, ...]]) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ from xml.sax.saxutils import quoteattr
 
 from flexdyn.robot.joints import RobotJoint
 from flexdyn.robot.links import Link
-from flexdyn.robot.shapes import Visual
+from flexdyn.robot.shapes import SIZES, Visual
 
 
 def urdf_text(links: Sequence[Link], joints: Sequence[RobotJoint]) -> str:
@@ -52,17 +52,15 @@ def _joint(joint: RobotJoint) -> str:
 
 
 def _visual(visual: Visual) -> str:
-    if visual.shape == "box":
-        shape = f'<box size="{_numbers(visual.size)}"/>'
-    elif visual.shape == "cylinder":
-        shape = f'<cylinder radius="{_numbers(visual.size[:1])}" length="{_numbers(visual.size[1:])}"/>'
-    elif visual.shape == "sphere":
-        shape = f'<sphere radius="{_numbers(visual.size)}"/>'
-    else:
-        shape = f'<mesh filename={quoteattr(visual.mesh)} scale="{_numbers(visual.size)}"/>'
+    shape, values = visual.shape, list(visual.size)
+    if visual.mesh:
+        shape += f" filename={quoteattr(visual.mesh)}"
+    for name, count in SIZES[visual.shape]:
+        shape += f' {name}="{_numbers(values[:count])}"'
+        del values[:count]
     rgba = _numbers(visual.color)
     color = f'<material name="{rgba}"><color rgba="{rgba}"/></material>'
-    return f"<visual>{_origin(visual.xyz, visual.rpy)}<geometry>{shape}</geometry>{color}</visual>"
+    return f"<visual>{_origin(visual.xyz, visual.rpy)}<geometry><{shape}/></geometry>{color}</visual>"
 
 
 def _origin(xyz: Sequence[float], rpy: Sequence[float]) -> str:

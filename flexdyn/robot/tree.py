@@ -10,15 +10,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked, locked_copy
 from flexdyn.robot.mimic import Mimic
 from flexdyn.robot.motion import motion_of
 
-Floats = NDArray[np.float64]
 
-
-def spatial(mass: float, com: Floats, inertia: Floats) -> pin.Inertia:
+def spatial(mass: float, com: Array, inertia: Array) -> pin.Inertia:
     """A spatial inertia; Pinocchio's constructor refuses that of a point mass, which differs from zero by rounding."""
     body = pin.Inertia.Zero()
     body.mass, body.lever, body.inertia = mass, np.array(com), np.array(inertia)
@@ -38,8 +37,8 @@ class FramePlacement(Locked):
 
     name: str
     joint: int
-    rotation: Floats
-    translation: Floats
+    rotation: Array
+    translation: Array
 
     def __post_init__(self) -> None:
         """Copy and lock the arrays."""
@@ -69,15 +68,15 @@ class Tree(Locked):
 
     parent: NDArray[np.int32]
     prismatic: NDArray[np.bool_]
-    axis: Floats
-    rotation: Floats
-    translation: Floats
-    mass: Floats
-    com: Floats
-    inertia: Floats
-    armature: Floats
-    gain: Floats
-    offset: Floats
+    axis: Array
+    rotation: Array
+    translation: Array
+    mass: Array
+    com: Array
+    inertia: Array
+    armature: Array
+    gain: Array
+    offset: Array
 
     def __post_init__(self) -> None:
         """Copy the arrays and make them read-only."""
@@ -101,7 +100,7 @@ class Tree(Locked):
         return int(self.gain.shape[1])
 
     @property
-    def inertial_parameters(self) -> Floats:
+    def inertial_parameters(self) -> Array:
         """The numbers of every joint in which torques are linear (m, 11).
 
         Mass, first moment m c, inertia about the joint's origin ``I + m S(c)`` as xx, xy, yy, xz, yz, zz, and armature.
@@ -222,5 +221,5 @@ def tree_of(model: pin.Model, independent: Sequence[str], followers: Mapping[str
     )
 
 
-def _steiner(d: Floats) -> Floats:
+def _steiner(d: Array) -> Array:
     return np.asarray(np.dot(d, d) * np.eye(3) - np.outer(d, d))

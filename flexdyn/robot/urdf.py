@@ -95,7 +95,7 @@ def check_graph(links: Sequence[LinkLine], joints: Sequence[JointLine]) -> None:
     roots = [name for name, _ in links if name not in parent_joint]
     if len(roots) > 1:
         shown = ", ".join(f"'{name}'" for name in roots[:5]) + (", ..." if len(roots) > 5 else "")
-        remedy = "join them to one tree by fixed joints, or remove the links that hang on nothing"
+        remedy = "join them to one tree by fixed joints, or remove the links that no joint connects"
         raise InputError(f"{len(roots)} root links: {shown}", key="link", remedy=remedy)
 
 

@@ -40,7 +40,7 @@ class Target:
 
     def end(self) -> None:
         """End the processes that did the work, so that their memory is counted."""
-        caller._end_all()
+        caller._release_all(caller._Server.end)
 
 
 def _recording(folder: Path, data: bytes, *, suffix: str) -> None:

@@ -9,7 +9,7 @@ import pytest
 import scipy.io
 
 import flexdyn as fd
-from flexdyn.records.table import FloatArray
+from flexdyn.checks import Array
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT.parent / "shared" / "data"
@@ -24,7 +24,7 @@ def read(data: str, ready: str) -> fd.Recording:
     return fd.read_recording(DATA / data, map=MAPS / ready)
 
 
-def correlation(one: FloatArray, other: FloatArray) -> float:
+def correlation(one: Array, other: Array) -> float:
     """Of two signals, from -1 to 1."""
     return float(np.corrcoef(one, other)[0, 1])
 

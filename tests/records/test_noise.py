@@ -127,6 +127,7 @@ def test_the_noise_of_readings_is_what_the_diagnosis_uses(std: float) -> None:
     pole, D = 0.8, np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
     slow = estimate_noise(t, x + lfilter([np.sqrt(1 - pole**2)], [1.0, -pole], white))
     share = np.sqrt(D @ toeplitz(pole ** np.arange(7.0)) @ D / (D @ D))
+    assert slow.reading_std is not None
     assert slow.reading_std == pytest.approx(share * std, rel=0.1)
     assert abs(slow.std - std) < abs(slow.reading_std - std)
 

@@ -79,7 +79,7 @@ def test_linear_and_blind_to_the_arrow_of_time(smoother: Smoother, seed: int, a:
     x, y = np.random.default_rng(seed).normal(size=(2, 2 * smoother.reach + 20))
     for order, sign in (("value", 1), ("first", -1), ("second", 1)):
         apply = getattr(smoother, order)
-        scale = smoother.noise_gain(order)
+        scale = smoother.noise_std(order, [1.0])
         np.testing.assert_allclose(apply(a * x + b * y), a * apply(x) + b * apply(y), atol=1e-11 * scale)
         np.testing.assert_allclose(apply(x[::-1]), sign * apply(x)[::-1], atol=1e-11 * scale)
 
@@ -163,7 +163,7 @@ def test_noise_is_propagated(order: str, colour: float) -> None:
     covariance = colour ** np.arange(60.0)
     assert smoother.noise_std(order, covariance) == pytest.approx(float(out.std()), rel=0.02)
     if colour == 0.0:
-        assert smoother.noise_gain(order) == pytest.approx(float(out.std()), rel=0.01)
+        assert smoother.noise_std(order, [1.0]) == pytest.approx(float(out.std()), rel=0.01)
 
 
 def test_tables_are_filtered_column_by_column() -> None:
@@ -173,7 +173,7 @@ def test_tables_are_filtered_column_by_column() -> None:
         for order in ORDERS:
             together = getattr(smoother, order)(x)
             alone = np.column_stack([getattr(smoother, order)(column) for column in x.T])
-            np.testing.assert_allclose(together, alone, atol=1e-10 * smoother.noise_gain(order))
+            np.testing.assert_allclose(together, alone, atol=1e-10 * smoother.noise_std(order, [1.0]))
             assert len(together) == len(x[smoother.valid])
 
 
@@ -210,7 +210,7 @@ def test_wrong_samples_are_refused() -> None:
     with pytest.raises(InputError, match="no column"):
         smoother.second(np.zeros((3, 3, 3)))
     with pytest.raises(InputError, match="known: value"):
-        smoother.noise_gain("third")
+        smoother.noise_std("third", [1.0])
     with pytest.raises(InputError, match="cut-off"):
         Smoother.at_cutoff(249.0, RATE)
 

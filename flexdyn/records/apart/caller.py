@@ -10,16 +10,18 @@ import atexit
 import contextlib
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError
-from flexdyn.records.apart.messages import Lost, received, received_error, received_table, request_as_data
+from flexdyn.records.apart.messages import Lost, received, received_error, received_table
 from flexdyn.records.apart.server import SIGNALLED, WAITING, bytes_for, seconds_for
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table
@@ -73,7 +75,9 @@ class _Server:
         stream = self._streams[1]
         self.between = False
         limits = {"seconds": seconds_for(on_disk), "bytes": bytes_for(on_disk)}
-        self._say({"path": os.path.abspath(path), "request": request_as_data(request), **limits})
+        self._say(
+            {"path": os.path.abspath(path), "request": pickle.dumps(replace(request, progress=None)).hex(), **limits}
+        )
         kind, content = received(stream)
         while kind == "progress":
             request.report(float(content))

@@ -7,15 +7,12 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
-from dataclasses import asdict
 from typing import IO, Any
 
 import numpy as np
 
 from flexdyn.errors import FlexdynError, InputError
 from flexdyn.records.bounds import check_size
-from flexdyn.records.request import Layout, Request
 from flexdyn.records.table import Rows, Table
 
 _LONGEST_MESSAGE = 2**26
@@ -24,22 +21,6 @@ _STRANGE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 
 class Lost(Exception):
     """The other process has ended, or its message is not valid."""
-
-
-def request_as_data(request: Request) -> dict[str, Any]:
-    """A request without its progress, in a form for JSON."""
-    return {
-        "columns": None if request.columns is None else sorted(request.columns, key=str),
-        "layout": asdict(request.layout),
-        "mapped": request.mapped,
-        "named": sorted(request.named, key=str),
-    }
-
-
-def request_of(data: Mapping[str, Any]) -> Request:
-    """The request from the data of `request_as_data`."""
-    columns = None if data["columns"] is None else frozenset(data["columns"])
-    return Request(columns, Layout(**data["layout"]), None, data["mapped"], frozenset(data["named"]))
 
 
 def send(out: int, kind: str, content: Any) -> None:

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, check_known
+from flexdyn.errors import InputError
 from flexdyn.records.channelmap.clock import clocked, undelayed, with_times
 from flexdyn.records.channelmap.couplings import couple
 from flexdyn.records.channelmap.description import TIME, ChannelMap, column_name
 from flexdyn.records.channelmap.expression import check_names
 from flexdyn.records.channelmap.units import conversions_of, stated_units, units_of
 from flexdyn.records.repairs import Repair, repaired
-from flexdyn.records.table import FloatArray, Table, as_floats, check_lengths
+from flexdyn.records.table import Table, as_floats, check_lengths
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # an overflow gives no finite number, which is refused
@@ -87,7 +88,7 @@ class _Raw:
         return self._columns[name] if self._uses[name] else self._columns.pop(name)
 
 
-def _kept(table: Table, columns: dict[str, Any]) -> dict[str, FloatArray]:
+def _kept(table: Table, columns: dict[str, Any]) -> dict[str, Array]:
     """Columns that the map does not name, as they are."""
     for name in table.columns:
         if name in columns or name == TIME:
@@ -96,7 +97,7 @@ def _kept(table: Table, columns: dict[str, Any]) -> dict[str, FloatArray]:
     return {name: as_floats(values, name, copy=False) for name, values in table.columns.items()}
 
 
-def _counted(columns: dict[str, FloatArray], rate: float) -> FloatArray:
+def _counted(columns: dict[str, Array], rate: float) -> Array:
     length = len(next(iter(columns.values()), ()))
     return np.arange(length) / rate
 

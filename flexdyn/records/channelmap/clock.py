@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.channelmap.description import TIME, TimeSource, column_name
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
-from flexdyn.records.table import FloatArray, Table, as_floats, check_finite, check_time
+from flexdyn.records.table import Table, as_floats, check_finite, check_time
 from flexdyn.records.units import UNITLESS
 
 _EXACT = 2**53
@@ -20,7 +21,7 @@ _SLACK = 1e-6
 """Share of a sample step by which a sample may be beyond the end of a delayed channel, because of rounding [1]."""
 
 
-def with_times(time: TimeSource, raw: npt.NDArray[Any], stated: Mapping[str, str | None]) -> FloatArray:
+def with_times(time: TimeSource, raw: npt.NDArray[Any], stated: Mapping[str, str | None]) -> Array:
     """A raw column of time in seconds; nanoseconds since 1970 are exact if the first one is subtracted.
 
     Raises:
@@ -65,7 +66,7 @@ def undelayed(table: Table, delays: Mapping[str, float]) -> Table:
     return replace(table, columns=columns, rows=table.rows.taken(inside))
 
 
-def clocked(time: TimeSource, t: FloatArray) -> FloatArray:
+def clocked(time: TimeSource, t: Array) -> Array:
     """The times from the requested start, shifted."""
     if time.start == "zero" and len(t):
         t = t - t[0]

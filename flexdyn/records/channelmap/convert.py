@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.channelmap.known_units import ELECTRICAL, SI, SLIDING, UNITS, Unit, plain_unit
-from flexdyn.records.table import FloatArray
 from flexdyn.records.units import SIGNALS, UNITLESS
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Conversion:
     quantity: str
     unit: str
 
-    def __call__(self, raw: FloatArray) -> FloatArray:
+    def __call__(self, raw: Array) -> Array:
         """The channel's values, a new array; numbers that are in SI already do not change, bit for bit."""
         values = raw * self.numerator
         if self.denominator != 1.0:

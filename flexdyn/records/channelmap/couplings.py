@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import as_number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, as_number, check_known
+from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys
 from flexdyn.records.channelmap.description import Channel, Coupling
-from flexdyn.records.table import FloatArray
 
 KEYS = ("joints", "position", "torque", "signals")
 MOTIONS = ("q", "v", "theta", "omega")
@@ -42,7 +41,7 @@ def couplings_of(entries: Any, channels: Sequence[Channel]) -> tuple[Coupling, .
     return tuple(made)
 
 
-def couple(columns: dict[str, FloatArray], couplings: Iterable[Coupling]) -> None:
+def couple(columns: dict[str, Array], couplings: Iterable[Coupling]) -> None:
     """Replace the motors' values in the columns by the joints'."""
     for coupling in couplings:
         pairs = [(signal, coupling.position) for signal in coupling.signals]

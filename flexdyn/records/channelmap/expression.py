@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.errors import InputError, check_known
-from flexdyn.records.table import FloatArray
+from flexdyn.checks import Array, check_known
+from flexdyn.errors import InputError
 
 LONGEST_EXPRESSION = 1000
 """Largest number of letters of an expression."""
@@ -44,7 +44,7 @@ class Expression:
     names: tuple[str, ...] = field(compare=False)
     _tree: Any = field(compare=False, repr=False)
 
-    def value(self, channels: Mapping[str, FloatArray]) -> FloatArray:
+    def value(self, channels: Mapping[str, Array]) -> Array:
         """Its values, an array of the length of the channels.
 
         Args:
@@ -146,7 +146,7 @@ class _Reader:
         raise self.refused("it ends too early" if kind == "end" else f"'{text}' does not fit there")
 
 
-def _value(tree: Any, channels: Mapping[str, FloatArray]) -> Any:
+def _value(tree: Any, channels: Mapping[str, Array]) -> Any:
     if isinstance(tree, float):
         return tree
     if isinstance(tree, str):

@@ -36,7 +36,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, check_known, placed
+from flexdyn.checks import check_known
+from flexdyn.errors import InputError, placed
 from flexdyn.io.yaml import check_format, check_keys, read_yaml
 from flexdyn.records.channelmap.couplings import couplings_of
 from flexdyn.records.channelmap.description import MAP_FORMAT, Channel, ChannelMap
@@ -187,17 +188,17 @@ def _channel(name: str, entry: Any, shared: Mapping[str, Any]) -> Channel:
         entry = {"from": entry}
     check_keys(entry, CHANNEL_KEYS, required=("from",), key=key)
     given: dict[str, Any] = {"source": as_source(f"{key}.from", entry["from"])}
-    if "unit" in entry:
-        given["unit"] = as_text(f"{key}.unit", entry["unit"])
-    if "side" in entry:
-        given["side"] = as_choice(f"{key}.side", entry["side"], ("link", "motor"))
-    if "sign" in entry:
-        if isinstance(entry["sign"], bool) or entry["sign"] not in (1, -1):
-            raise InputError("1 or -1 is needed", key=f"{key}.sign", value=entry["sign"], remedy="scale with factor")
-        given["sign"] = int(entry["sign"])
-    for number in (*POSITIVE, "full_scale", "factor", "offset", "delay"):
-        if number in entry:
-            given[number] = as_finite(key, number, entry[number])
+    for item, value in entry.items():
+        if item == "unit":
+            given[item] = as_text(f"{key}.unit", value)
+        elif item == "side":
+            given[item] = as_choice(f"{key}.side", value, ("link", "motor"))
+        elif item == "sign":
+            if isinstance(value, bool) or value not in (1, -1):
+                raise InputError("1 or -1 is needed", key=f"{key}.sign", value=value, remedy="scale with factor")
+            given[item] = int(value)
+        elif item != "from":
+            given[item] = as_finite(key, item, value)
     return Channel(name, **_with_shared(key, given, shared))
 
 

@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import fields
 from typing import Any
 
-from flexdyn.checks import number, whole
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import check_known, number, whole
+from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys
 from flexdyn.records.channelmap.description import TIME, TimeSource
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.records.table import FloatArray
+from flexdyn.checks import Array
 
 _STAMP = re.compile(
     r"(?:(?P<iso>\d{4}-\d\d-\d\d)|(?P<day>\d\d)\.(?P<month>\d\d)\.(?P<year>\d{4}))"
@@ -114,7 +114,7 @@ class Dialect:
         """Whether all cells are empty, as in the rows of separators that spreadsheets write."""
         return not line.strip().strip(self.delimiter + " \t")
 
-    def parse(self, lines: list[str], width: int, columns: Sequence[int] | None = None) -> FloatArray | None:
+    def parse(self, lines: list[str], width: int, columns: Sequence[int] | None = None) -> Array | None:
         """Numbers (lines, columns), all columns by default, NaN for an empty cell.
 
         Returns:
@@ -130,7 +130,7 @@ class Dialect:
             block = self._loaded(filled, columns)
         return block if block is None or block.shape == (len(lines), len(columns or ()) or width) else None
 
-    def _loaded(self, lines: list[str], columns: Sequence[int] | None) -> FloatArray | None:
+    def _loaded(self, lines: list[str], columns: Sequence[int] | None) -> Array | None:
         delimiter = None if self.delimiter == " " else self.delimiter
         converters: dict[int | str, Any] | None = (
             None if self.stamps is None else {self.stamps.column: self.stamps.seconds}

@@ -10,13 +10,14 @@ from typing import TextIO
 
 import numpy as np
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.csv.guess import encoding_of
 from flexdyn.records.csv.header import header_of
 from flexdyn.records.csv.rows import Block, Header, blocks_of_numbers
 from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
-from flexdyn.records.table import FloatArray, Rows, Table
+from flexdyn.records.table import Rows, Table
 
 _CSV_BLOCK = 2**20
 _LONGEST_LINE = 2**20
@@ -71,7 +72,7 @@ class _Columns:
         self._arrays = [np.empty(0) for _ in range(count)]
         self._length = self._room = 0
 
-    def append(self, block: FloatArray) -> None:
+    def append(self, block: Array) -> None:
         """Append a block of numbers (rows, columns)."""
         begin, self._length = self._length, self._length + len(block)
         if self._length > self._room:
@@ -79,7 +80,7 @@ class _Columns:
         for array, values in zip(self._arrays, block.T, strict=True):
             array[begin : self._length] = values
 
-    def finished(self) -> list[FloatArray]:
+    def finished(self) -> list[Array]:
         """The columns at their true length."""
         self._resize(self._length)
         return self._arrays

@@ -77,7 +77,7 @@ def _told(blocks: Iterator[Block], layout: Layout) -> _Start:
             text = _uncommented(lines[at - number])
         if first - number < len(lines):
             return _Start(at, text, (first, lines[first - number :]))
-    raise InputError(f"the file ends before line {first}", remedy="give the lines that names and samples stand on")
+    raise InputError(f"the file ends before line {first}", remedy="give the lines of names and samples")
 
 
 def _every(start: _Start, request: Request) -> Header:

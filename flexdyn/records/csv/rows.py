@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.csv.dialect import Dialect, is_stamp
-from flexdyn.records.table import FloatArray
 
 Block = tuple[int, list[str]]
 """Number of the first line (from 1), and whole lines."""
@@ -43,7 +43,7 @@ class Header:
         return None if columns == list(range(self.width)) else columns
 
 
-def blocks_of_numbers(header: Header, blocks: Iterator[Block]) -> Iterator[FloatArray]:
+def blocks_of_numbers(header: Header, blocks: Iterator[Block]) -> Iterator[Array]:
     """Yield numbers (rows, requested columns) block by block; blank lines are allowed only at the end of the file.
 
     Raises:

@@ -15,11 +15,11 @@ from urllib.parse import quote
 
 import numpy as np
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, check_installed
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.array_columns import parts_of
 from flexdyn.records.bounds import check_count, check_size
-from flexdyn.records.hdf5.library import check_library, library, new_file
+from flexdyn.records.hdf5.library import library, new_file
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
@@ -51,7 +51,7 @@ def read(path: Path, request: Request) -> Table:
         InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
         MissingExtra: h5py is not installed.
     """
-    check_library()
+    check_installed("h5py", "hdf5")
     return read_apart(__name__, path, request)
 
 

@@ -5,21 +5,10 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import MissingExtra, needed
-
-
-def check_library() -> None:
-    """Check that h5py is installed, without loading it.
-
-    Raises:
-        MissingExtra: it is not installed.
-    """
-    if find_spec("h5py") is None:
-        raise MissingExtra("h5py", "hdf5")
+from flexdyn.errors import needed
 
 
 def library() -> Any:

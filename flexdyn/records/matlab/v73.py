@@ -12,14 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.errors import InputError
+from flexdyn.checks import Array
+from flexdyn.errors import InputError, check_installed
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import MOST_COLUMNS, check_size
 from flexdyn.records.hdf5.file import attribute, check_storage, member
-from flexdyn.records.hdf5.library import check_library, library, new_file
+from flexdyn.records.hdf5.library import library, new_file
 from flexdyn.records.matlab.columns import Leaf, LeafColumns
 from flexdyn.records.request import Request
-from flexdyn.records.table import FloatArray, Table, damage_named
+from flexdyn.records.table import Table, damage_named
 
 _BLOCK = 512
 _DEEPEST = 16
@@ -51,7 +52,7 @@ def write(variables: dict[str, Any], path: Path) -> None:
         stream.write(words.encode().ljust(124) + b"\x00\x02IM")
 
 
-def _write_column(group: Any, name: str, values: FloatArray) -> None:
+def _write_column(group: Any, name: str, values: Array) -> None:
     dataset = group.create_dataset(name, data=values.reshape(1, -1))
     dataset.attrs["MATLAB_class"] = np.bytes_("double")
 
@@ -63,7 +64,7 @@ def read(path: Path, request: Request) -> Table:
         InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
         MissingExtra: h5py is not installed.
     """
-    check_library()
+    check_installed("h5py", "hdf5")
     return read_apart(__name__, path, request)
 
 

@@ -7,6 +7,8 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
+
 NANO = 10**9
 YEAR = 365 * 86400 * NANO
 """Larger stamps are times of day, and are counted from the first one [ns]."""
@@ -15,10 +17,9 @@ _EXACT = 2**53
 _SAFE = 2**51
 
 Integers = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 
-def seconds(stamps: Integers, zero: int) -> Floats:
+def seconds(stamps: Integers, zero: int) -> Array:
     """The doubles nearest to (stamp - zero)/1e9.
 
     Args:
@@ -31,7 +32,7 @@ def seconds(stamps: Integers, zero: int) -> Floats:
     return np.fromiter((count / NANO for count in since.tolist()), float, len(since))
 
 
-def nanoseconds(t: Floats) -> Integers:
+def nanoseconds(t: Array) -> Integers:
     """The whole nanoseconds nearest to times in seconds."""
     scaled = t * float(NANO)
     if np.abs(scaled).max(initial=0.0) < _SAFE:

@@ -108,11 +108,8 @@ def _plain(number: MessageNumber, joints: list[str], lengths: Mapping[Path, int]
             last = joints[last]
         elif msgtype in CONVENTIONAL and not str(head[0]).startswith("multi_dof"):
             problem = f"{count} numbers for {len(joints)} joints"
-            raise InputError(
-                problem,
-                key=".".join(map(str, head)),
-                remedy="lists must have the same length as the names, or be empty",
-            )
+            remedy = "lists must have the same length as the names, or be empty"
+            raise InputError(problem, key=".".join(map(str, head)), remedy=remedy)
     return ".".join(str(part) for part in (*head, last))
 
 

@@ -13,18 +13,23 @@ from flexdyn.records.ros.walk import Fields
 from flexdyn.records.table import damage_named
 
 _LONGEST_DEFINITION = 2**17
-_POINTS = "\n".join(
-    f"trajectory_msgs/JointTrajectoryPoint {name}" for name in ("reference", "feedback", "error", "output")
-)
+
+
+def _fields(kind: str, *names: str) -> str:
+    return "".join(f"{kind} {name}\n" for name in names)
+
+
+_POINT, _MULTI_POINT = "trajectory_msgs/JointTrajectoryPoint", "trajectory_msgs/MultiDOFJointTrajectoryPoint"
+_NAMES = ("reference", "feedback", "error", "output")
+_POINTS, _OLD_POINTS = _fields(_POINT, *_NAMES), _fields(_POINT, "desired", "actual")
+_MULTI = _fields(_MULTI_POINT, *(f"multi_dof_{name}" for name in _NAMES))
+_OLD_MULTI = _fields(_MULTI_POINT, "multi_dof_desired", "multi_dof_actual")
 _HEAD = "std_msgs/Header header\nstring[] joint_names\n"
-_OLD_POINTS = "trajectory_msgs/JointTrajectoryPoint desired\ntrajectory_msgs/JointTrajectoryPoint actual\n"
-_MULTI = "\n".join(
-    f"trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_{name}"
-    for name in ("reference", "feedback", "error", "output")
-)
-_OLD_MULTI = _MULTI.replace("reference", "desired").replace("feedback", "actual").split("\n")[:2]
+_MULTI_JOINTS = "string[] multi_dof_joint_names\n"
 _JTC = "control_msgs/msg/JointTrajectoryControllerState"
-_NEW = f"{_HEAD}{_POINTS}\nstring[] multi_dof_joint_names\n{_MULTI}\n"
+_NEW = f"{_HEAD}{_POINTS}{_MULTI_JOINTS}{_MULTI}"
+_GAINS = ("p", "i", "d", "i_clamp")
+_LOOP = ("set_point", "process_value", "process_value_dot", "error", "time_step", "command")
 
 DYNAMIC_JOINT_STATE = "control_msgs/msg/DynamicJointState"
 INTERFACE_VALUE = "control_msgs/msg/InterfaceValue"
@@ -32,21 +37,13 @@ INTERFACE_VALUE = "control_msgs/msg/InterfaceValue"
 # control_msgs is not among the types that rosbags brings; its fields changed over the years.
 _CONTROL: dict[str, tuple[str, ...]] = {
     _JTC: (
-        f"{_HEAD}{_OLD_POINTS}trajectory_msgs/JointTrajectoryPoint error\n",
-        f"{_HEAD}{_POINTS}\n{_OLD_POINTS}string[] multi_dof_joint_names\n{_MULTI}\n" + "\n".join(_OLD_MULTI) + "\n",
+        f"{_HEAD}{_OLD_POINTS}{_fields(_POINT, 'error')}",
+        f"{_HEAD}{_POINTS}{_OLD_POINTS}{_MULTI_JOINTS}{_MULTI}{_OLD_MULTI}",
         _NEW,
         f"{_NEW}float64 speed_scaling_factor\n",
     ),
     "control_msgs/msg/JointControllerState": (
-        "std_msgs/Header header\n"
-        + "".join(
-            f"float64 {name}\n"
-            for name in (
-                *("set_point", "process_value", "process_value_dot", "error", "time_step", "command"),
-                *("p", "i", "d", "i_clamp"),
-            )
-        )
-        + "bool antiwindup\n",
+        f"std_msgs/Header header\n{_fields('float64', *_LOOP, *_GAINS)}bool antiwindup\n",
     ),
     DYNAMIC_JOINT_STATE: (f"{_HEAD}control_msgs/InterfaceValue[] interface_values\n",),
     INTERFACE_VALUE: ("string[] interface_names\nfloat64[] values\n",),

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.request import Request
 from flexdyn.records.ros.clock import seconds
 from flexdyn.records.ros.columns import CONVENTIONAL
 from flexdyn.records.ros.series import Integers, Series
 from flexdyn.records.signals.gaps import in_gaps
-from flexdyn.records.table import FloatArray
 
 MERGES = ("linear", "hold")
 """``linear``: interpolation between two messages; ``hold``: the value of the last message."""
@@ -31,7 +31,7 @@ class Merged:
     """
 
     stamps: Integers
-    columns: Mapping[str, FloatArray]
+    columns: Mapping[str, Array]
     said: tuple[str, ...] = ()
 
 
@@ -78,7 +78,7 @@ def _base(every: Sequence[Series], request: Request) -> Series:
     return alone[0] if alone else max(every, key=lambda series: len(series.stamps))
 
 
-def _put(series: Series, values: FloatArray, stamps: Integers, zero: int, merge: str) -> FloatArray:
+def _put(series: Series, values: Array, stamps: Integers, zero: int, merge: str) -> Array:
     """A column at other stamps, which are within the range of its own."""
     if merge == "hold":
         return np.asarray(values[np.searchsorted(series.stamps, stamps, "right") - 1])

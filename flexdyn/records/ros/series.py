@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.bounds import check_size
 from flexdyn.records.ros.columns import columns_of, stamp_of
@@ -15,7 +16,6 @@ from flexdyn.records.ros.picks import Pick
 from flexdyn.records.ros.walk import Bytes, MessageLayout, MessageNumber
 
 Integers = npt.NDArray[np.int64]
-Floats = npt.NDArray[np.float64]
 
 _BLOCK_MESSAGES = 4096
 _BLOCK_BYTES = 8 * 2**20
@@ -48,7 +48,7 @@ class Series:
     ) -> None:
         self.topic, self.msgtype, self.pick, self.clock = topic, msgtype, pick, clock
         self.describe, self.count, self.size = describe, count, size
-        self.columns: dict[str, Floats] = {}
+        self.columns: dict[str, Array] = {}
         self.stamps: Integers = np.empty(0, np.int64)
         self.filled = self.seen = 0
         self._raws: list[bytes] = []
@@ -76,7 +76,7 @@ class Series:
             raise InputError(problem, key=self.topic, remedy="the bag is damaged; reindex it")
         stamps = self._stamps(times)
         keep = np.zeros(len(raws), bool)
-        values: Floats = np.empty((len(self.columns), len(raws)))
+        values: Array = np.empty((len(self.columns), len(raws)))
         lengths = np.fromiter(map(len, raws), np.int64, len(raws))
         for length in dict.fromkeys(lengths.tolist()):
             rows = np.flatnonzero(lengths == length)
@@ -127,7 +127,7 @@ class Series:
         numbers: dict[str, MessageNumber],
         block: Bytes,
         rows: npt.NDArray[np.intp],
-        values: Floats,
+        values: Array,
         stamps: Integers,
     ) -> None:
         for index, name in enumerate(self.columns):
@@ -145,7 +145,7 @@ class Series:
             raise InputError("integers beyond 2^53 are no exact doubles", remedy="leave the column out", channel=name)
         return values
 
-    def _append(self, values: Floats, stamps: Integers, keep: npt.NDArray[np.bool_]) -> None:
+    def _append(self, values: Array, stamps: Integers, keep: npt.NDArray[np.bool_]) -> None:
         if not keep.any():
             return
         end = self.filled + int(keep.sum())

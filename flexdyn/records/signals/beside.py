@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.meta import as_plain
 from flexdyn.records.signals.gaps import in_gaps
-from flexdyn.records.table import FloatArray, Table
+from flexdyn.records.table import Table
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
@@ -39,7 +40,7 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
     """
     if method not in METHODS:
         raise InputError("no such method", key="method", value=method, remedy="known: " + ", ".join(METHODS))
-    columns: dict[str, FloatArray] = {"t": first.t, **first.channels}
+    columns: dict[str, Array] = {"t": first.t, **first.channels}
     meta = as_plain(first.meta)
     units, notes = dict(meta.get("units", {})), list(meta.get("notes", ()))
     kept = np.ones(len(first), bool)
@@ -67,7 +68,7 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
     return type(first).from_table(Table(chosen, known), "+".join(each.name for each in (first, *others) if each.name))
 
 
-def _on_the_clock_of(first: Recording, other: Recording) -> tuple[FloatArray, str]:
+def _on_the_clock_of(first: Recording, other: Recording) -> tuple[Array, str]:
     """Times of a recording on the clock of another, and the reason in words."""
     began, later = (each.meta.get(START) for each in (first, other))
     if isinstance(began, int) and isinstance(later, int):
@@ -76,7 +77,7 @@ def _on_the_clock_of(first: Recording, other: Recording) -> tuple[FloatArray, st
     return other.t, "both clocks are assumed to agree"
 
 
-def _at(times: FloatArray, t: FloatArray, values: FloatArray, method: str) -> FloatArray:
+def _at(times: Array, t: Array, values: Array, method: str) -> Array:
     if method == "linear":
         return np.asarray(np.interp(times, t, values))
     slack = 1e-3 * float(np.median(np.diff(t)))  # stamps are rounded
@@ -84,7 +85,7 @@ def _at(times: FloatArray, t: FloatArray, values: FloatArray, method: str) -> Fl
     return np.asarray(values[row])
 
 
-def _said(first: Recording, other: Recording, t: FloatArray, method: str, clock: str) -> str:
+def _said(first: Recording, other: Recording, t: Array, method: str, clock: str) -> str:
     """A sentence that says how a recording was aligned."""
     right = np.clip(np.searchsorted(t, first.t), 1, len(t) - 1)
     off = np.minimum(np.abs(first.t - t[right - 1]), np.abs(first.t - t[right]))

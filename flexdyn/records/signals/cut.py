@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexdyn.checks import number
-from flexdyn.errors import InputError, check_known
+from flexdyn.checks import Array, check_known, number
+from flexdyn.errors import InputError
 from flexdyn.records.meta import as_plain
-from flexdyn.records.table import FloatArray, Table
+from flexdyn.records.table import Table
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
@@ -93,7 +93,7 @@ def shifted(rec: Recording, seconds: float | Mapping[str, float]) -> Recording:
     first = float(rec.t[0]) + max([0.0, *shifts.values()])
     last = float(rec.t[-1]) + min([0.0, *shifts.values()])
     kept = trimmed(rec, first, last)
-    columns: dict[str, FloatArray] = {"t": kept.t, **kept.channels}
+    columns: dict[str, Array] = {"t": kept.t, **kept.channels}
     for channel, by in shifts.items():
         if by:
             alone = made(rec, {"t": rec.t, channel: rec[channel]}, meta=False)
@@ -105,7 +105,7 @@ def _rows(rec: Recording, low: int, high: int) -> Recording:
     return made(rec, {"t": rec.t[low:high], **{name: values[low:high] for name, values in rec.channels.items()}})
 
 
-def made(rec: Recording, columns: Mapping[str, FloatArray], *, meta: bool = True) -> Recording:
+def made(rec: Recording, columns: Mapping[str, Array], *, meta: bool = True) -> Recording:
     """A recording of the same kind with other samples."""
     copies = {name: np.array(values, float) for name, values in columns.items()}
     return type(rec).from_table(Table(copies, as_plain(rec.meta) if meta else {}), rec.name)

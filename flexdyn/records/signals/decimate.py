@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import whole
+from flexdyn.checks import Array, whole
 from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.gaps import gap_rows
-from flexdyn.records.table import FloatArray
 from flexdyn.records.units import is_held
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ def decimated(rec: Recording, factor: int) -> Recording:
     return made(rec, columns)
 
 
-def _filtered(values: FloatArray, kept: npt.NDArray[np.intp], factor: int) -> FloatArray:
+def _filtered(values: Array, kept: npt.NDArray[np.intp], factor: int) -> Array:
     from scipy.signal import firwin, resample_poly
 
     taps = firwin(2 * FILTER_REACH * factor + 1, 1.0 / factor, window="hamming")
@@ -64,7 +63,7 @@ def _filtered(values: FloatArray, kept: npt.NDArray[np.intp], factor: int) -> Fl
     return np.asarray(low[kept // factor] + level)
 
 
-def _means(values: FloatArray, kept: npt.NDArray[np.intp], factor: int) -> FloatArray:
+def _means(values: Array, kept: npt.NDArray[np.intp], factor: int) -> Array:
     return np.asarray(values[kept[:, None] + np.arange(factor)].mean(axis=1))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 from flexdyn.records.signals.cut import made
@@ -15,7 +16,6 @@ from flexdyn.records.signals.decimate import uniform_rate
 from flexdyn.records.signals.noise import Noise, estimate_noise
 from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.signals.width import best_smoother
-from flexdyn.records.table import FloatArray
 from flexdyn.records.units import is_held, split_name
 
 if TYPE_CHECKING:
@@ -45,19 +45,19 @@ class Derivatives(Locked):
     noise: Mapping[str, Noise]
 
     @property
-    def t(self) -> FloatArray:
+    def t(self) -> Array:
         """Times of the outputs [s]."""
         return self.recording.t[self.smoother.valid]
 
-    def value(self, channel: str) -> FloatArray:
+    def value(self, channel: str) -> Array:
         """The smoothed channel; tau and tau_applied are taken as held from each sample to the next."""
         return (self.smoother.held if is_held(channel) else self.smoother.value)(self.recording[channel])
 
-    def first(self, channel: str) -> FloatArray:
+    def first(self, channel: str) -> Array:
         """First derivative [unit/s]: velocity from a position, acceleration from a velocity."""
         return self.smoother.first(self.recording[channel])
 
-    def second(self, channel: str) -> FloatArray:
+    def second(self, channel: str) -> Array:
         """Second derivative [unit/s^2]: acceleration from a position."""
         return self.smoother.second(self.recording[channel])
 

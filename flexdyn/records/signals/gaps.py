@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
 from flexdyn.records.notices import RecordingWarning
-from flexdyn.records.table import FloatArray
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
@@ -23,13 +23,13 @@ GAPS_LISTED = 3
 
 
 @np.errstate(over="ignore", invalid="ignore")  # times near the largest double
-def gap_limit(t: FloatArray) -> float:
+def gap_limit(t: Array) -> float:
     """Longest time between two samples that is no gap [s]."""
     return GAP_PERIODS * float(np.median(np.diff(t)))
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def gap_rows(t: FloatArray) -> npt.NDArray[np.intp]:
+def gap_rows(t: Array) -> npt.NDArray[np.intp]:
     """Indices of samples that are followed by a gap; none if times do not increase."""
     if len(t) < 3 or not np.isfinite(t).all():
         return np.zeros(0, np.intp)
@@ -37,12 +37,12 @@ def gap_rows(t: FloatArray) -> npt.NDArray[np.intp]:
     return np.flatnonzero(steps > gap_limit(t)) if (steps > 0).all() else np.zeros(0, np.intp)
 
 
-def gaps_of(t: FloatArray) -> tuple[tuple[float, float], ...]:
+def gaps_of(t: Array) -> tuple[tuple[float, float], ...]:
     """First and last time of every gap [s]: its samples before and after it."""
     return tuple((float(t[row]), float(t[row + 1])) for row in gap_rows(t))
 
 
-def told(t: FloatArray) -> str:
+def told(t: Array) -> str:
     """The text about gaps when a file is read; empty if there are none."""
     found = gaps_of(t)
     if not found:
@@ -53,7 +53,7 @@ def told(t: FloatArray) -> str:
     return f"{count} in the data: {listed}{more}; nothing is filled in there"
 
 
-def in_gaps(t: FloatArray, times: FloatArray) -> npt.NDArray[np.bool_]:
+def in_gaps(t: Array, times: Array) -> npt.NDArray[np.bool_]:
     """Whether each time is inside a gap of `t`, without its ends."""
     rows = gap_rows(t)
     if not len(rows):

@@ -12,11 +12,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.checks import Array
 from flexdyn.records.signals.kernels import correlated
 
-Array = NDArray[np.float64]
 KERNEL_REACH = 5.0
 """Half length of a kernel in standard deviations [1]: the neglected part is below 1e-6."""
 

@@ -8,8 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from flexdyn.checks import Array
 from flexdyn.io.locked import lock
-from flexdyn.records.table import FloatArray
 
 DIFFERENCE_REACH = 4
 """Additional samples on each side that the differences need."""
@@ -31,13 +31,13 @@ class Kernels:
         held: smooths a signal that is held from each sample to the next; sums to 1 exactly.
     """
 
-    value: FloatArray
-    first: FloatArray
-    second: FloatArray
-    held: FloatArray
+    value: Array
+    first: Array
+    second: Array
+    held: Array
 
 
-def correlated(x: FloatArray, kernel: FloatArray) -> FloatArray:
+def correlated(x: Array, kernel: Array) -> Array:
     """sum_m kernel[half + m] x[k + m] of a column or table x, where the kernel (2 half + 1,) is within the samples."""
     from scipy.ndimage import correlate1d  # here, as `import flexdyn` loads no scipy
 
@@ -79,7 +79,7 @@ def kernels(half: int, degree: int, taper: int) -> Kernels:
     return Kernels(*(lock(kernel) for kernel in (value, first, second, _summing_to_one(held))))
 
 
-def _fit(half: int, degree: int, taper: int) -> FloatArray:
+def _fit(half: int, degree: int, taper: int) -> Array:
     """Weights of the fitted polynomial's value at the centre; odd powers vanish there by symmetry."""
     u = np.arange(-half, half + 1) / (half + 1)
     root = (1 - u**2) ** (taper / 2)
@@ -90,7 +90,7 @@ def _fit(half: int, degree: int, taper: int) -> FloatArray:
     return np.asarray((weights + weights[::-1]) / 2)
 
 
-def _series(terms: tuple[float, ...]) -> FloatArray:
+def _series(terms: tuple[float, ...]) -> Array:
     """The sum of terms[i] d^(2 i) as weights, symmetric."""
     total, power = np.zeros(2 * len(terms) - 1), np.ones(1)
     for term in terms:
@@ -100,20 +100,20 @@ def _series(terms: tuple[float, ...]) -> FloatArray:
     return total
 
 
-def _symmetric(kernel: FloatArray, total: float) -> FloatArray:
+def _symmetric(kernel: Array, total: float) -> Array:
     """The kernel, rounded to a grid with exact sums; its centre is chosen so that the sum is exactly `total`."""
     half = len(kernel) // 2
     side = _rounded(kernel[:half], kernel)
     return np.concatenate([side, [total - 2 * side.sum()], side[::-1]])
 
 
-def _summing_to_one(kernel: FloatArray) -> FloatArray:
+def _summing_to_one(kernel: Array) -> Array:
     rounded = _rounded(kernel, kernel)
     rounded[len(kernel) // 2] += 1.0 - rounded.sum()
     return rounded
 
 
-def _rounded(part: FloatArray, kernel: FloatArray) -> FloatArray:
+def _rounded(part: Array, kernel: Array) -> Array:
     """Multiples of a power of two that is so large that no sum over the kernel needs rounding."""
     grid = 2.0 ** (math.frexp(float(np.abs(kernel).sum()))[1] - 52)
     return np.asarray(np.round(part / grid) * grid)

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.signals.noise_spectrum import Spectrum, clipped, contrasts, spectrum
 from flexdyn.records.signals.quantisation import held_for, quantisation_step
 from flexdyn.records.signals.reading_noise import reading_noise
-from flexdyn.records.table import FloatArray, Rows, check_finite, check_time
+from flexdyn.records.table import Rows, check_finite, check_time
 
 FEWEST = 64
 """Smallest number of samples for an estimate."""
@@ -133,7 +134,7 @@ def estimate_noise(t: npt.ArrayLike, x: npt.ArrayLike, *, unit: str = "", held: 
     return Noise(std, unit, step, hold, found.flatness, lags, seen, reading)
 
 
-def _estimated(t: FloatArray, x: FloatArray, step: float | None) -> tuple[float, Spectrum | None]:
+def _estimated(t: Array, x: Array, step: float | None) -> tuple[float, Spectrum | None]:
     """Standard deviation and spectrum by the lowest order of contrasts that removes the motion."""
     results = []
     for order in _ORDERS:
@@ -148,7 +149,7 @@ def _estimated(t: FloatArray, x: FloatArray, step: float | None) -> tuple[float,
     return (std if found is None else math.sqrt(float(found.autocovariance[0]))), found
 
 
-def _checked(t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+def _checked(t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[Array, Array]:
     times, samples = np.asarray(t, float), np.asarray(x, float)
     if times.ndim != 1 or samples.shape != times.shape:
         problem = f"times {times.shape} and samples {samples.shape} are no two columns of one length"

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
 from flexdyn.records.signals.reading_noise import GAUSS
-from flexdyn.records.table import FloatArray
 
 Mask = npt.NDArray[np.bool_]
 
@@ -31,7 +31,7 @@ class Spectrum:
         seen: first bin in which the noise is larger than the motion; bins below are extrapolated.
     """
 
-    power: FloatArray
+    power: Array
     seen: int
 
     @property
@@ -41,12 +41,12 @@ class Spectrum:
         return float(np.exp(np.mean(np.log(power))) / np.mean(power))
 
     @property
-    def autocovariance(self) -> FloatArray:
+    def autocovariance(self) -> Array:
         """Autocovariance at lags 0, 1, ... samples."""
         return np.asarray(np.fft.irfft(self.power)[: len(self.power)])
 
 
-def contrasts(t: FloatArray, x: FloatArray, order: int) -> FloatArray:
+def contrasts(t: Array, x: Array, order: int) -> Array:
     """Weighted sums of order + 1 neighbours that are zero for every polynomial below that order, at any times.
 
     Divided differences, c_i = 1/prod_(j != i) (t_i - t_j), scaled to unit length (Czesla et al. 2018): white noise
@@ -73,7 +73,7 @@ def contrasts(t: FloatArray, x: FloatArray, order: int) -> FloatArray:
     return np.asarray(total / np.sqrt(np.sum(weights**2, axis=0)))
 
 
-def clipped(values: FloatArray, moves: Mask) -> tuple[float, Mask]:
+def clipped(values: Array, moves: Mask) -> tuple[float, Mask]:
     """Standard deviation of the bulk, and a mask of the values that belong to it.
 
     Kinks of the motion (reversals, breakaway, shocks) and spikes differ from the bulk by more than 4 of its standard
@@ -99,7 +99,7 @@ def clipped(values: FloatArray, moves: Mask) -> tuple[float, Mask]:
     return std, good
 
 
-def spectrum(values: FloatArray, good: Mask, order: int) -> Spectrum | None:
+def spectrum(values: Array, good: Mask, order: int) -> Spectrum | None:
     """Noise spectrum from the contrasts of that order, over segments in which nothing was left out.
 
     Windows suppress leakage by 92 dB; the mean power of the segments (Welch
@@ -125,7 +125,7 @@ def spectrum(values: FloatArray, good: Mask, order: int) -> Spectrum | None:
     return _above_motion(power / _of_white_noise(window, order))
 
 
-def window_of(length: int) -> FloatArray:
+def window_of(length: int) -> Array:
     """The four-term window of Blackman and Harris (1978), with side lobes at -92 dB.
 
     SciPy's window is sampled at the ends of the intervals; every second value of one twice as long is at their middles.
@@ -135,7 +135,7 @@ def window_of(length: int) -> FloatArray:
     return np.asarray(blackmanharris(2 * length + 1)[1::2])
 
 
-def _of_white_noise(window: FloatArray, order: int) -> FloatArray:
+def _of_white_noise(window: Array, order: int) -> Array:
     """White noise of variance 1 in each bin: the transform of the autocorrelations of window times contrasts.
 
     The autocorrelation of the contrasts is (-1)^l C(2p, p + l)/C(2p, p). Dividing by the response at the bin alone
@@ -157,7 +157,7 @@ def _segments(good: Mask, length: int) -> npt.NDArray[np.intp]:
     return np.asarray(starts[total[starts + length] - total[starts] == length])
 
 
-def _above_motion(power: FloatArray) -> Spectrum:
+def _above_motion(power: Array) -> Spectrum:
     """The noise alone: from the highest frequency down to where the motion dominates, extrapolated below."""
     last = len(power) - 1
     top = int(_TOP * last)

@@ -6,14 +6,14 @@ from itertools import chain
 
 import numpy as np
 
-from flexdyn.records.table import FloatArray
+from flexdyn.checks import Array
 
 _FEWEST_LEVELS = 5
 _RMS = 0.06
 """Largest rms distance of levels from a grid, in steps; without a grid it is 0.29 [1]."""
 
 
-def quantisation_step(x: FloatArray) -> float | None:
+def quantisation_step(x: Array) -> float | None:
     """The grid spacing of all samples, or None if there is no grid.
 
     The smallest distance between different values (or a small integer fraction of it, if levels were skipped) is
@@ -39,7 +39,7 @@ def quantisation_step(x: FloatArray) -> float | None:
     return None
 
 
-def _refined(levels: FloatArray, gaps: FloatArray, step: float) -> float | None:
+def _refined(levels: Array, gaps: Array, step: float) -> float | None:
     """The step by least squares from distances of neighbours, then over all; None if they fit no grid."""
     longer = (levels[lag:] - levels[:-lag] for lag in 4 ** np.arange(1, 12) if lag < len(levels))
     for distances in chain([gaps], longer, [levels]):
@@ -50,7 +50,7 @@ def _refined(levels: FloatArray, gaps: FloatArray, step: float) -> float | None:
     return step
 
 
-def held_for(x: FloatArray) -> int:
+def held_for(x: Array) -> int:
     """Number of samples for which each value is held: 1, or more if a slower clock made the values.
 
     The distances of all changes are multiples of this number; it is 1 if there are fewer than 8 changes.

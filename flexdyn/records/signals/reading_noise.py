@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexdyn.records.table import FloatArray
+from flexdyn.checks import Array
 
 GAUSS = 1.4826
 """Standard deviation over median absolute deviation of a Gaussian."""
@@ -13,12 +13,12 @@ _ON_A_GRID, _OFF_THE_GRID = 0.99, 0.01
 """Share of all changes that are whole steps of a quantised channel, and how far from whole they may be [steps]."""
 
 
-def robust_std(values: FloatArray) -> float:
+def robust_std(values: Array) -> float:
     """Standard deviation of the bulk of the values: 1.4826 times their median absolute deviation."""
     return GAUSS * float(np.median(np.abs(values - np.median(values))))
 
 
-def high_frequency_std(x: FloatArray) -> float:
+def high_frequency_std(x: Array) -> float:
     """Standard deviation of the white noise that has the sixth differences of these uniform samples.
 
     Sixth differences hardly contain any motion. Of noise with memory they contain the part that changes from sample to
@@ -32,7 +32,7 @@ def high_frequency_std(x: FloatArray) -> float:
     return robust_std(high[changes]) if changes.any() else 0.0
 
 
-def reading_noise(x: FloatArray) -> float:
+def reading_noise(x: Array) -> float:
     """Standard deviation of one reading of an encoder, by which the diagnosis weighs it [unit of x].
 
     It is the larger one of `high_frequency_std` and, if the readings are whole steps, step/sqrt(12).

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import number
+from flexdyn.checks import Array, number
 from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.gaps import gap_limit
 from flexdyn.records.signals.smooth import Smoother, sample_rate
-from flexdyn.records.table import FloatArray
 from flexdyn.records.units import is_held, split_name
 
 if TYPE_CHECKING:
@@ -71,7 +70,7 @@ def resampled(
     return made(rec, {"t": wanted, **{name: _column(rec, name, wanted, method) for name in rec.channels}})
 
 
-def _column(rec: Recording, name: str, times: FloatArray, method: str) -> FloatArray:
+def _column(rec: Recording, name: str, times: Array, method: str) -> Array:
     """One channel at new times; old times keep their samples bit for bit."""
     if is_held(name):
         return rec[name][_row_held(rec.t, times)]
@@ -91,13 +90,13 @@ def _column(rec: Recording, name: str, times: FloatArray, method: str) -> FloatA
     return np.where(rec.t[row] == times, rec[name][row], out)
 
 
-def _row_held(t: FloatArray, times: FloatArray) -> npt.NDArray[np.intp]:
+def _row_held(t: Array, times: Array) -> npt.NDArray[np.intp]:
     """Last sample at or before each time, within a thousandth of a period."""
     slack = _SAME * float(np.median(np.diff(t)))
     return np.asarray(np.clip(np.searchsorted(t, times + slack, "right") - 1, 0, None))
 
 
-def _filtered(rec: Recording, wanted: FloatArray, method: str) -> Recording:
+def _filtered(rec: Recording, wanted: Array, method: str) -> Recording:
     """Smooth on a uniform grid of the old rate, then sample at the new times; torques are averaged."""
     old, new = 1 / float(np.median(np.diff(rec.t))), 1 / float(np.median(np.diff(wanted)))
     narrow = Smoother(5, old).cutoff
@@ -124,7 +123,7 @@ def _filtered(rec: Recording, wanted: FloatArray, method: str) -> Recording:
     return made(rec, columns)
 
 
-def _means(rec: Recording, name: str, times: FloatArray) -> FloatArray:
+def _means(rec: Recording, name: str, times: Array) -> Array:
     """Mean of a held channel from each time to the next; the last interval is as long as the one before."""
     ends = np.append(times, 2 * times[-1] - times[-2])
     row = np.clip(np.searchsorted(rec.t, ends, "right") - 1, 0, None)
@@ -133,7 +132,7 @@ def _means(rec: Recording, name: str, times: FloatArray) -> FloatArray:
     return np.asarray(np.diff(impulse) / np.diff(ends))
 
 
-def _grid(rec: Recording, rate: float | None) -> FloatArray:
+def _grid(rec: Recording, rate: float | None) -> Array:
     value = sample_rate(rate)
     count = math.floor(rec.duration * value + 1e-6) + 1
     if not 2 <= count <= 1e9:
@@ -142,7 +141,7 @@ def _grid(rec: Recording, rate: float | None) -> FloatArray:
     return np.asarray(np.minimum(rec.t[0] + np.arange(count) / value, rec.t[-1]))
 
 
-def _times(rec: Recording, times: npt.ArrayLike) -> FloatArray:
+def _times(rec: Recording, times: npt.ArrayLike) -> Array:
     values = np.array(times, float)
     if values.ndim != 1 or len(values) < 2:
         raise InputError("no column of two times or more", key="times", value=values.shape, remedy="give (samples,)")

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import as_number, number, whole
+from flexdyn.checks import Array, as_number, number, whole
 from flexdyn.errors import InputError
 from flexdyn.records.signals.kernels import DIFFERENCE_REACH, Kernels, correlated, kernels
-from flexdyn.records.table import FloatArray
 
 ORDERS = ("value", "first", "second", "held")
 _LONG_KERNEL = 300
@@ -121,7 +120,7 @@ class Smoother:
         share = (size[right - 1] - math.sqrt(0.5)) / (size[right - 1] - size[right])
         return float((right - 1 + share) * self.rate / points)
 
-    def response(self, frequency: npt.ArrayLike) -> FloatArray:
+    def response(self, frequency: npt.ArrayLike) -> Array:
         """The frequency response H(f), by which the amplitude of a sine is multiplied; it is real: no phase shift.
 
         Args:
@@ -134,42 +133,32 @@ class Smoother:
             total += 2 * side[j] * np.cos(j * w)
         return np.asarray(total)
 
-    def value(self, x: npt.ArrayLike) -> FloatArray:
+    def value(self, x: npt.ArrayLike) -> Array:
         """Smoothed samples at `valid`, for signals that are sampled (q, v, tau_s)."""
         return self._applied(x, self._kernels.value, 0)
 
-    def first(self, x: npt.ArrayLike) -> FloatArray:
+    def first(self, x: npt.ArrayLike) -> Array:
         """Smoothed first derivative at `valid` [unit of x per second]; exactly 0 for a constant."""
         return self._applied(x, self._kernels.first, 1)
 
-    def second(self, x: npt.ArrayLike) -> FloatArray:
+    def second(self, x: npt.ArrayLike) -> Array:
         """Smoothed second derivative at `valid` [unit of x per second squared]; exactly 0 for a constant."""
         return self._applied(x, self._kernels.second, 2)
 
-    def held(self, x: npt.ArrayLike) -> FloatArray:
+    def held(self, x: npt.ArrayLike) -> Array:
         """Smoothed samples at `valid` of a signal that is held from each sample to the next (tau, tau_applied).
 
         If the acceleration of x is a held u, then ``second(x) == held(u)``, up to rounding.
         """
         return self._applied(x, self._kernels.held, 0)
 
-    def noise_gain(self, order: str = "value") -> float:
-        """Standard deviation of an output if the input is white noise of standard deviation 1.
-
-        sqrt(sum of the kernel's squares) [1, 1/s, 1/s^2].
-
-        Args:
-            order: ``"value"``, ``"first"``, ``"second"`` or ``"held"``.
-        """
-        kernel, scale = self._weights(order)
-        return float(np.sqrt(kernel @ kernel)) * scale
-
     def noise_std(self, order: str, autocovariance: npt.ArrayLike) -> float:
         """Standard deviation of an output if the input is stationary noise with any autocovariance.
 
         Args:
-            order: as in `noise_gain`.
-            autocovariance: of the input at lags 0, 1, 2, ... samples; zero beyond those given.
+            order: ``"value"``, ``"first"``, ``"second"`` or ``"held"``.
+            autocovariance: of the input at lags 0, 1, 2, ... samples; zero beyond those given: [1.0] is white noise of
+                standard deviation 1.
         """
         kernel, scale = self._weights(order)
         given = np.asarray(autocovariance, float)[: len(kernel)]
@@ -181,13 +170,13 @@ class Smoother:
     def _kernels(self) -> Kernels:
         return kernels(int(self.width) // 2, int(self.degree), int(self.taper))
 
-    def _weights(self, order: str) -> tuple[FloatArray, float]:
+    def _weights(self, order: str) -> tuple[Array, float]:
         if order not in ORDERS:
             raise InputError("no such output", key="order", value=order, remedy="known: " + ", ".join(ORDERS))
         power = {"first": 1, "second": 2}.get(order, 0)
         return getattr(self._kernels, order), float(self.rate) ** power
 
-    def _applied(self, x: npt.ArrayLike, kernel: FloatArray, power: int) -> FloatArray:
+    def _applied(self, x: npt.ArrayLike, kernel: Array, power: int) -> Array:
         """Correlate columns with the kernel; the first sample is subtracted, so that constants are exact."""
         samples = np.asarray(x, float)
         self._check(samples)
@@ -202,7 +191,7 @@ class Smoother:
             out = correlated(moved, kernel)
         return np.asarray(out * self.rate**power if power else out + start)
 
-    def _check(self, samples: FloatArray) -> None:
+    def _check(self, samples: Array) -> None:
         if samples.ndim not in (1, 2):
             remedy = "give (samples,) or (samples, channels)"
             raise InputError("the samples are no column or table", key="x", value=samples.shape, remedy=remedy)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.signals.kernels import DIFFERENCE_REACH, kernels
 from flexdyn.records.signals.noise import Noise
 from flexdyn.records.signals.noise_spectrum import window_of
 from flexdyn.records.signals.smooth import ORDERS, Smoother
-from flexdyn.records.table import FloatArray
 
 _LONGEST_SEGMENT = 8192
 _GROWTH = 1.15
@@ -62,7 +62,7 @@ def best_smoother(x: npt.ArrayLike, rate: float, noise: Noise, *, order: str = "
     return best
 
 
-def _response(smoother: Smoother, length: int) -> FloatArray:
+def _response(smoother: Smoother, length: int) -> Array:
     """H at the bins of a segment, by one FFT."""
     kernel = kernels(smoother.width // 2, smoother.degree, smoother.taper).value
     padded = np.zeros(length)
@@ -70,7 +70,7 @@ def _response(smoother: Smoother, length: int) -> FloatArray:
     return np.asarray(np.fft.rfft(np.roll(padded, -smoother.reach)).real)
 
 
-def _spectra(x: FloatArray, noise: Noise, length: int) -> tuple[FloatArray, FloatArray]:
+def _spectra(x: Array, noise: Noise, length: int) -> tuple[Array, Array]:
     """Power of motion and noise per bin, both from segments of second differences under Blackman-Harris windows."""
     from scipy.signal import welch
 
@@ -87,7 +87,7 @@ def _spectra(x: FloatArray, noise: Noise, length: int) -> tuple[FloatArray, Floa
     return np.where(significant, total - noisy, 0.0), noisy
 
 
-def _noise_power(noise: Noise, length: int) -> FloatArray:
+def _noise_power(noise: Noise, length: int) -> Array:
     """Power per bin from the autocovariance: constant for white noise, else smoothed by triangular weights."""
     lags = np.array(noise.autocovariance[:1] if noise.white else noise.autocovariance)
     k = np.arange(len(lags))
