@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from flexdyn.io.html import engine
 from flexdyn.simulation.run import Run
 
 Drawing = Callable[[Any], None]
@@ -75,3 +76,13 @@ class Chapter:
     figures: tuple[Figure, ...] = ()
     runs: Mapping[str, Run] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
+
+
+def prose(template: str, **filled: Any) -> str:
+    """Paragraphs and tables in Markdown: a filled template of this folder, in which nothing is escaped.
+
+    Args:
+        template: name of its file.
+        filled: what its names stand for.
+    """
+    return engine().overlay(autoescape=False).get_template(f"paper/{template}").render(filled)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from flexdyn.paper import style
 from flexdyn.paper.cases import CASES_DURATION, CASES_WATCHED, DAMPINGS, TORQUE_END, PaperCases, bang_bang
-from flexdyn.paper.chapter import Chapter, Figure, check
-from flexdyn.paper.vibration import Residual, amplitude, modes, pluck_rate, residual, slowest_rates
+from flexdyn.paper.chapter import Chapter, Figure, check, prose
+from flexdyn.paper.vibration import Mode, Residual, amplitude, modes, pluck_rate, residual, slowest_rates
 from flexdyn.simulation.run import Run
 
 Array = NDArray[np.float64]
@@ -54,9 +54,8 @@ def damping(cases: PaperCases) -> Chapter:
         ),
     )
     numbers = {
-        f"{v:g}": vars(found[v])
+        f"{v:g}": found[v].to_dict()
         | {
-            "left": found[v].left,
             "modes": [
                 {"frequency_hz": mode.frequency, "rate": mode.rate, "decrement": mode.decrement}
                 for mode in modes(cases.arm(v=v), ELBOW)
@@ -93,37 +92,21 @@ def _plucked(cases: PaperCases, v: float) -> list[tuple[float, float]]:
 
 
 def _text(cases: PaperCases, found: Mapping[float, Residual], best: float, best_rate: float) -> str:
-    rows = []
-    for v, each in found.items():
-        slow, *_, fast = modes(cases.arm(v=v), ELBOW)
-        rows.append(
-            f"| {v:g} | {np.degrees(each.first):.2f} | {np.degrees(each.last):.2f} | {100 * each.left:.0f} % | "
-            f"{each.rate:.4f} | {slow.rate:.4f} | {slow.decrement:.4f} | {fast.rate:.4f} | {fast.decrement:.4f} |"
-        )
-    slow, fast = modes(cases.arm(), ELBOW)
-    share = abs(slow.shape[2] / slow.shape[0])
-    damped = modes(cases.arm(v=0.5), ELBOW)
-    return "\n".join(
-        [
-            "Viscous friction alone, growing; torque as in Fig. 4. A: amplitude of the vibration as above; rate: of "
-            "the exponential fitted to it. Slow and fast are the two vibrations of eq. 12-15 linearised at the pose of "
-            f"Table I, {slow.frequency:.2f} and {fast.frequency:.2f} Hz without damping: their decay rate and "
-            "logarithmic decrement (ln of the ratio of two successive peaks).",
-            "",
-            f"| v [N m s/rad] | A after the torque [deg] | {CASES_WATCHED:g} s later [deg] | left | fitted rate [1/s] "
-            "| slow: rate [1/s] | decrement | fast: rate [1/s] | decrement |",
-            "|---|---|---|---|---|---|---|---|---|",
-            *rows,
-            "",
-            "So the paper's conclusion holds, increased damping suppresses the vibration, with two reservations. "
-            "First, the friction of eq. 20, 21 acts on the links, and with the rotor inertia chosen "
-            f"({cases.arm().J:g} kg m^2) it is mostly the rotors that swing: in the slow vibration the shoulder's "
-            f"rotor moves {share:.0f} times as far as its link. At v = 0.5 N m s/rad the fast vibration decays with a "
-            f"time constant of {1 / damped[-1].rate:.0f} s, the slow one with {1 / damped[0].rate:.0f} s. Second, "
-            f"there is a best value: the rate of the slower decay is greatest, {best_rate:.2f} 1/s, at v = {best:.1f} "
-            "N m s/rad. It falls again with more damping, which holds the links ever more firmly while the rotors "
-            "swing on their springs, undamped in eq. 14, 15.",
-        ]
+    def both(v: float) -> dict[str, Mode]:
+        return dict(zip(("slow", "fast"), modes(cases.arm(v=v), ELBOW), strict=True))
+
+    free = both(0.0)
+    return prose(
+        "damping.md",
+        free=free,
+        damped=both(0.5),
+        share=abs(free["slow"].shape[2] / free["slow"].shape[0]),
+        rows=[{"v": v, "found": each, **both(v)} for v, each in found.items()],
+        watched=CASES_WATCHED,
+        J=cases.arm().J,
+        best=best,
+        best_rate=best_rate,
+        degrees=np.degrees,
     )
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.control.commands import PD, FrameWrench, Samples
 from flexdyn.paper import style
 from flexdyn.paper.cases import PAPER_V, PaperCases, reference
-from flexdyn.paper.chapter import Chapter, Figure, check
+from flexdyn.paper.chapter import Chapter, Figure, check, prose
 from flexdyn.paper.equations import Arm, jacobian, tip
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
@@ -38,16 +38,18 @@ def end_force(cases: PaperCases) -> Chapter:
         "static_deflection_deg": np.degrees(bent).tolist(),
         "tip_moved_mm": moved.tolist(),
     }
-    text = (
-        "Section 3 names the joint torques induced by an end-of-arm force as a further term and then assumes the force "
-        "to be zero. Here it acts: the motors hold their place (a PD law at 1 kHz), and the tool is pushed by "
-        f"{-FORCE[0]:g} N along -x, across the second link, and let go after {RELEASE:g} s. At rest the springs must "
-        "deflect by theta - q = -K^-1 J_r^T F, with the Jacobian of eq. 8-11 at the pose that the arm then has: "
-        f"{_degrees(bent)} degrees (shoulder, elbow). With the damping raised to v = {SETTLING:g} N m s/rad, so that "
-        f"it comes to rest, the simulated arm deflects by {_degrees(heavy.deflection[at])} degrees, and its tip moves "
-        f"by {np.linalg.norm(moved):.0f} mm, {abs(moved[0]):.0f} mm of them along the force. With the paper's "
-        f"v = {PAPER_V:g} it swings about that place (mean deflection {_degrees(mean)} degrees). Dry friction is left "
-        "out: it would let the arm rest anywhere in a band about this place."
+    text = prose(
+        "end_force.md",
+        force=-FORCE[0],
+        release=RELEASE,
+        settling=SETTLING,
+        paper_v=PAPER_V,
+        bent=bent,
+        deflection=heavy.deflection[at],
+        mean=mean,
+        distance=np.linalg.norm(moved),
+        along=abs(moved[0]),
+        both=_degrees,
     )
     checks = (
         check(

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.paper import style
 from flexdyn.paper.cases import CASES_DURATION, CASES_WATCHED, PAPER_V, TORQUE_END, PaperCases, bang_bang
-from flexdyn.paper.chapter import Chapter, Figure, check
-from flexdyn.paper.vibration import Residual, residual, ringing_after
+from flexdyn.paper.chapter import Chapter, Figure, check, prose
+from flexdyn.paper.vibration import residual, ringing_after
 
-Array = NDArray[np.float64]
 WITHOUT = {"color": style.BLUE, "linestyle": "-", "label": "without friction"}
 WITH = {"color": style.VERMILION, "linestyle": (0, (5, 2)), "label": "with friction"}
 
@@ -44,7 +41,7 @@ def friction_effect(cases: PaperCases) -> Chapter:
         ),
     )
     numbers = {
-        "residual": {name: vars(each) | {"left": each.left} for name, each in left.items()},
+        "residual": {name: each.to_dict() for name, each in left.items()},
         "end_moved_by_friction_deg": {kind: angles.tolist() for kind, angles in moved.items()},
     }
     figure = Figure(
@@ -55,37 +52,17 @@ def friction_effect(cases: PaperCases) -> Chapter:
         (style.FULL_WIDTH, 3.9),
     )
     kept = {"fig5_flexible_friction": runs["flexible_friction"], "fig5_rigid_friction": runs["rigid_friction"]}
-    return Chapter("The effect of friction: Fig. 5", _text(left, moved), checks, numbers, (figure,), kept)
-
-
-def _text(left: Mapping[str, Residual], moved: Mapping[str, Array]) -> str:
-    rows = [
-        f"| {name.replace('_', ' ')} | {np.degrees(each.first):.2f} | {np.degrees(each.last):.2f} | "
-        f"{100 * (1 - each.left):.1f} % | {each.rate:.4f} |"
-        for name, each in left.items()
-    ]
-    return "\n".join(
-        [
-            f"Friction is eq. 1 on both links, v = {PAPER_V:g} N m s/rad as in the caption of Fig. 5. The vibration "
-            "that is left after the torque is measured by its amplitude A, the deflection of one spring that would "
-            "hold all its energy. Without friction A is constant but for the slow change of the arm's pose.",
-            "",
-            f"| friction of the flexible arm | A after the torque [deg] | {CASES_WATCHED:g} s later [deg] | lost | "
-            "rate of the exponential fitted [1/s] |",
-            "|---|---|---|---|---|",
-            *rows,
-            "",
-            "Without friction the arm coasts on after the torque; with it, that motion dies within seconds. At the end "
-            f"of the runs ({CASES_DURATION:g} s) the links stand elsewhere by {_degrees(moved['flexible'])} "
-            f"degrees (flexible arm, joints 1 and 2) and {_degrees(moved['rigid'])} degrees (rigid arm): friction is "
-            "indeed quite important for where the arm goes. For the vibration it is the dry part, at the levels "
-            f"chosen, that matters; v = {PAPER_V:g} alone takes little of it.",
-        ]
+    text = prose(
+        "friction_effect.md",
+        left=left,
+        moved=moved,
+        paper_v=PAPER_V,
+        watched=CASES_WATCHED,
+        duration=CASES_DURATION,
+        degrees=np.degrees,
+        tuple=tuple,
     )
-
-
-def _degrees(angles: Array) -> str:
-    return " and ".join(f"{angle:.0f}" for angle in angles)
+    return Chapter("The effect of friction: Fig. 5", text, checks, numbers, (figure,), kept)
 
 
 def _draw(canvas: Any, runs: Any) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.effects import CoulombFriction, Effect, StribeckFriction, ViscousFriction
 from flexdyn.paper import style
 from flexdyn.paper.cases import FrictionNumbers, PaperCases
-from flexdyn.paper.chapter import Chapter, Figure, check
+from flexdyn.paper.chapter import Chapter, Figure, check, prose
 from flexdyn.paper.equations import friction
 
 Array = NDArray[np.float64]
@@ -22,18 +22,9 @@ def friction_law(cases: PaperCases) -> Chapter:
     u = np.linspace(-1.0, 1.0, 2001)
     laws = [law for law in cases.model.effects if isinstance(law, ViscousFriction | CoulombFriction | StribeckFriction)]
     joint = [law for law in laws if law.joint == cases.model.joint_names[0]]
-    text = (
-        "Eq. 1 is the sum of three effects on the link side: viscous friction (b^v), Coulomb friction (b^d) and "
-        "Stribeck friction (b^s - b^d, epsilon). The levels are chosen, because Table I has none: "
-        f"b^d = {numbers.dynamic:g} N m, b^s = {numbers.static:g} N m, epsilon = {numbers.epsilon:g} rad/s; "
-        f"b^v = v = {numbers.viscous:g} N m "
-        "s/rad is the paper's. At rest eq. 2 prints sgn(0) = 0, no friction at all, so that the smallest torque would "
-        "start a motion, against the paper's own sentence that b^s is the torque needed for that. The set-valued "
-        "Sgn(0) = [-1, 1] is meant: at rest friction takes whatever value in [-b^s, b^s] holds the joint."
-    )
     return Chapter(
         "The friction law: eq. 1 and Fig. 1",
-        text,
+        prose("friction_law.md", **vars(numbers)),
         (
             check(
                 "Eq. 1 equals the sum of the model's three friction effects",

@@ -18,7 +18,7 @@ from flexdyn.effects import Effect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper.bench import LINK_STEP, MOTOR_STEP, TORQUE_NOISE, Bench
 from flexdyn.paper.cases import PaperCases
-from flexdyn.paper.chapter import Chapter, Check, Figure, check
+from flexdyn.paper.chapter import Chapter, Check, Figure, check, prose
 from flexdyn.paper.hidden_friction_figure import Step, draw
 from flexdyn.records import Recording
 
@@ -183,31 +183,21 @@ def _numbers(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) 
 
 def _text(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) -> str:
     rows = [
-        f"| {effect_name(effect.name)} {place_phrase(str(getattr(effect, 'joint', '')), getattr(effect, 'side', None))}"
-        f" | {name} | {true:g} | {'not found' if found is None else estimate_text(found)} |"
+        (
+            effect_name(effect.name),
+            place_phrase(str(getattr(effect, "joint", "")), getattr(effect, "side", None)),
+            name,
+            true,
+            "not found" if found is None else estimate_text(found),
+        )
         for effect, name, true, found in _compared(truth, answer)
     ]
-    return "\n".join(
-        [
-            "The arm has all of eq. 1 on both links. The model given to `fd.diagnose` knows what the paper prints, the "
-            "viscous friction of Fig. 5, and no dry friction, whose levels the paper leaves out; its stiffnesses and "
-            "rotor inertias are wrong by 1.5 and 2 %. The arm is moved for 40 s under joint control (fast moves, slow "
-            "sweeps, dwells); 12 s of another such motion and 12 s under the torque of Fig. 4 are kept for the check. "
-            "Encoders have 20 bit on the links and 17 bit on the motors, torques have noise of "
-            f"{100 * TORQUE_NOISE:g} % of their peak, and control sees nothing but the motors' encoders.",
-            "",
-            "The arm is simulated with flexdyn's own event-driven integrator (`DormandPrince`, every stick and slip an "
-            "event): what is found here was made by the same laws. The benchmark of the diagnosis, "
-            "`benchmarks/discovery`, and a test of this very study use simulators that share nothing with flexdyn.",
-            "",
-            f"{verdict_sentence(answer)} The whole answer: [{FOLDER}/report.html]({FOLDER}/report.html).",
-            "",
-            "| hidden | number | true | found |",
-            "|---|---|---|---|",
-            *rows,
-            "",
-            "| gap on data not used in the fit | in units of noise |",
-            "|---|---|",
-            *(f"| {step.name} | {times(step.gap)} |" for step in steps),
-        ]
+    return prose(
+        "hidden_friction.md",
+        torque_noise=TORQUE_NOISE,
+        verdict=verdict_sentence(answer),
+        folder=FOLDER,
+        rows=rows,
+        steps=steps,
+        times=times,
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexdyn.paper import style
 from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, PaperCases
-from flexdyn.paper.chapter import Chapter, Check, Figure, check
+from flexdyn.paper.chapter import Chapter, Check, Figure, check, prose
 from flexdyn.paper.vibration import amplitude, ringing_after
 from flexdyn.simulation.run import Run
 
@@ -24,18 +24,15 @@ def responses(cases: PaperCases) -> Chapter:
         "torque_cut_off_rigid": _cut_off(rigid),
     }
     size = np.degrees(amplitude(cases.arm(), flexible)[flexible.t >= TORQUE_END])
-    bends = " and ".join(f"{bend:.1f}" for bend in numbers["largest_deflection_deg"])
-    text = (
-        f"The curve of Fig. 4 is lost. Chosen: {AMPLITUDE:g} N m for {PULSE:g} s to accelerate, -{AMPLITUDE:g} N m for "
-        f"{PULSE:g} s to brake, then nothing, the same at both joints as the caption says. It is the usual test of a "
-        f"flexible arm, stays under the stall torque of {cases.limit.stall_torque:g} N m, and starts and stops sharply "
-        "enough for the large oscillation that the text describes. Under the torque-speed line of Table I the motors "
-        f"cannot follow all of it: of the commanded torque, up to {max(numbers['torque_cut_off_flexible']):.2f} N m is "
-        "cut off while they turn fast.\n\n"
-        f"The springs deflect by up to {bends} degrees (shoulder, elbow). When the torque is gone, the flexible "
-        f"arm goes "
-        f"on vibrating with an amplitude of {size.min():.1f} to {size.max():.1f} degrees and no sign of decay, there "
-        "being no friction, while the rigid arm (its rotors' inertia included) moves on without any oscillation."
+    text = prose(
+        "responses.md",
+        amplitude=AMPLITUDE,
+        pulse=PULSE,
+        stall=cases.limit.stall_torque,
+        cut_off=max(numbers["torque_cut_off_flexible"]),
+        bends=numbers["largest_deflection_deg"],
+        size=size,
+        tuple=tuple,
     )
     figures = (
         Figure(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flexdyn.paper import style
 from flexdyn.paper.cases import SMOOTH_AMPLITUDE, SMOOTH_END, PaperCases, smooth_samples
-from flexdyn.paper.chapter import Chapter, Figure, check
+from flexdyn.paper.chapter import Chapter, Figure, check, prose
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
 
@@ -34,15 +34,14 @@ def rigid_limit(cases: PaperCases) -> Chapter:
         most.append(float(distance.max()))
     stiff = FACTORS >= FITTED_FACTOR
     slope, offset = np.polyfit(np.log10(K[stiff]), np.log10(rms)[stiff], 1)
-    text = (
-        'The paper checks its model by the sentence that "the responses of the system with large spring constant are '
-        'in good agreement" with the rigid arm. Here that becomes a law. Both arms get the same smooth torque '
-        f"({SMOOTH_AMPLITUDE:g} N m at its peak, {SMOOTH_END:g} s long, three derivatives zero at both ends; no "
-        "friction, no torque limit), start at rest with springs unloaded, and the rigid arm carries the rotors' "
-        "inertia J. Then the distance of their link angles falls as 1/K: "
-        f"fitted over K = {K[stiff][0]:.3g} to {K[-1]:.3g} N m/rad, its slope on logarithmic axes is {slope:.4f}. At "
-        f"the K = {K[0]:g} N m/rad of Table I the root-mean-square distance is {np.degrees(rms[0]):.2f} degrees, more "
-        "than the law gives: that arm is too soft for it."
+    text = prose(
+        "rigid_limit.md",
+        amplitude=SMOOTH_AMPLITUDE,
+        end=SMOOTH_END,
+        fitted=K[stiff],
+        slope=slope,
+        K=K[0],
+        distance=np.degrees(rms[0]),
     )
     numbers = {"K": K.tolist(), "rms_distance_rad": rms, "largest_distance_rad": most, "slope": float(slope)}
     note = f"slope {slope:.4f} of log rms |q_flexible - q_rigid| over log K, 5 s, {int(stiff.sum())} values of K"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flexdyn.paper import style
 from flexdyn.paper.cases import CASES_WATCHED, TORQUE_END, PaperCases
-from flexdyn.paper.chapter import Chapter, Figure, check
+from flexdyn.paper.chapter import Chapter, Figure, check, prose
 from flexdyn.paper.equations import tip
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.run import Run
@@ -24,30 +24,8 @@ def tip_deflection(cases: PaperCases) -> Chapter:
     arm = cases.arm()
     apart = max(np.abs(tip(arm, run.q) - tip(arm, run.theta) - vectors[name]).max() for name, run in runs.items())
     sizes = {name: np.linalg.norm(vector, axis=1) for name, vector in vectors.items()}
-    numbers = {}
-    lines = []
-    for name, run in runs.items():
-        acting, end = run.t < TORQUE_END, run.t >= TORQUE_END + CASES_WATCHED
-        after = (run.t >= TORQUE_END) & (run.t < TORQUE_END + 1.0)
-        found = [
-            1e3 * float(each) for each in (sizes[name][acting].max(), sizes[name][after].max(), sizes[name][end].max())
-        ]
-        numbers[name] = dict(zip(("driven_mm", "after_mm", "end_mm"), found, strict=True))
-        lines.append(f"| {name} | " + " | ".join(f"{each:.0f}" for each in found) + " |")
-    text = "\n".join(
-        [
-            "The paper assumes that end-effector deflection is caused by the joints. It is the distance between the "
-            "tip of the arm and where it would be if the links stood at the rotors' angles; the arm reaches "
-            f"{2 * arm.L:g} m. Largest values:",
-            "",
-            "| flexible arm | while the torque acts [mm] | in the second after it [mm] | 10 s later [mm] |",
-            "|---|---|---|---|",
-            *lines,
-            "",
-            "Later values can be the larger ones though the vibration does not grow: where the elbow stretches, the "
-            "tip is farther from the shoulder, and the same deflection carries it farther.",
-        ]
-    )
+    numbers = {name: _largest(run.t, 1e3 * sizes[name]) for name, run in runs.items()}
+    text = prose("tip_deflection.md", reach=2 * arm.L, numbers=numbers)
     figure = Figure(
         "tip_deflection",
         "End-effector deflection caused by the joints: path of the tip and of its rigid pose at the rotors' angles "
@@ -57,6 +35,16 @@ def tip_deflection(cases: PaperCases) -> Chapter:
     )
     checks = (check("Tip deflection from Pinocchio equals the closed form", apart, 1e-12, "m, two runs"),)
     return Chapter("End-effector deflection", text, checks, numbers, (figure,))
+
+
+def _largest(t: Array, size: Array) -> dict[str, float]:
+    """The largest distance [mm] while the torque acts, in the second after it, and at the end of the run."""
+    parts = {
+        "driven_mm": t < TORQUE_END,
+        "after_mm": (t >= TORQUE_END) & (t < TORQUE_END + 1.0),
+        "end_mm": t >= TORQUE_END + CASES_WATCHED,
+    }
+    return {name: float(size[part].max()) for name, part in parts.items()}
 
 
 def _vector(run: Run) -> Array:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flexdyn.paper import equations as eq
 from flexdyn.paper.cases import PAPER_V, PaperCases, smooth_samples, smooth_torque
-from flexdyn.paper.chapter import Chapter, Check, check
+from flexdyn.paper.chapter import Chapter, Check, check, prose
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.run import Run
@@ -26,13 +26,7 @@ def verification(cases: PaperCases) -> Chapter:
     checks = [*_dynamics(cases), *_kinematics(cases)]
     note = "rad, largest over both links and both rotors; SciPy's DOP853 at rtol 1e-12 on eq. 12-15"
     checks.append(check("A smooth motion of 5 s equals an independent integration", distance, 1e-8, note))
-    text = (
-        "The paper's equations are written out in closed form, with the misprints corrected, and compared with what "
-        f"Pinocchio computes from the shipped URDF at {STATES:,} random states (angles over the whole turn, velocities "
-        "to 3 rad/s, torques to 5 N m). The two share nothing but the numbers of Table I. Then a smooth motion with "
-        f"viscous friction, v = {PAPER_V:g} N m s/rad, is integrated twice: by flexdyn, and by SciPy from the "
-        "closed-form equations."
-    )
+    text = prose("verification.md", states=STATES, paper_v=PAPER_V)
     return Chapter("The equations", text, tuple(checks), runs={"smooth_torque": run})
 
 

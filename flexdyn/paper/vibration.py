@@ -50,6 +50,10 @@ class Residual:
         """The part of the amplitude that is left after ten seconds [1]."""
         return self.last / self.first
 
+    def to_dict(self) -> dict[str, float]:
+        """All numbers, for the JSON summary."""
+        return vars(self) | {"left": self.left}
+
 
 def residual(arm: Arm, run: Run) -> Residual:
     """Measure what is left after the torque of Fig. 4."""
