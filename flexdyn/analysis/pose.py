@@ -6,13 +6,13 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.arrays import Array
 from flexdyn.checks import as_numbers
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 Pose = ArrayLike | Mapping[str, float] | None
 
 

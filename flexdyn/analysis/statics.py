@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.analysis.balance import roots
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide, build_plant
 
-Array = NDArray[np.float64]
 TORQUE_ROUNDING = 1e-13
 """A torque below this share of the largest torque on the arm counts as zero [1]."""
 

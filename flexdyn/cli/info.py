@@ -10,7 +10,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from numpy.typing import NDArray
 
 from flexdyn.cli import modes as cli_modes
 from flexdyn.cli.motors import motors
@@ -24,7 +23,6 @@ from flexdyn.plots import SUFFIXES, draw_frequencies
 from flexdyn.robot.axes import joint_row, plain_axes
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 DRIVES = {
     "J": "rotor inertia",
     "K": "stiffness",

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.arrays import Array
 from flexdyn.control.commands import Controller, Samples, State
 from flexdyn.paper import equations as eq
 from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, PaperCases, reference
@@ -16,7 +17,6 @@ from flexdyn.records import Recording
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 
-Array = NDArray[np.float64]
 Corners = Sequence[tuple[float, float]]
 
 BENCH_RATE = 1000.0  # Hz, of control and of recordings

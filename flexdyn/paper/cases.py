@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.arrays import Array
 from flexdyn.control.commands import Samples
 from flexdyn.effects import CoulombFriction, StribeckFriction, TorqueSpeedLimit, ViscousFriction
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -17,8 +18,6 @@ from flexdyn.paper.equations import Arm
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
-
-Array = NDArray[np.float64]
 
 CASES_RATE = 250.0  # Hz, of the runs that are kept: 60 samples and more in the shortest period
 AMPLITUDE = 0.6  # N m: 95 % of the stall torque of Table I

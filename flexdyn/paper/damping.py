@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.paper import style
 from flexdyn.paper.cases import CASES_DURATION, CASES_WATCHED, DAMPINGS, TORQUE_END, PaperCases, bang_bang
 from flexdyn.paper.chapter import Chapter, Figure, check, prose
 from flexdyn.paper.vibration import Mode, Residual, amplitude, modes, pluck_rate, residual, slowest_rates
 from flexdyn.simulation.run import Run
 
-Array = NDArray[np.float64]
 ELBOW = np.pi / 2  # rad: the pose of Table I, at which modes are computed
 SWEEP = np.logspace(-2, 2, 161)  # N m s/rad
 SHOWN_DAMPINGS = (0.01, 0.5, 2.0)  # N m s/rad

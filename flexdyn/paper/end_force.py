@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.control.commands import PD, FrameWrench, Samples
 from flexdyn.paper import style
 from flexdyn.paper.cases import PAPER_V, PaperCases, reference
@@ -15,7 +15,6 @@ from flexdyn.paper.equations import Arm, jacobian, tip
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 
-Array = NDArray[np.float64]
 FORCE = np.array([-0.2, 0.0])  # N, along -x: across the second link as it stands
 RISE, RELEASE, END = 1.0, 16.0, 20.0  # s
 SETTLING = 3.0  # N m s/rad: brings both joints to rest well before the release

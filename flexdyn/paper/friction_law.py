@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import CoulombFriction, Effect, StribeckFriction, ViscousFriction
 from flexdyn.paper import style
 from flexdyn.paper.cases import FrictionNumbers, PaperCases
 from flexdyn.paper.chapter import Chapter, Figure, check, prose
 from flexdyn.paper.equations import friction
-
-Array = NDArray[np.float64]
 
 
 def friction_law(cases: PaperCases) -> Chapter:

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.paper import style
 from flexdyn.paper.cases import SMOOTH_AMPLITUDE, SMOOTH_END, PaperCases, smooth_samples
 from flexdyn.paper.chapter import Chapter, Figure, check, prose
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
 
-Array = NDArray[np.float64]
 FACTORS = 10.0 ** np.arange(0.0, 6.01, 0.5)  # times the K of Table I
 FITTED_FACTOR = 1e2  # the law of large K is fitted from this factor on
 RIGID_LIMIT_DURATION = 5.0

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.paper import style
 from flexdyn.paper.cases import CASES_WATCHED, TORQUE_END, PaperCases
 from flexdyn.paper.chapter import Chapter, Figure, check, prose
 from flexdyn.paper.equations import tip
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.run import Run
-
-Array = NDArray[np.float64]
 
 
 def tip_deflection(cases: PaperCases) -> Chapter:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.paper import equations as eq
 from flexdyn.paper.cases import PAPER_V, PaperCases, smooth_samples, smooth_torque
 from flexdyn.paper.chapter import Chapter, Check, check, prose
@@ -15,7 +15,6 @@ from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
 
-Array = NDArray[np.float64]
 STATES = 1000
 SEED = 830
 

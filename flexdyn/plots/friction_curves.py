@@ -7,12 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect, JointCoupling, JointEffect, MemoryEffect
 from flexdyn.plots.page import BLUE, GREY, LAW_LINE_WIDTH, PALE, RED, SHADES, cross, legend, legend_above
 
-Array = NDArray[np.float64]
 VELOCITY = "velocity $u$ of the link or rotor [rad/s]"
 FRICTION = "friction torque [N m]"
 WAVES = 8.0

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.plots.palette import INK
 
-Array = NDArray[np.float64]
 LARGEST_DRAWN, SMALLEST_DRAWN = 1e150, 1e-150
 """Largest number that is drawn, and smallest difference: the renderers compute squares of them."""
 LONGEST_NAME_SHOWN = 48

@@ -7,13 +7,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import DeflectionEffect, JointEffect
 from flexdyn.plots.friction_curves import span, turn, varies
 from flexdyn.plots.page import BLUE, DASHED, GREY, LAW_LINE_WIDTH, RED, SHADES, cross, legend
 
-Array = NDArray[np.float64]
 ASKED = (-1.2, -0.6, 0.0, 0.6, 1.2)
 """Commanded torques in the pictures of actuator effects [N m]."""
 DEFLECTION = 0.01

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.control.firmware import Firmware
 from flexdyn.errors import InputError
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
-Array = NDArray[np.float64]
 ASKED = ("voltage", "duty", "goal")
 """Signals that command a motor under voltage; the first that was recorded is used."""
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation, Samples, State, per_joint
 from flexdyn.control.firmware import CORE_ORDER, Firmware
 from flexdyn.control.points import COMMAND_KEYS, CommandPoints, command_of
@@ -24,7 +24,6 @@ from flexdyn.records.given import as_recording
 from flexdyn.records.near_names import asked_back
 from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
 
-Array = NDArray[np.float64]
 RECORDED: Interpolation = "monotone"
 """Default interpolation of a recorded reference: through its samples, never outside the range of two neighbours."""
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect
 from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import SimulationError
@@ -20,8 +20,6 @@ from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
 from flexdyn.simulation.plant import LinkSide, acting_effects, build_plant
 from flexdyn.simulation.solver_choice import core_settings
 from flexdyn.simulation.solvers import RungeKutta4, Solver, TimeStepping
-
-Array = NDArray[np.float64]
 
 
 class Moved(Protocol):

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.checks import as_number, as_numbers
 from flexdyn.control.commands import Samples, checked_rate
 from flexdyn.errors import InputError
@@ -32,7 +33,6 @@ from flexdyn.simulation.solvers import (
 )
 from flexdyn.simulation.stopped import stopped
 
-Array = NDArray[np.float64]
 MAX_STEPS = 1e15  # years of computing; beyond it the core's step counter would overflow
 MAX_SAMPLES = 20_000_000  # 7.8 GB for seven joints: more is a typing error, and the process would be killed
 

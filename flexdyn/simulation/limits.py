@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.checks import as_number
 from flexdyn.effects import Effect, EndStop, TorqueSpeedLimit
 from flexdyn.errors import InputError
@@ -17,7 +17,6 @@ from flexdyn.robot import Robot
 from flexdyn.robot.axes import joint_row
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 SLACK = 1e-6
 """An excess below this share of a limit, or of a unit, is not reported [1]."""
 NO_LINE = 1e9

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import SensorEffect, measure
 from flexdyn.errors import visible
 from flexdyn.io.locked import Locked
@@ -28,8 +28,6 @@ from flexdyn.simulation.solvers import Solver
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
     from flexdyn.viewer.inline import Inline
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

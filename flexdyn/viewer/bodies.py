@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.robot import Robot
 from flexdyn.robot.tree import Tree
 from flexdyn.viewer.solids import tube
 
-Array = NDArray[np.float64]
 BODY_GREY = (0.60, 0.65, 0.73, 1.0)
 STEEL = (0.35, 0.45, 0.62, 1.0)
 SHELL = (0.45, 0.58, 0.80, 0.55)

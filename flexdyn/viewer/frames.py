@@ -6,12 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.viewer.motion import PlayedMotion
 
-Array = NDArray[np.float64]
 FASTEST = 240.0
 """Largest frame rate [Hz]: at a tenth of the speed there are still 24 frames in a second."""
 MOST_FRAMES = 3600

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.simulation.run import Run
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

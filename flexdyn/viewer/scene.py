@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.robot import Robot
 from flexdyn.robot.tree import Tree
 from flexdyn.viewer import dials
@@ -15,7 +15,6 @@ from flexdyn.viewer.animation import NodeMove, commands_of
 from flexdyn.viewer.bodies import Body
 from flexdyn.viewer.solids import tube
 
-Array = NDArray[np.float64]
 ARM, GHOST = "/arm", "/ghost"
 """Nodes of the arms in the scene's tree; the page makes the second arm from the first."""
 BLUE, VIOLET, SILVER = "#1f4e9c", "#9b30c9", "#99a6ba"
