@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from flexdyn.io.html import engine
+from flexdyn.io.text import fill
 from flexdyn.simulation.run import Run
 
 Drawing = Callable[[Any], None]
@@ -79,10 +79,10 @@ class Chapter:
 
 
 def prose(template: str, **filled: Any) -> str:
-    """Paragraphs and tables in Markdown: a filled template of this folder, in which nothing is escaped.
+    """Paragraphs and tables: a filled template of this folder.
 
     Args:
         template: name of its file.
         filled: what its names stand for.
     """
-    return engine().overlay(autoescape=False).get_template(f"paper/{template}").render(filled)
+    return fill(f"paper/{template}", **filled)
