@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from flexdyn.cli.options import decimal, naming, output_file, output_option
+from flexdyn.cli.options import decimal, naming, output_option, picture_file
 from flexdyn.cli.output import show
 from flexdyn.cli.recordings import load
 from flexdyn.errors import InputError
@@ -27,10 +27,7 @@ ToOption = Annotated[str | None, typer.Option("--to", metavar="S", help="Last ti
 
 def plot(
     runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Runs or recordings, the measured one first.")],
-    output: Annotated[
-        Path | None,
-        output_option("FILE", f"The picture: {', '.join(FILES)} by its suffix."),
-    ] = None,
+    output: Annotated[Path | None, output_option("FILE", f"The picture: {', '.join(FILES)} by its suffix.")] = None,
     views: Annotated[
         list[str] | None,
         typer.Option("--view", metavar="NAME", help=f"One of {', '.join(VIEW_NAMES)}; may be given several times."),
@@ -50,7 +47,7 @@ def plot(
     Several files share the axes; their differences from the first are drawn below. Without --output an interactive
     page opens in the browser; .html writes such a page, which works offline.
     """
-    path = None if output is None else output_file("--output", output, FILES, inputs=runs)
+    path = picture_file(output, inputs=runs)
     first, last = window(start, end)
     recordings = load_all(runs, maps)
     options = {"views": "--view", "joints": "--joint", "model": "--model", "start, end": "--from, --to"}

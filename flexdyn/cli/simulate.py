@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,7 +21,7 @@ from flexdyn.cli.options import (
     output_file,
     output_option,
 )
-from flexdyn.cli.output import console, note, number, show, show_json, table
+from flexdyn.cli.output import note, number, progress, show, show_json, table
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError
@@ -95,6 +93,8 @@ def simulate(
     The first state comes from --q0, --v0, --theta0 and --omega0. Without them it comes from the first row of the
     recording in --command, or else from the model file. Rotors start at theta = q, omega = v by default.
     """
+    from flexdyn.simulation.simulate import simulate as integrate
+
     path = output_file("--output", output, SUFFIXES, inputs=(Path(model), command, map))
     span = None if duration is None else decimal("--duration", duration)
     hertz = decimal("--rate", rate)
@@ -108,7 +108,10 @@ def simulate(
             drive = arm.command
             note("the command is the model file's own")
         _can_write(path)
-        run = _run(arm, drive, span, chosen, hertz, starts)
+        length = span or getattr(drive, "duration", None)
+        end = f" of {length:g}" if length else ""
+        with progress(f"{arm.name}: starting", lambda t: f"{arm.name}: t = {t:.3f}{end} s") as report:
+            run = integrate(arm, drive, span, chosen, rate=hertz, progress=report, **starts)
     for text in run.notes:
         note(text)
     run.save(path)
@@ -191,33 +194,6 @@ def _can_write(path: Path) -> None:
     """Write an empty recording to another place: a missing library is reported before the work, not after it."""
     with TemporaryDirectory() as folder:
         write_recording(Recording([0.0, 1.0], {"q.none": [0.0, 0.0]}), Path(folder) / f"probe{path.suffix}")
-
-
-def _run(
-    model: FlexibleJointModel,
-    command: Any,
-    duration: float | None,
-    solver: Any,
-    rate: float,
-    starts: dict[str, Any],
-) -> Run:
-    from flexdyn.simulation.simulate import simulate as integrate
-
-    length = duration or getattr(command, "duration", None)
-    with _progress(model.name, length) as progress:
-        return integrate(model, command, duration, solver, rate=rate, progress=progress, **starts)
-
-
-@contextmanager
-def _progress(name: str, duration: float | None) -> Iterator[Callable[[float], None] | None]:
-    """Print the time reached on stderr if it is a terminal."""
-    err = console(stderr=True)
-    if not err.is_terminal:
-        yield None
-        return
-    with err.status(f"{name}: starting") as status:
-        end = f" of {duration:g}" if duration else ""
-        yield lambda t: status.update(f"{name}: t = {t:.3f}{end} s")
 
 
 def _report(run: Run, path: Path) -> list[Any]:
