@@ -32,9 +32,8 @@ def with_asked_torque(model: FlexibleJointModel, recording: Recording) -> Record
     Raises:
         InputError: such a joint without voltage, duty or goal; a duty without a supply; a goal without firmware.
     """
-    driven = {name: joint for name, joint in model.joints.items() if joint.actuator is not None}
     columns = {}
-    for name, joint in driven.items():
+    for name, joint in model.joints.items():
         if joint.actuator is not None:
             volts = _volts(joint.actuator, recording, name)
             columns[f"tau.{name}"] = joint.actuator.per_volt(joint.gear_ratio) * volts

@@ -20,7 +20,7 @@ from flexdyn.simulation.command_input import Drive, lower_wrenches, make_drive
 from flexdyn.simulation.initial_state import first_state
 from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
 from flexdyn.simulation.limits import exceeded
-from flexdyn.simulation.plant import build_plant
+from flexdyn.simulation.plant import build_plant, check_model
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.solver_choice import STIFF, budget, choose_solver, core_settings, switch_notes
 from flexdyn.simulation.solvers import (
@@ -133,8 +133,7 @@ def prepare(
     Raises:
         InputError: an argument that does not fit.
     """
-    if not isinstance(model, FlexibleJointModel):
-        raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
+    check_model(model)
     shared = Shared(rate, times) if shared is None else shared
     drive = shared.drive(model, command, duration)
     span = _duration(duration, drive)
