@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.arrays import Array
-from flexdyn.control.commands import Controller, Samples, State
+from flexdyn.control.commands import Controller, State
 from flexdyn.paper import equations as eq
-from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, PaperCases, reference
+from flexdyn.paper.cases import PaperCases, reference, torque_of_fig4
 from flexdyn.records import Recording
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
@@ -61,11 +61,9 @@ class Bench:
     @cached_property
     def runs(self) -> Mapping[str, Run]:
         """The true runs: a controlled motion to fit, another one to test, and the torque of Fig. 4."""
-        return {
-            "fit": self._controlled(FIT),
-            "check": self._controlled(CHECK),
-            "check_fig4": simulate(self.cases.model, torque_of_fig4(), BENCH_WATCHED, reference(), rate=BENCH_RATE),
-        }
+        torque = torque_of_fig4(BENCH_WATCHED)
+        driven = simulate(self.cases.model, torque, BENCH_WATCHED, reference(), rate=BENCH_RATE)
+        return {"fit": self._controlled(FIT), "check": self._controlled(CHECK), "check_fig4": driven}
 
     @cached_property
     def recordings(self) -> Mapping[str, Recording]:
@@ -77,9 +75,8 @@ class Bench:
         wanted = motion(corners)
         law = PaperServo(wanted, feedforward(self.cases.arm(), wanted))
         duration = (len(wanted) - 1) / BENCH_RATE
-        return simulate(
-            self.cases.model, Controller(law, BENCH_RATE), duration, reference(), q0=wanted[0], rate=BENCH_RATE
-        )
+        control = Controller(law, BENCH_RATE)
+        return simulate(self.cases.model, control, duration, reference(), q0=wanted[0], rate=BENCH_RATE)
 
 
 @dataclass
@@ -127,12 +124,6 @@ def feedforward(arm: eq.Arm, wanted: Array) -> Array:
     a = np.gradient(v, 1.0 / BENCH_RATE, axis=0)
     links = np.einsum("tij,tj->ti", eq.mass_matrix(arm, wanted), a) + eq.coriolis(arm, wanted, v)
     return np.asarray(links + arm.J * a)
-
-
-def torque_of_fig4() -> Samples:
-    """The torque of Fig. 4: accelerate, brake, then zero; the same at both joints."""
-    signs = np.array([1.0, -1.0, 0.0, 0.0])
-    return Samples([0.0, PULSE, TORQUE_END, BENCH_WATCHED], np.outer(AMPLITUDE * signs, [1.0, 1.0]))
 
 
 def recorded(t: ArrayLike, q: Array, theta: Array, tau: Array, noise: np.random.Generator, name: str = "") -> Recording:

@@ -14,7 +14,7 @@ from flexdyn.control.commands import Samples
 from flexdyn.effects import CoulombFriction, StribeckFriction, TorqueSpeedLimit, ViscousFriction
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
-from flexdyn.paper.equations import Arm
+from flexdyn.paper.equations import Arm, friction
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
@@ -46,6 +46,10 @@ class FrictionNumbers:
     dynamic: float
     static: float
     epsilon: float
+
+    def law(self, u: ArrayLike) -> Array:
+        """Eq. 1 with these numbers, at joint velocities [rad/s] -> [N m]."""
+        return friction(u, **vars(self))
 
 
 @dataclass(frozen=True)
@@ -111,11 +115,13 @@ def reference() -> DormandPrince:
 
 def bang_bang(model: FlexibleJointModel) -> Run:
     """The model under the torque of Fig. 4, and on until the vibration that is left has been watched."""
+    return simulate(model, torque_of_fig4(CASES_DURATION), CASES_DURATION, reference(), rate=CASES_RATE)
+
+
+def torque_of_fig4(duration: float) -> Samples:
+    """The torque of Fig. 4 for a time [s]: accelerate, brake, then zero; the same at both joints."""
     signs = np.array([1.0, -1.0, 0.0, 0.0])
-    t = [0.0, PULSE, TORQUE_END, CASES_DURATION]
-    return simulate(
-        model, Samples(t, np.outer(AMPLITUDE * signs, [1, 1])), CASES_DURATION, reference(), rate=CASES_RATE
-    )
+    return Samples([0.0, PULSE, TORQUE_END, duration], np.outer(AMPLITUDE * signs, [1.0, 1.0]))
 
 
 def smooth_torque(t: ArrayLike) -> Array:

@@ -18,7 +18,7 @@ from flexdyn.effects import Effect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper.bench import LINK_STEP, MOTOR_STEP, TORQUE_NOISE, Bench
 from flexdyn.paper.cases import PaperCases
-from flexdyn.paper.chapter import Chapter, Check, Figure, check, prose
+from flexdyn.paper.chapter import Chapter, Check, figure, prose, stated
 from flexdyn.paper.hidden_friction_figure import Step, draw
 from flexdyn.records import Recording
 
@@ -50,20 +50,13 @@ def hidden_friction(cases: PaperCases, folder: Path, progress: Progress | None =
     answer.save(folder)
     steps = gap_steps(given, answer, [data[name] for name in CHECKED])
     truth = hidden(cases.model)
-    figure = Figure(
-        "hidden_friction",
-        "The torque of Fig. 4 on the arm (12 s that took no part in the fit): measured, and simulated from the first "
-        "state on by the model without dry friction and by what the diagnosis made of it (a, b); the gap on all data "
-        "of the check as one effect after the other is added (c).",
-        lambda canvas: draw(canvas, data["check_fig4"], given, answer.model, steps),
-        (7.16, 3.6),
-    )
+    picture = figure("hidden_friction", lambda canvas: draw(canvas, data["check_fig4"], given, answer.model, steps))
     return Chapter(
         TITLE,
         _text(truth, answer, steps),
         checks(truth, answer),
         _numbers(truth, answer, steps),
-        (figure,),
+        (picture,),
         {f"diagnosis_{name}": run for name, run in bench.runs.items()},
         tuple(sorted(path for path in folder.iterdir() if path.is_file())),
     )
@@ -135,24 +128,9 @@ def checks(truth: Sequence[Effect], answer: Diagnosis) -> tuple[Check, ...]:
     errors = [abs(found.value / true - 1.0) for _, _, true, found in _compared(truth, answer) if found is not None]
     gap = answer.gap_test
     return (
-        check(
-            "Every effect that was hidden is named, at its joint and side, and nothing else is",
-            len(wrong) + unsure,
-            0.0,
-            f"effects missing, false or in doubt, of {len(truth)} hidden",
-        ),
-        check(
-            "The numbers found are the true ones",
-            max(errors, default=np.nan),
-            0.1,
-            "greatest relative error of a level, coefficient or velocity",
-        ),
-        check(
-            "With what was found, the model is as good as noise allows on data not used in the fit",
-            np.nan if gap is None else gap.after / gap.floor,
-            1.3,
-            "gap after over the gap of a perfect model",
-        ),
+        stated("hidden_effects", len(wrong) + unsure, hidden=len(truth)),
+        stated("hidden_numbers", max(errors, default=np.nan)),
+        stated("hidden_gap", np.nan if gap is None else gap.after / gap.floor),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.paper import style
 from flexdyn.paper.cases import CASES_WATCHED, TORQUE_END, PaperCases
-from flexdyn.paper.chapter import Chapter, Figure, check, prose
+from flexdyn.paper.chapter import Chapter, figure, prose, stated
 from flexdyn.paper.equations import tip
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.run import Run
@@ -24,15 +24,9 @@ def tip_deflection(cases: PaperCases) -> Chapter:
     sizes = {name: np.linalg.norm(vector, axis=1) for name, vector in vectors.items()}
     numbers = {name: _largest(run.t, 1e3 * sizes[name]) for name, run in runs.items()}
     text = prose("tip_deflection.md", reach=2 * arm.L, numbers=numbers)
-    figure = Figure(
-        "tip_deflection",
-        "End-effector deflection caused by the joints: path of the tip and of its rigid pose at the rotors' angles "
-        "during the first 2.4 s, without friction (a); distance between the two (b).",
-        lambda canvas: _draw(canvas, runs, sizes),
-        (style.FULL_WIDTH, 3.0),
-    )
-    checks = (check("Tip deflection from Pinocchio equals the closed form", apart, 1e-12, "m, two runs"),)
-    return Chapter("End-effector deflection", text, checks, numbers, (figure,))
+    picture = figure("tip_deflection", lambda canvas: _draw(canvas, runs, sizes))
+    checks = (stated("tip_deflection", apart),)
+    return Chapter("End-effector deflection", text, checks, numbers, (picture,))
 
 
 def _largest(t: Array, size: Array) -> dict[str, float]:
@@ -56,7 +50,7 @@ def _draw(canvas: Any, runs: dict[str, Run], sizes: dict[str, Array]) -> None:
     run = runs["without friction"]
     robot, seen = run.model.robot, run.t <= 2 * TORQUE_END
     actual, rigid = (frame_positions(robot, angles[seen])[:, :2] for angles in (run.q, run.theta))
-    left.plot(*rigid.T, color=style.VERMILION, linestyle=(0, (5, 2)), label=r"rigid pose at $\theta$")
+    left.plot(*rigid.T, color=style.VERMILION, linestyle=style.DASHED, label=r"rigid pose at $\theta$")
     left.plot(*actual.T, color=style.BLUE, label="tip")
     for a, b in zip(actual[::20], rigid[::20], strict=True):
         left.plot([a[0], b[0]], [a[1], b[1]], color=style.GREY, linewidth=0.5, zorder=1)
@@ -65,7 +59,7 @@ def _draw(canvas: Any, runs: dict[str, Run], sizes: dict[str, Array]) -> None:
     left.set(xlabel="$x$ (m)", ylabel="$y$ (m)", aspect="equal")
     left.set_adjustable("datalim")
     left.legend(loc="lower left")
-    looks = {"without friction": (style.BLUE, "-"), "with friction": (style.VERMILION, (0, (5, 2)))}
+    looks = {"without friction": (style.BLUE, "-"), "with friction": (style.VERMILION, style.DASHED)}
     for name, (colour, dash) in looks.items():
         right.plot(runs[name].t, 1e3 * sizes[name], color=colour, linestyle=dash, linewidth=0.9, label=name)
     style.torque_on(right)
