@@ -19,12 +19,12 @@ from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
 
-CASES_RATE = 250.0  # Hz, of the runs that are kept: 60 samples and more in the shortest period
+CASES_RATE = 250.0  # Hz, of the saved runs: 60 samples and more in the shortest period
 AMPLITUDE = 0.6  # N m: 95 % of the stall torque of Table I
 PULSE = 0.6  # s, of acceleration, and as long of braking
 TORQUE_END = 2 * PULSE
-CASES_WATCHED = 10.0  # s, over which the vibration that is left is watched
-CASES_DURATION = TORQUE_END + CASES_WATCHED + 1.0  # s
+CASES_OBSERVED = 10.0  # s, over which the residual vibration is observed
+CASES_DURATION = TORQUE_END + CASES_OBSERVED + 1.0  # s
 PAPER_V = 0.01  # N m s/rad: v_1 = v_2 of Fig. 5
 DAMPINGS = (0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # N m s/rad
 SMOOTH_AMPLITUDE = 0.3  # N m
@@ -109,12 +109,12 @@ class PaperCases:
 
 
 def reference() -> DormandPrince:
-    """The solver of the runs that are kept."""
+    """The solver of the saved runs."""
     return DormandPrince(rtol=1e-9, atol=1e-11)
 
 
 def bang_bang(model: FlexibleJointModel) -> Run:
-    """The model under the torque of Fig. 4, and on until the vibration that is left has been watched."""
+    """The model under the torque of Fig. 4, until the residual vibration has been observed."""
     return simulate(model, torque_of_fig4(CASES_DURATION), CASES_DURATION, reference(), rate=CASES_RATE)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.paper import style
-from flexdyn.paper.cases import CASES_DURATION, CASES_WATCHED, PAPER_V, TORQUE_END, PaperCases, bang_bang
+from flexdyn.paper.cases import CASES_DURATION, CASES_OBSERVED, PAPER_V, TORQUE_END, PaperCases, bang_bang
 from flexdyn.paper.chapter import Chapter, figure, prose, stated
 from flexdyn.paper.vibration import residual, ringing_after
 
@@ -16,7 +16,7 @@ WITH = {"color": style.VERMILION, "linestyle": style.DASHED, "label": "with fric
 
 
 def friction_effect(cases: PaperCases) -> Chapter:
-    """Fig. 5: what friction does to both arms."""
+    """Fig. 5: the effect of friction on both arms."""
     runs, arm = cases.driven, cases.arm()
     viscous = bang_bang(cases.viscous_model(PAPER_V))
     left = {
@@ -44,7 +44,7 @@ def friction_effect(cases: PaperCases) -> Chapter:
         left=left,
         moved=moved,
         paper_v=PAPER_V,
-        watched=CASES_WATCHED,
+        watched=CASES_OBSERVED,
         duration=CASES_DURATION,
         degrees=np.degrees,
         tuple=tuple,
@@ -64,7 +64,7 @@ def _draw(canvas: Any, runs: Any) -> None:
         for panel, name, at in zip(panels[j], names, "abc" if j == 0 else "def", strict=True):
             style.titled(panel, at, name)
             style.torque_on(panel)
-            panel.set_xlim(0, TORQUE_END + CASES_WATCHED)
+            panel.set_xlim(0, TORQUE_END + CASES_OBSERVED)
         _share(panels[j, 0], panels[j, 1])
         panels[j, 0].set_ylabel(f"angle $q_{j + 1}$ (deg)")
         panels[j, 2].set_ylabel(rf"$\theta_{j + 1} - q_{j + 1}$ (deg)")
@@ -74,7 +74,7 @@ def _draw(canvas: Any, runs: Any) -> None:
 
 
 def _share(one: Any, other: Any) -> None:
-    """The same angles on both axes, so that the arms compare at a glance."""
+    """The same angles on both axes, so that the two arms can be compared."""
     ends = [*one.get_ylim(), *other.get_ylim()]
     for panel in (one, other):
         panel.set_ylim(min(ends), max(ends))

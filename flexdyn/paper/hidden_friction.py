@@ -25,7 +25,7 @@ from flexdyn.records import Recording
 TITLE = "Friction hidden, and found"
 FOLDER = "diagnosis"
 HIDDEN = ("coulomb_friction", "stribeck_friction")
-"""The dry part of eq. 1, at both joints: the paper prints v = 0.01 and leaves its levels out."""
+"""The dry part of eq. 1, at both joints: the paper gives v = 0.01 and no levels."""
 MISTAKES = {
     "shoulder": {"stiffness": 1.015, "rotor_inertia": 0.98},
     "elbow": {"stiffness": 0.985, "rotor_inertia": 1.02},
@@ -45,7 +45,7 @@ def hidden_friction(cases: PaperCases, folder: Path, progress: Progress | None =
     """
     bench = Bench(cases)
     data = bench.recordings
-    given = forgetful(cases.model)
+    given = without_dry_friction(cases.model)
     answer = diagnose(given, [data["fit"]], [data[name] for name in CHECKED], progress=progress)
     answer.save(folder)
     steps = gap_steps(given, answer, [data[name] for name in CHECKED])
@@ -62,7 +62,7 @@ def hidden_friction(cases: PaperCases, folder: Path, progress: Progress | None =
     )
 
 
-def forgetful(model: FlexibleJointModel) -> FlexibleJointModel:
+def without_dry_friction(model: FlexibleJointModel) -> FlexibleJointModel:
     """The model that a reader of the paper would make: no dry friction, K and J with two digits."""
     joints = {
         name: {key: getattr(joint, key) * MISTAKES[name][key] for key in MISTAKES[name]}
@@ -77,10 +77,10 @@ def hidden(model: FlexibleJointModel) -> tuple[Effect, ...]:
 
 
 def gap_steps(given: FlexibleJointModel, answer: Diagnosis, check: Sequence[Recording]) -> tuple[Step, ...]:
-    """The gap as the model is given, calibrated, then with one finding more at a time, the one that brings most first.
+    """The gap of the given and the calibrated model, then with one more finding at a time, the most effective first.
 
-    On the way the numbers are those of the final answer. The first two, the last and that of noise alone are the
-    diagnosis' own.
+    All steps use the numbers of the final answer. The first two gaps, the last and that of noise alone come from the
+    diagnosis itself.
     """
     if answer.gap_test is None:
         return ()
@@ -104,7 +104,7 @@ def _without(model: FlexibleJointModel, missing: Sequence[Suspect]) -> FlexibleJ
 
 
 def sensors_noise(recordings: Sequence[Recording]) -> WindowNoise:
-    """What the sensors of the bench make: encoder steps evenly spread, step / sqrt(12), and the torque's noise.
+    """Noise of the sensors on the bench: quantisation of the encoders, step / sqrt(12), and noise of the torque.
 
     Args:
         recordings: of both joints; the torque's noise is a share of its peak, their mean.
@@ -121,7 +121,7 @@ def _place(entry: Effect | Suspect) -> tuple[Any, ...]:
 
 
 def checks(truth: Sequence[Effect], answer: Diagnosis) -> tuple[Check, ...]:
-    """Whether a diagnosis names all that was hidden and nothing else, with the true numbers, down to noise."""
+    """Whether a diagnosis names every hidden effect and no other, with the true numbers, and explains the data."""
     named = {_place(finding.suspect) for finding in answer.findings if not finding.rivals}
     wrong = named ^ {_place(effect) for effect in truth}
     unsure = sum(bool(finding.rivals) for finding in answer.findings)
@@ -135,7 +135,7 @@ def checks(truth: Sequence[Effect], answer: Diagnosis) -> tuple[Check, ...]:
 
 
 def _compared(truth: Sequence[Effect], answer: Diagnosis) -> list[tuple[Effect, str, float, Number | None]]:
-    """Every number that was hidden: whose it is, its name, its true value, what was found."""
+    """Every hidden number: its effect, its name, its true value, the value found."""
     found = {_place(finding.suspect): finding.suspect.parameters for finding in answer.findings}
     return [
         (effect, entry.name, float(getattr(effect, entry.name)), found.get(_place(effect), {}).get(entry.name))

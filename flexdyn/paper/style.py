@@ -1,4 +1,4 @@
-"""How the study's figures look, and how they reach their files."""
+"""The style of the study's figures, and how they are saved."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ STYLE = {
 
 
 def require_matplotlib() -> Any:
-    """Matplotlib, or a clear line on how to get it.
+    """Import Matplotlib; if it is missing, the error says how to install it.
 
     Raises:
         MissingExtra: it is not installed.
@@ -58,7 +58,7 @@ def require_matplotlib() -> Any:
 
 
 def save(figure: Figure, folder: Path) -> list[Path]:
-    """Draw a figure once and write it as PNG at 300 dpi and as PDF, each whole or not at all."""
+    """Draw a figure once and write it as PNG at 300 dpi and as PDF, each file completely or not at all."""
     matplotlib = require_matplotlib()
     paths = []
     with matplotlib.style.context(["default", STYLE]):
@@ -73,7 +73,7 @@ def save(figure: Figure, folder: Path) -> list[Path]:
 
 
 def titled(panel: Any, name: str, text: str) -> None:
-    """A panel's letter and what it shows."""
+    """Set the title of a panel: its letter and its content."""
     panel.set_title(f"({name})  {text}", loc="left")
 
 

@@ -1,4 +1,4 @@
-"""Chapter: how far the springs carry the end of the arm away from where the motors hold it."""
+"""Chapter: displacement of the end of the arm by the deflection of the joints."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.paper import style
-from flexdyn.paper.cases import CASES_WATCHED, TORQUE_END, PaperCases
+from flexdyn.paper.cases import CASES_OBSERVED, TORQUE_END, PaperCases
 from flexdyn.paper.chapter import Chapter, figure, prose, stated
 from flexdyn.paper.equations import tip
 from flexdyn.robot import frame_positions
@@ -34,7 +34,7 @@ def _largest(t: Array, size: Array) -> dict[str, float]:
     parts = {
         "driven_mm": t < TORQUE_END,
         "after_mm": (t >= TORQUE_END) & (t < TORQUE_END + 1.0),
-        "end_mm": t >= TORQUE_END + CASES_WATCHED,
+        "end_mm": t >= TORQUE_END + CASES_OBSERVED,
     }
     return {name: float(size[part].max()) for name, part in parts.items()}
 
@@ -63,7 +63,7 @@ def _draw(canvas: Any, runs: dict[str, Run], sizes: dict[str, Array]) -> None:
     for name, (colour, dash) in looks.items():
         right.plot(runs[name].t, 1e3 * sizes[name], color=colour, linestyle=dash, linewidth=0.9, label=name)
     style.torque_on(right)
-    right.set(xlim=(0, TORQUE_END + CASES_WATCHED), xlabel="time (s)", ylabel="tip deflection (mm)")
+    right.set(xlim=(0, TORQUE_END + CASES_OBSERVED), xlabel="time (s)", ylabel="tip deflection (mm)")
     right.set_ylim(0, 1.22e3 * max(size.max() for size in sizes.values()))
     right.legend(loc="upper right", ncols=2)
     style.titled(left, "a", "path of the tip")
