@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from flexdyn.cli.batch_report import extracted_lines, summary_parts
-from flexdyn.cli.options import JsonOption, flag, naming, output_folder, output_option, picture_file
+from flexdyn.cli.options import JsonOption, flag, naming, option, output_folder, output_option, picture_file
 from flexdyn.cli.output import answer, note, progress, show, show_json
 from flexdyn.errors import InputError
 
@@ -23,28 +23,20 @@ def batch(
     output: Annotated[
         Path | None, output_option("OUT", "The Zarr store to write; of --summary a picture, of --extract a folder.")
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", help="Threads. Default: the processors this process may use.")
-    ] = None,
+    workers: Annotated[int | None, option("N", "Threads. Default: the processors this process may use.")] = None,
     scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="The Dask scheduler whose workers do the runs: tcp://host:8786."),
+        str | None, option("ADDRESS", "The Dask scheduler whose workers do the runs: tcp://host:8786.")
     ] = None,
     resume: Annotated[bool, flag("--resume", "Go on with the store: only what is missing is done.")] = False,
     summary: Annotated[bool, flag("--summary", "Say what is in a store, finished or not.")] = False,
     views: Annotated[
         list[str] | None,
-        typer.Option(
-            "--view",
-            metavar="NAME",
-            help="View in the picture: metrics, sensitivities or trajectories. May be given several times.",
+        option(
+            "NAME", "View in the picture: metrics, sensitivities or trajectories. May be given several times.", "--view"
         ),
     ] = None,
     extract: Annotated[
-        int | None,
-        typer.Option(
-            metavar="K", help="Write run K of a store as model file and command, with the line to simulate it."
-        ),
+        int | None, option("K", "Write run K of a store as model file and command, with the line to simulate it.")
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

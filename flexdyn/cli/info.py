@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import typer
 
 from flexdyn.cli import modes as cli_modes
 from flexdyn.cli.motors import motors
-from flexdyn.cli.options import JsonOption, by_joint, flag, model_argument, naming, output_file, output_option
+from flexdyn.cli.options import JsonOption, by_joint, flag, model_argument, naming, option, output_file, output_option
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.target import Target, find
 from flexdyn.effects import Effect, JointEffect, Payload, unit_for
@@ -43,16 +42,12 @@ def info(
     ],
     q: Annotated[
         list[str] | None,
-        typer.Option(
-            "--q", metavar="VALUES", help="Position for M and the frequencies: 0.1,0.2 or elbow=1.57, in rad or m."
-        ),
+        option("VALUES", "Position for M and the frequencies: 0.1,0.2 or elbow=1.57, in rad or m.", "--q"),
     ] = None,
     modes: Annotated[
         bool, flag("--modes", "Eigenfrequencies, damping ratios, shapes and anti-resonances at --q as well.")
     ] = False,
-    path: Annotated[
-        Path | None, typer.Option(metavar="RUN", help="With --modes and -o: a recording whose q is the path to draw.")
-    ] = None,
+    path: Annotated[Path | None, option("RUN", "With --modes and -o: a recording whose q is the path to draw.")] = None,
     output: Annotated[
         Path | None, output_option("FILE", "Draw the frequencies over --path: .png, .pdf or .svg.")
     ] = None,
@@ -92,10 +87,10 @@ def _picture(modes: bool, path: Path | None, output: Path | None) -> Path | None
     """
     if path is None and output is None:
         return None
-    for option, given in (("--modes", modes), ("--path", path), ("--output", output)):
+    for name, given in (("--modes", modes), ("--path", path), ("--output", output)):
         if not given:
             remedy = "a picture of frequencies needs --modes --path RUN -o FILE"
-            raise InputError("it is missing", key=option, remedy=remedy)
+            raise InputError("it is missing", key=name, remedy=remedy)
     return output_file("--output", output, SUFFIXES, inputs=(path,))
 
 

@@ -21,9 +21,14 @@ def flag(name: str, help: str, callback: Callable[[bool], None] | None = None) -
     return typer.Option(name, metavar="", help=help, callback=callback, is_eager=callback is not None)
 
 
+def option(metavar: str, help: str, *names: str) -> Any:
+    """An option with a value; its names are by default that of the argument."""
+    return typer.Option(*names, metavar=metavar, help=help)
+
+
 def output_option(metavar: str, help: str) -> Any:
     """The option that says where to write."""
-    return typer.Option("--output", "-o", metavar=metavar, help=help)
+    return option(metavar, help, "--output", "-o")
 
 
 def model_argument(metavar: str, help: str) -> Any:
@@ -34,8 +39,7 @@ def model_argument(metavar: str, help: str) -> Any:
 ModelArgument = Annotated[str, model_argument("MODEL", "A model file, or the name of a shipped model.")]
 JsonOption = Annotated[bool, flag("--json", "Print JSON; infinite numbers are null.")]
 MapOption = Annotated[
-    Path | None,
-    typer.Option("--map", metavar="MAP", help="A channel map (YAML): names, units and clocks of the recording."),
+    Path | None, option("MAP", "A channel map (YAML): names, units and clocks of the recording.", "--map")
 ]
 
 

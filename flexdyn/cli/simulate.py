@@ -8,7 +8,6 @@ from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 import numpy as np
-import typer
 
 from flexdyn.cli.options import (
     JsonOption,
@@ -18,6 +17,7 @@ from flexdyn.cli.options import (
     decimal,
     flag,
     naming,
+    option,
     output_file,
     output_option,
 )
@@ -53,36 +53,28 @@ def simulate(
     output: Annotated[Path | None, output_option("RUN", f"The run: {', '.join(SUFFIXES)} by its suffix.")] = None,
     command: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="A recording whose tau drives the arm, or a YAML file with pd: or torques:. Default: the model's own, "
+        option(
+            "FILE",
+            "A recording whose tau drives the arm, or a YAML file with pd: or torques:. Default: the model's own, "
             "else no torque.",
         ),
     ] = None,
     map: MapOption = None,
-    duration: Annotated[str | None, typer.Option(metavar="S", help="Duration in s. Default: the command's.")] = None,
-    solver: Annotated[str, typer.Option(metavar="NAME", help=f"auto, {', '.join(SOLVERS)}.")] = "auto",
-    step: Annotated[str | None, typer.Option(metavar="S", help="Step of RungeKutta4 or TimeStepping, in s.")] = None,
-    rtol: Annotated[str | None, typer.Option(metavar="R", help="Relative tolerance of an adaptive solver.")] = None,
-    atol: Annotated[
-        str | None, typer.Option(metavar="A", help="Absolute tolerance of an adaptive solver, in rad and rad/s.")
-    ] = None,
+    duration: Annotated[str | None, option("S", "Duration in s. Default: the command's.")] = None,
+    solver: Annotated[str, option("NAME", f"auto, {', '.join(SOLVERS)}.")] = "auto",
+    step: Annotated[str | None, option("S", "Step of RungeKutta4 or TimeStepping, in s.")] = None,
+    rtol: Annotated[str | None, option("R", "Relative tolerance of an adaptive solver.")] = None,
+    atol: Annotated[str | None, option("A", "Absolute tolerance of an adaptive solver, in rad and rad/s.")] = None,
     smoothing: Annotated[
-        str | None,
-        typer.Option(metavar="U", help="Smooth dry friction below this velocity, in rad/s. Default: exact sticking."),
+        str | None, option("U", "Smooth dry friction below this velocity, in rad/s. Default: exact sticking.")
     ] = None,
-    rate: Annotated[str, typer.Option(metavar="HZ", help="Sample rate of the run, in Hz.")] = "1000",
-    q0: Annotated[
-        list[str] | None, typer.Option(metavar="VALUES", help=f"First link positions, {STARTS}; rad or m.")
-    ] = None,
-    v0: Annotated[list[str] | None, typer.Option(metavar="VALUES", help="First link velocities, likewise.")] = None,
+    rate: Annotated[str, option("HZ", "Sample rate of the run, in Hz.")] = "1000",
+    q0: Annotated[list[str] | None, option("VALUES", f"First link positions, {STARTS}; rad or m.")] = None,
+    v0: Annotated[list[str] | None, option("VALUES", "First link velocities, likewise.")] = None,
     theta0: Annotated[
-        list[str] | None,
-        typer.Option(metavar="VALUES", help="First rotor positions, likewise, or equilibrium: springs carry gravity."),
+        list[str] | None, option("VALUES", "First rotor positions, likewise, or equilibrium: springs carry gravity.")
     ] = None,
-    omega0: Annotated[
-        list[str] | None, typer.Option(metavar="VALUES", help="First rotor velocities, likewise.")
-    ] = None,
+    omega0: Annotated[list[str] | None, option("VALUES", "First rotor velocities, likewise.")] = None,
     limits: Annotated[
         bool, flag("--limits", "Keep to the URDF's limits: end stops at the ends of range, motors saturate.")
     ] = False,

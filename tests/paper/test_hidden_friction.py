@@ -77,7 +77,7 @@ def test_sensors_are_as_stated(made: Bench) -> None:
 
 
 def test_only_dry_friction_is_hidden(cases: PaperCases) -> None:
-    """The model without dry friction keeps limit and viscous friction, and its K and J are off by no more than its tolerance."""
+    """The model without dry friction keeps limit and viscous friction; K and J are off by at most its tolerance."""
     given = hidden_friction.without_dry_friction(cases.model)
     assert [effect.name for effect in given.effects] == ["torque_speed_limit"] * 2 + ["viscous_friction"] * 2
     assert sorted({effect.name for effect in hidden_friction.hidden(cases.model)}) == list(NAMES)
