@@ -8,13 +8,11 @@ rtol 1e-13, atol 1e-14 over 5 s under a torque that is one cubic polynomial. Exi
 
 from __future__ import annotations
 
-import argparse
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import Bound, Contestant, race, write_results
+from measure import Bound, Contestant, arguments, conclude, race
 from result_tables import accuracy_table
 from two_link_equations import DURATION, MAX_STEP, Q0, THETA0, TORQUE_TIMES, TORQUE_VALUES, Array, Friction, truth
 
@@ -124,8 +122,7 @@ def _last(rows: dict[str, Any], solver: str) -> float:
 
 def main() -> int:
     """Measure, print, write; 1 if a bound does not hold."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("-o", "--output", type=Path, help="write the results as JSON")
+    parser = arguments(__doc__)
     parser.add_argument("--rounds", type=int, default=31, help="how often every solver is timed")
     options = parser.parse_args()
     cases = {name: errors(friction, kinds) for name, (friction, kinds) in CASES.items()}
@@ -136,12 +133,9 @@ def main() -> int:
     for name, case in cases.items():
         print(f"{name}: RungeKutta4 order {case['order']:.2f}; truth known to {case['truth_uncertainty_rad']:.0e} rad")
     held = bounds(cases)
-    for bound in held:
-        print(bound)
-    if options.output:
-        content = results | {"rounds": options.rounds, "bounds": [bound.to_dict() for bound in held]}
-        write_results(options.output, "python benchmarks/analytic_two_link.py", content)
-    return 0 if all(bound.passed for bound in held) else 1
+    return conclude(
+        held, options.output, "python benchmarks/analytic_two_link.py", results | {"rounds": options.rounds}
+    )
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ the bounds at the end does not hold.
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -24,7 +23,7 @@ from batch_contestants import STEP, Flexdyn, Rollout
 from batch_plan import constants, plan
 from batch_problem import Batch
 from batch_study import measured
-from measure import Bound, write_results
+from measure import Bound, arguments, conclude
 from mujoco_arm import SETTINGS
 from result_tables import markdown_table
 
@@ -184,8 +183,7 @@ def bounds(results: Mapping[str, Any]) -> list[Bound]:
 
 def main() -> int:
     """Measure, print, write; 1 if a bound does not hold."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("-o", "--output", type=Path, help="write the results as JSON")
+    parser = arguments(__doc__)
     parser.add_argument("--runs", type=int, help="of every race; default: 10,000, and 2,000 of the log")
     parser.add_argument("--sample", type=int, default=200, help="runs whose errors are looked at")
     parser.add_argument("--study", type=int, nargs="+", default=[1_000, 10_000, 100_000], help="runs of the studies")
@@ -207,12 +205,7 @@ def main() -> int:
     held = bounds(results)
     print(tables(results), end="\n\n")
     print("\n".join(results["plan"]), end="\n\n")
-    for bound in held:
-        print(bound)
-    if options.output:
-        content = results | {"bounds": [bound.to_dict() for bound in held]}
-        write_results(options.output, "python benchmarks/batch.py", content)
-    return 0 if all(bound.passed for bound in held) else 1
+    return conclude(held, options.output, "python benchmarks/batch.py", results)
 
 
 def _short(number: float) -> float:

@@ -8,7 +8,6 @@ gravity helps, the arm falls in the end. Exit code 1 if flexdyn's side that stic
 
 from __future__ import annotations
 
-import argparse
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from arms import Arm, Array, six_joints, two_link
-from measure import Bound, write_results
+from measure import Bound, arguments, conclude
 from mujoco_arm import SETTINGS, MujocoArm
 from mujoco_friction import IMPEDANCE, harden
 from result_tables import markdown_table
@@ -154,25 +153,20 @@ def bounds(results: dict[str, Any]) -> list[Bound]:
 
 def main() -> int:
     """Measure, print, draw, write; 1 if anything of ours moved."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("-o", "--output", type=Path, help="write the results as JSON")
+    parser = arguments(__doc__)
     parser.add_argument("--figure", type=Path, default=Path(__file__).parent / "figures" / "creep.png")
     options = parser.parse_args()
     results = measure()
     draw(results, options.figure)
     print(table(results), end="\n\n")
     held = bounds(results)
-    for bound in held:
-        print(bound)
-    if options.output:
-        content = {
-            "mujoco_settings": SETTINGS,
-            "mujoco_hard_friction": {"solref": [2.0 * STEP, 1.0], "solimp": IMPEDANCE},
-            "step_seconds": STEP,
-            "cases": results,
-        }
-        write_results(options.output, "python benchmarks/creep.py", content | {"bounds": [b.to_dict() for b in held]})
-    return 0 if all(bound.passed for bound in held) else 1
+    content = {
+        "mujoco_settings": SETTINGS,
+        "mujoco_hard_friction": {"solref": [2.0 * STEP, 1.0], "solimp": IMPEDANCE},
+        "step_seconds": STEP,
+        "cases": results,
+    }
+    return conclude(held, options.output, "python benchmarks/creep.py", content)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ Exit code 1 if a bound does not hold.
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import sys
 import warnings
@@ -22,7 +21,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from effect_cases import EXACT, START, TORQUE, Array, acting, arm_of, scipy_difference
-from measure import Bound, write_results
+from measure import Bound, arguments, conclude
 from result_tables import effect_checks_table
 
 import flexdyn as fd
@@ -144,20 +143,14 @@ def bounds(effects: dict[str, Any]) -> list[Bound]:
 
 def main() -> int:
     """Measure, print, write; 1 if a bound does not hold."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("-o", "--output", type=Path, help="write the results as JSON")
+    parser = arguments(__doc__)
     options = parser.parse_args()
     warnings.simplefilter("error", fd.EnergyWarning)  # a ledger that does not close would warn
     rows = {name: measured(acting(kind)) for name, kind in fd.effects.catalogue().items() if own(kind)}
     results = {"solvers": [type(solver).__name__ for solver in SOLVERS], "effects": rows}
     print(effect_checks_table(results), end="\n\n")
     held = bounds(rows)
-    for bound in held:
-        print(bound)
-    if options.output:
-        content = results | {"bounds": [bound.to_dict() for bound in held]}
-        write_results(options.output, "python benchmarks/effects.py", content)
-    return 0 if all(bound.passed for bound in held) else 1
+    return conclude(held, options.output, "python benchmarks/effects.py", results)
 
 
 if __name__ == "__main__":

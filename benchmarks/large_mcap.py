@@ -18,7 +18,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from measure import Bound, write_results
+from measure import Bound, conclude
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.rosbag2.enums import CompressionMode
 from rosbags.rosbag2.writer import CompressionFormat
@@ -131,25 +131,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f"| flexdyn.read_recording | {1e6 * seconds / count:.2f} | {count / seconds:,.0f} |")
     print(f"| rosbags, one deserialize_cdr per message | {1e6 * loop / done:.2f} | {done / loop:,.0f} |")
     print(f"memory grew by {growth / 1e9:.2f} GB for columns of {held / 1e9:.2f} GB; {calls:.0f} reports of progress")
-    for bound in bounds:
-        print(bound)
-    if options.o:
-        command = f"python benchmarks/large_mcap.py --rows {options.rows}{' --zstd' if options.zstd else ''}"
-        content = {
-            "rosbags": version("rosbags"),
-            "messages": count,
-            "joints": len(JOINTS),
-            "file_bytes": size,
-            "columns_bytes": held,
-            "growth_bytes": growth,
-            "seconds": round(seconds, 2),
-            "microseconds_per_message": round(1e6 * seconds / count, 3),
-            "rosbags_microseconds_per_message": round(1e6 * loop / done, 3),
-            "times_faster": round(ratio, 2),
-            "bounds": [bound.to_dict() for bound in bounds],
-        }
-        write_results(options.o, command, content)
-    return 0 if all(bound.passed for bound in bounds) else 1
+    command = f"python benchmarks/large_mcap.py --rows {options.rows}{' --zstd' if options.zstd else ''}"
+    content = {
+        "rosbags": version("rosbags"),
+        "messages": count,
+        "joints": len(JOINTS),
+        "file_bytes": size,
+        "columns_bytes": held,
+        "growth_bytes": growth,
+        "seconds": round(seconds, 2),
+        "microseconds_per_message": round(1e6 * seconds / count, 3),
+        "rosbags_microseconds_per_message": round(1e6 * loop / done, 3),
+        "times_faster": round(ratio, 2),
+    }
+    return conclude(bounds, options.o, command, content)
 
 
 if __name__ == "__main__":

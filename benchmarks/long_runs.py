@@ -10,7 +10,6 @@ grows by more than the rows' own data, or if the last part is much slower.
 
 from __future__ import annotations
 
-import argparse
 import gc
 import os
 import sys
@@ -23,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import Bound, write_results
+from measure import Bound, arguments, conclude
 from trust_tables import long_runs_table
 
 import flexdyn as fd
@@ -162,21 +161,15 @@ def rows(share: float) -> list[Row]:
 
 def main() -> int:
     """Work, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__)
     parser.add_argument("--share", type=float, default=1.0, help="of the work")
-    parser.add_argument("-o", "--output", type=Path)
     args = parser.parse_args()
     warnings.simplefilter("ignore")  # limits of the robot
     found = rows(args.share)
     content: dict[str, Any] = {"rows": [asdict(row) for row in found]}
     print(long_runs_table(content))
     bounds = [bound for row in found for bound in row.bounds]
-    for bound in bounds:
-        print(bound)
-    if args.output is not None:
-        content["bounds"] = [bound.to_dict() for bound in bounds]
-        write_results(args.output, "python benchmarks/long_runs.py", content)
-    return int(not all(bound.passed for bound in bounds))
+    return conclude(bounds, args.output, "python benchmarks/long_runs.py", content)
 
 
 if __name__ == "__main__":

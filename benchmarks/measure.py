@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import platform
@@ -102,6 +103,32 @@ def summary(times: Mapping[str, Array], name: str, over: str) -> dict[str, Any]:
         "ratio": _short(middle),
         "quartiles": [_short(low), _short(high)],
     }
+
+
+def arguments(about: str | None) -> argparse.ArgumentParser:
+    """A parser of a benchmark's command line, with the option for the file of its results.
+
+    Args:
+        about: the benchmark's docstring.
+    """
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", type=Path, help="write the results as JSON")
+    return parser
+
+
+def conclude(bounds: Sequence[Bound], output: Path | None, command: str, content: Mapping[str, Any]) -> int:
+    """Print the bounds, write the results with them, and return the exit code: 0 if all bounds hold, else 1.
+
+    Args:
+        bounds: of the benchmark.
+        output: the file of the results; None: it is not written.
+        command: that makes them, without the output option.
+        content: what was measured.
+    """
+    print(*bounds, sep="\n")
+    if output is not None:
+        write_results(output, command, {**content, "bounds": [bound.to_dict() for bound in bounds]})
+    return 0 if all(bound.passed for bound in bounds) else 1
 
 
 def write_results(path: Path, command: str, content: Mapping[str, Any]) -> None:

@@ -8,17 +8,15 @@ if one of the bounds at the end does not hold.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import same_problem
 from arms import Arm, Array, six_joints, two_link
 from footprint import import_seconds, run_megabytes
-from measure import Bound, Contestant, race, ratio, summary, write_results
+from measure import Bound, Contestant, arguments, conclude, race, ratio, summary
 from mujoco_arm import SETTINGS, MujocoArm
 from pinocchio_arm import PinocchioArm
 from result_tables import peers_table
@@ -149,8 +147,7 @@ def bounds(arms: dict[str, Any], extra_import: float, megabytes: float) -> list[
 
 def main() -> int:
     """Measure, print, write; 1 if a bound does not hold."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("-o", "--output", type=Path, help="write the results as JSON")
+    parser = arguments(__doc__)
     parser.add_argument("--rounds", type=int, default=31, help="how often every contestant runs")
     options = parser.parse_args()
     base, extra = import_seconds()
@@ -158,20 +155,15 @@ def main() -> int:
     arms = {name: measure_arm(make, options.rounds) for name, make in ARMS.items()}
     print(peers_table({"arms": arms}), end="\n\n")
     held = bounds(arms, extra, megabytes)
-    for bound in held:
-        print(bound)
-    if options.output:
-        content = {
-            "mujoco_settings": SETTINGS,
-            "tolerances": {"rtol": RTOL, "atol": ATOL},
-            "smoothing": SMOOTHING,
-            "rounds": options.rounds,
-            "import_seconds": {"numpy and pinocchio": base, "flexdyn besides": extra},
-            "arms": arms,
-            "bounds": [bound.to_dict() for bound in held],
-        }
-        write_results(options.output, "python benchmarks/peers.py", content)
-    return 0 if all(bound.passed for bound in held) else 1
+    content = {
+        "mujoco_settings": SETTINGS,
+        "tolerances": {"rtol": RTOL, "atol": ATOL},
+        "smoothing": SMOOTHING,
+        "rounds": options.rounds,
+        "import_seconds": {"numpy and pinocchio": base, "flexdyn besides": extra},
+        "arms": arms,
+    }
+    return conclude(held, options.output, "python benchmarks/peers.py", content)
 
 
 if __name__ == "__main__":

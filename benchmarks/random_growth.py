@@ -10,14 +10,12 @@ has grown to `LOST`, then neither is wrong: the arm multiplies whatever differs.
 
 from __future__ import annotations
 
-import argparse
 import sys
 import warnings
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import Bound, write_results
+from measure import Bound, arguments, conclude
 from random_models import Array, Problem, drawn
 from random_runs import apart
 from trust_tables import growth_table
@@ -86,26 +84,18 @@ def parting(count: int, seconds: float) -> list[int]:
 
 def main() -> int:
     """Look for such arms, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__)
     parser.add_argument("--count", type=int, default=60, help="models to look at")
     parser.add_argument("--seconds", type=float, default=3.0, help="of each run")
-    parser.add_argument("-o", "--output", type=Path)
     args = parser.parse_args()
     warnings.simplefilter("ignore")  # limits of robots, which these have none of
     models = [growth(seed, args.seconds) for seed in parting(args.count, args.seconds)]
     content = {"count": args.count, "seconds": args.seconds, "models": models}
     print(growth_table(content))
-    bound = Bound(
-        "solvers apart / a turn of 1e-9 at the start", max((each["ratio"] for each in models), default=0.0), 1.0
-    )
-    print(bound)
-    if args.output is not None:
-        write_results(
-            args.output,
-            f"python benchmarks/random_growth.py --count {args.count} --seconds {args.seconds:g}",
-            content | {"bounds": [bound.to_dict()]},
-        )
-    return int(not bound.passed)
+    apart = max((each["ratio"] for each in models), default=0.0)
+    bound = Bound("solvers apart / a turn of 1e-9 at the start", apart, 1.0)
+    command = f"python benchmarks/random_growth.py --count {args.count} --seconds {args.seconds:g}"
+    return conclude([bound], args.output, command, content)
 
 
 if __name__ == "__main__":

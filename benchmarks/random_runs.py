@@ -9,16 +9,14 @@ if a run took longer than any budget allows, if one said nothing of where it sto
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 import warnings
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import Bound, write_results
+from measure import Bound, arguments, conclude
 from random_models import Array, Problem, drawn
 from trust_tables import random_runs_table
 
@@ -104,32 +102,23 @@ def _enter(row: dict[str, Any], each: Outcome, found: dict[str, Outcome]) -> Non
 
 def main() -> int:
     """Survey, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__)
     parser.add_argument("--count", type=int, default=400, help="ordinary models")
     parser.add_argument("--extreme", type=int, default=82, help="extreme models")
-    parser.add_argument("-o", "--output", type=Path)
     args = parser.parse_args()
     warnings.simplefilter("ignore")  # limits of robots, which these have none of
     surveys = (("ordinary", args.count), ("extreme", args.extreme))
     results = {name: survey(count, extreme=name == "extreme") for name, count in surveys if count}
     print(random_runs_table({"surveys": results}))
     every = [row for found in results.values() for row in found["rows"].values()]
+    lost = sum(row["models"] - row["ended"] - row["rescued"] for row in every)
     bounds = [
         Bound("longest run, s of CPU", max(row["seconds"] for row in every), LONGEST),
         Bound("budgets spent without a word on the fastest motion", sum(row["silent"] for row in every), 0),
-        Bound(
-            "stopped runs whose proposed solver did not end",
-            sum(row["models"] - row["ended"] - row["rescued"] for row in every),
-            0,
-        ),
+        Bound("stopped runs whose proposed solver did not end", lost, 0),
     ]
-    for bound in bounds:
-        print(bound)
-    if args.output is not None:
-        content = {"surveys": results, "bounds": [bound.to_dict() for bound in bounds]}
-        command = f"python benchmarks/random_runs.py --count {args.count} --extreme {args.extreme}"
-        write_results(args.output, command, content)
-    return int(not all(bound.passed for bound in bounds))
+    command = f"python benchmarks/random_runs.py --count {args.count} --extreme {args.extreme}"
+    return conclude(bounds, args.output, command, {"surveys": results})
 
 
 if __name__ == "__main__":

@@ -6,14 +6,12 @@ question is one of the gear ratio alone: the springs and J = N^2 times the rotor
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import Bound, write_results
+from measure import Bound, arguments, conclude
 from numpy.typing import NDArray
 from result_tables import markdown_table
 
@@ -104,18 +102,12 @@ def bounds(arms: Mapping[str, list[dict[str, Any]]]) -> list[Bound]:
 
 def main() -> int:
     """Compare, print, write; 1 if a bound does not hold."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("-o", "--output", type=Path, help="write the results as JSON")
+    parser = arguments(__doc__)
     options = parser.parse_args()
     arms = {name: [compare(plain(name), ratio) for ratio in RATIOS] for name in ARMS}
     print(table(arms), end="\n\n")
     held = bounds(arms)
-    for bound in held:
-        print(bound)
-    if options.output:
-        content = {"arms": arms, "bounds": [bound.to_dict() for bound in held]}
-        write_results(options.output, "python benchmarks/rotor_coupling.py", content)
-    return 0 if all(bound.passed for bound in held) else 1
+    return conclude(held, options.output, "python benchmarks/rotor_coupling.py", {"arms": arms})
 
 
 if __name__ == "__main__":

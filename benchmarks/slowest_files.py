@@ -9,7 +9,6 @@ that it is told for a megabyte. CPU time; by the clock where another process rea
 
 from __future__ import annotations
 
-import argparse
 import sys
 import tempfile
 import time
@@ -23,7 +22,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
 
-from measure import Bound, write_results  # noqa: E402
+from measure import Bound, arguments, conclude  # noqa: E402
 from slowest_made import CASES, Case  # noqa: E402
 from trust_tables import slowest_table  # noqa: E402
 
@@ -53,9 +52,8 @@ def timed(case: Case, folder: Path, megabytes: float) -> dict[str, Any]:
 
 def main() -> int:
     """Time all of them, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__)
     parser.add_argument("--megabytes", type=float, default=8.0, help="of files that may have any size")
-    parser.add_argument("-o", "--output", type=Path)
     args = parser.parse_args()
     warnings.simplefilter("ignore")
     rows = []
@@ -72,12 +70,8 @@ def main() -> int:
         Bound("slowest file where bytes, columns or time are limited, s", float(np.max(limited)), LIMITED),
         Bound("slowest megabyte of the others, s", float(np.max(others)), PER_MEGABYTE),
     ]
-    for bound in bounds:
-        print(bound)
-    if args.output is not None:
-        content |= {"bounds": [bound.to_dict() for bound in bounds]}
-        write_results(args.output, f"python benchmarks/slowest_files.py --megabytes {args.megabytes:g}", content)
-    return int(not all(bound.passed for bound in bounds))
+    command = f"python benchmarks/slowest_files.py --megabytes {args.megabytes:g}"
+    return conclude(bounds, args.output, command, content)
 
 
 if __name__ == "__main__":

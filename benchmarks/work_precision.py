@@ -9,7 +9,6 @@ an arm's truth is not known well enough.
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from collections.abc import Sequence
@@ -18,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import Array, Bound, race, write_results
+from measure import Array, Bound, arguments, conclude, race
 from mujoco_arm import SETTINGS
 from precision_cases import Case, Setting, cases, mujoco, ours, scipy
 from precision_figure import draw
@@ -129,8 +128,7 @@ def bounds(results: dict[str, Any]) -> list[Bound]:
 
 def main() -> int:
     """Measure, print, draw, write; 1 if a truth is not good enough."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("-o", "--output", type=Path, help="write the results as JSON")
+    parser = arguments(__doc__)
     parser.add_argument("--figures", type=Path, default=Path(__file__).parent / "figures", help="folder of the figures")
     parser.add_argument("--rounds", type=int, default=5, help="how often every setting is timed")
     parser.add_argument("--case", choices=[*cases()], help="this arm alone")
@@ -142,20 +140,10 @@ def main() -> int:
         draw(results[name], options.figures / f"work_precision_{name}.png")
     print(table(results), end="\n\n")
     held = bounds(results)
-    for bound in held:
-        print(bound)
     met = [row["goal"] for case in results.values() for row in case["levels"]]
     print(f"a tenth of the best peer's time at {sum(met)} of {len(met)} error levels")
-    if options.output:
-        content = {
-            "goal": GOAL,
-            "rounds": options.rounds,
-            "mujoco_settings": SETTINGS,
-            "cases": results,
-            "bounds": [bound.to_dict() for bound in held],
-        }
-        write_results(options.output, "python benchmarks/work_precision.py", content)
-    return 0 if all(bound.passed for bound in held) else 1
+    content = {"goal": GOAL, "rounds": options.rounds, "mujoco_settings": SETTINGS, "cases": results}
+    return conclude(held, options.output, "python benchmarks/work_precision.py", content)
 
 
 if __name__ == "__main__":

@@ -39,75 +39,9 @@ from result_tables import (  # noqa: E402
     peers_table,
     rates_table,
 )
-from trust_tables import (  # noqa: E402
-    fuzz_table,
-    growth_table,
-    long_runs_table,
-    random_runs_table,
-    slowest_table,
-)
+from trust_tables import fuzz_table, growth_table, long_runs_table, random_runs_table, slowest_table  # noqa: E402
 
 MARKER = re.compile(r"<!-- (/?)table:(\w+) -->")
-
-
-def accuracy() -> str:
-    """Every solver against the closed-form two-link equations."""
-    return accuracy_table(_results("analytic_two_link"))
-
-
-def discovery() -> str:
-    """Hidden effects, and what the diagnosis said."""
-    return discovery_table(_results("discovery"))
-
-
-def peers() -> str:
-    """One step and five seconds of motion, flexdyn and its peers."""
-    return peers_table(_results("peers"))
-
-
-def measured() -> str:
-    """Measured robots whose study has results: what was named, and whether what must hold does."""
-    return measured_table(_measured())
-
-
-def measured_names() -> str:
-    """The same robots with the names alone."""
-    return measured_names_table(_measured())
-
-
-def rates() -> str:
-    """The same diagnosis at half and a tenth of the sampling rate."""
-    return rates_table(_results("rates"))
-
-
-def libraries() -> str:
-    """Libraries beside our own code."""
-    return libraries_table(_results("libraries"))
-
-
-def fuzz() -> str:
-    """What became of 200,000 hostile inputs."""
-    return fuzz_table(_results("fuzz"))
-
-
-def slowest_files() -> str:
-    """The dearest files within the limits."""
-    return slowest_table(_results("slowest_files"))
-
-
-def long_runs() -> str:
-    """Memory and time over an hour of simulated time, 10,000 models, 100,000 runs."""
-    return long_runs_table(_results("long_runs"))
-
-
-def random_runs() -> str:
-    """Models drawn at random through every solver."""
-    return random_runs_table(_results("random_runs"))
-
-
-def random_growth() -> str:
-    """Chaotic ones of these models."""
-    return growth_table(_results("random_growth"))
 
 
 _NO_SIDE = {"inertia": "link", "model": "any"}
@@ -122,11 +56,6 @@ def effects() -> str:
                 [f"`{name}`", ", ".join(kind.sides) or _NO_SIDE[kind.stage], f"`{kind.law}`", _parameters(kind)]
             )
     return markdown_table(["effect", "side", "law", "parameters [unit]"], rows, text=4)
-
-
-def effect_checks() -> str:
-    """What was measured of every effect."""
-    return effect_checks_table(_results("effects"))
 
 
 def robots() -> str:
@@ -171,23 +100,27 @@ def formats() -> str:
     return markdown_table(header, rows, text=3)
 
 
+OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
+    "accuracy": ("analytic_two_link", accuracy_table),
+    "discovery": ("discovery", discovery_table),
+    "peers": ("peers", peers_table),
+    "effect_checks": ("effects", effect_checks_table),
+    "fuzz": ("fuzz", fuzz_table),
+    "libraries": ("libraries", libraries_table),
+    "long_runs": ("long_runs", long_runs_table),
+    "random_growth": ("random_growth", growth_table),
+    "random_runs": ("random_runs", random_runs_table),
+    "rates": ("rates", rates_table),
+    "slowest_files": ("slowest_files", slowest_table),
+}
+"""Tables of one result file: the file, and what makes the table of it."""
 TABLES: dict[str, Callable[[], str]] = {
-    "accuracy": accuracy,
-    "discovery": discovery,
-    "peers": peers,
+    **{name: lambda file=file, table=table: table(_results(file)) for name, (file, table) in OF_RESULTS.items()},
+    "measured": lambda: measured_table(_measured()),
+    "measured_names": lambda: measured_names_table(_measured()),
     "effects": effects,
-    "effect_checks": effect_checks,
     "formats": formats,
-    "fuzz": fuzz,
-    "libraries": libraries,
-    "long_runs": long_runs,
-    "measured": measured,
-    "measured_names": measured_names,
-    "random_growth": random_growth,
-    "random_runs": random_runs,
-    "rates": rates,
     "robots": robots,
-    "slowest_files": slowest_files,
 }
 
 

@@ -26,7 +26,7 @@ FORMATS = {
     "xarray": "records/dataset.py batch/results.py",
 }
 LAYERS = (
-    ("errors",),
+    ("arrays", "errors"),
     ("checks",),
     ("io",),
     ("records", "control"),

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 from excitation import KINDS
@@ -12,6 +14,7 @@ from layout import Array
 from recording import quantised
 from two_link_run import PERIOD, Truth
 
+Drawn = TypeVar("Drawn")
 ROTOR_FACTOR = 2.0  # rotors are guessed: log-uniform between a half and twice
 LINK_ERROR = 0.05  # relative standard deviation of masses, centres and inertias of links
 TOLERANCE = {"joints.*.rotor_inertia": 0.5, "*": LINK_ERROR}
@@ -100,3 +103,40 @@ def rotor_factor(rng: np.random.Generator, n: int) -> Array:
 def link_factor(rng: np.random.Generator, n: int) -> Array:
     """Given over true number of a link (n,)."""
     return np.asarray(1.0 + LINK_ERROR * rng.normal(size=n))
+
+
+def first_that_works(
+    family: str, attempts: int, seeds: Sequence[int], draw: Callable[[np.random.Generator], Drawn]
+) -> Drawn:
+    """The first draw whose arm follows its reference; every attempt has a random stream of its own.
+
+    Args:
+        family: of the case, for the error.
+        attempts: how many draws are tried.
+        seeds: of the case, to which the number of the attempt is added.
+        draw: a case from random numbers.
+
+    Raises:
+        ArithmeticError: no draw does.
+    """
+    for attempt in range(attempts):
+        with contextlib.suppress(ArithmeticError):
+            return draw(np.random.default_rng([*seeds, attempt]))
+    seed, _, number = seeds
+    raise ArithmeticError(f"{family} {seed} {number}: nothing in {attempts} draws")
+
+
+def packed(
+    family: str,
+    seed: int,
+    number: int,
+    durations: tuple[float, float],
+    files: dict[str, str],
+    recordings: Sequence[Any],
+    answers: dict[str, Any],
+) -> dict[str, Any]:
+    """Name, files, recordings and truth of one case."""
+    name, parts = f"{family}_{seed}_{number:03d}", ("fit", "check")
+    truth = {"case": name, "family": family, "seed": seed, "number": number, **dict(zip(parts, durations, strict=True))}
+    recorded = dict(zip(parts, recordings, strict=True))
+    return {"name": name, "files": files, "recordings": recorded, "truth": truth | answers}

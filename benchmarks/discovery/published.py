@@ -12,15 +12,29 @@ from typing import Any
 import numpy as np
 from arm_draw import JOINTS, LINKS, TwoLinkArm, draw_arm, inertia_at, pair
 from cables import draw_cables
+from cases import scale_of
 from control import FEEDFORWARD, feedforward
 from excitation import wanted_of
 from hidden import Hidden, enter
-from lab import LINK_ERROR, TOLERANCE, Lab, cut, draw_lab, encoder_step, link_factor, longer, record, rotor_factor
+from lab import (
+    LINK_ERROR,
+    TOLERANCE,
+    Lab,
+    cut,
+    draw_lab,
+    encoder_step,
+    first_that_works,
+    link_factor,
+    longer,
+    packed,
+    record,
+    rotor_factor,
+)
 from lacking import accelerations, draw_lacking, harmless, judged
 from layout import Array
 from model_text import model_yaml, urdf
 from motions import Style
-from sizes import Scale, log_uniform
+from sizes import log_uniform
 from two_link_run import Control, Plant, Truth, controlled
 
 PUBLISHED = "published"
@@ -36,20 +50,16 @@ def make_published(seed: int, number: int, fit: float, check: float) -> dict[str
     Raises:
         ArithmeticError: no arm that follows its reference was found in so many draws.
     """
-    for attempt in range(ATTEMPTS):
-        rng = np.random.default_rng([seed, 21, number, attempt])
-        try:
-            return _attempt(rng, seed, number, (fit, check))
-        except ArithmeticError:
-            continue
-    raise ArithmeticError(f"{PUBLISHED} {seed} {number}: nothing in {ATTEMPTS} draws")
+    return first_that_works(
+        PUBLISHED, ATTEMPTS, (seed, 21, number), lambda rng: _attempt(rng, seed, number, (fit, check))
+    )
 
 
 def _attempt(rng: np.random.Generator, seed: int, number: int, durations: tuple[float, float]) -> dict[str, Any]:
     lab, arm = draw_lab(rng), _springs(rng, draw_arm(rng))
     controls = _controls(rng, arm, lab, durations)
     base = cut(controlled(arm.plant(), controls[0], step=QUICK))
-    scales = [_scale(rng, arm, base, controls[0], j) for j in (0, 1)]
+    scales = [scale_of(rng, arm, base, controls[0], j, 1.0) for j in (0, 1)]
     hidden = draw_lacking(rng, scales, JOINTS, LINKS)
     peak = scales[0].peak
     path = np.concatenate([control.reference for control in controls])
@@ -63,16 +73,9 @@ def _attempt(rng: np.random.Generator, seed: int, number: int, durations: tuple[
     runs = [cut(run) for run in runs]
     recordings = [record(run, JOINTS, arm.gear_ratio, lab, peak, rng) for run in runs]
     given = _given(rng, arm)
-    name = f"{PUBLISHED}_{seed}_{number:03d}"
-    truth = {"case": name, "family": PUBLISHED, "seed": seed, "number": number}
-    truth |= dict(zip(("fit", "check"), durations, strict=True))
-    truth |= _answers(hidden, arm, given, plant, runs[0], lab)
-    return {
-        "name": name,
-        "files": {"model.yaml": model_yaml(given, TOLERANCE), "arm.urdf": urdf(given)},
-        "recordings": dict(zip(("fit", "check"), recordings, strict=True)),
-        "truth": truth,
-    }
+    files = {"model.yaml": model_yaml(given, TOLERANCE), "arm.urdf": urdf(given)}
+    answers = _answers(hidden, arm, given, plant, runs[0], lab)
+    return packed(PUBLISHED, seed, number, durations, files, recordings, answers)
 
 
 def _springs(rng: np.random.Generator, arm: TwoLinkArm) -> TwoLinkArm:
@@ -98,22 +101,6 @@ def _controls(rng: np.random.Generator, arm: TwoLinkArm, lab: Lab, durations: tu
         torque = FEEDFORWARD * feedforward(arm, wanted)
         controls.append(Control(wanted, torque, whole * bandwidth**2, whole * 1.6 * bandwidth, seen))
     return controls
-
-
-def _scale(rng: np.random.Generator, arm: TwoLinkArm, base: Truth, control: Control, j: int) -> Scale:
-    return Scale(
-        rng=rng,
-        factor=1.0,
-        joint=j,
-        arm=arm,
-        other=1 - j,
-        peak=np.abs(base.tau).max(axis=0),
-        speed=np.abs(base.y[:, 6:8]).max(axis=0),
-        wind=np.abs(base.y[:, 2:4] - base.y[:, 0:2]).max(axis=0),
-        low=control.reference.min(axis=0),
-        high=control.reference.max(axis=0),
-        inertia=inertia_at(arm) + arm.rotor(),
-    )
 
 
 def _given(rng: np.random.Generator, arm: TwoLinkArm) -> TwoLinkArm:

@@ -11,7 +11,20 @@ import six_run
 from cables import draw_cables
 from excitation import wanted_of
 from hidden import Hidden, enter
-from lab import MARGIN, TOLERANCE, Lab, cut, draw_lab, encoder_step, link_factor, longer, record, rotor_factor
+from lab import (
+    MARGIN,
+    TOLERANCE,
+    Lab,
+    cut,
+    draw_lab,
+    encoder_step,
+    first_that_works,
+    link_factor,
+    longer,
+    packed,
+    record,
+    rotor_factor,
+)
 from lacking import accelerations, draw_lacking, harmless, judged
 from layout import Array
 from published import FREQUENCY, LOST, draw_published_style, drive_columns, wrong_numbers
@@ -33,13 +46,9 @@ def make_published_six(seed: int, number: int, fit: float, check: float) -> dict
     Raises:
         ArithmeticError: no arm that follows its reference was found in so many draws.
     """
-    for attempt in range(ATTEMPTS):
-        rng = np.random.default_rng([seed, 22, number, attempt])
-        try:
-            return _attempt(rng, seed, number, (fit, check))
-        except ArithmeticError:
-            continue
-    raise ArithmeticError(f"{PUBLISHED_SIX} {seed} {number}: nothing in {ATTEMPTS} draws")
+    return first_that_works(
+        PUBLISHED_SIX, ATTEMPTS, (seed, 22, number), lambda rng: _attempt(rng, seed, number, (fit, check))
+    )
 
 
 def _attempt(rng: np.random.Generator, seed: int, number: int, durations: tuple[float, float]) -> dict[str, Any]:
@@ -63,16 +72,9 @@ def _attempt(rng: np.random.Generator, seed: int, number: int, durations: tuple[
     runs = [cut(run) for run in runs]
     recordings = [record(run, arm.joints, arm.gear_ratio, lab, peak, rng) for run in runs]
     given, factors = _given(rng, arm)
-    name = f"{PUBLISHED_SIX}_{seed}_{number:03d}"
-    truth = {"case": name, "family": PUBLISHED_SIX, "seed": seed, "number": number}
-    truth |= dict(zip(("fit", "check"), durations, strict=True))
-    truth |= _answers(hidden, arm, factors, runs[0], lab)
-    return {
-        "name": name,
-        "files": {"model.yaml": model_yaml(given, TOLERANCE), "arm.urdf": urdf(given)},
-        "recordings": dict(zip(("fit", "check"), recordings, strict=True)),
-        "truth": truth,
-    }
+    files = {"model.yaml": model_yaml(given, TOLERANCE), "arm.urdf": urdf(given)}
+    answers = _answers(hidden, arm, factors, runs[0], lab)
+    return packed(PUBLISHED_SIX, seed, number, durations, files, recordings, answers)
 
 
 def _true_arm(rng: np.random.Generator) -> SixArm:

@@ -16,19 +16,21 @@ from measure import Bound, write_results
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """What a study came to.
+@dataclass(frozen=True)
+class Parts:
+    """What a study is made of.
 
     Attributes:
-        bounds: that must hold.
-        results: as the result file keeps them.
-        write_page: into a folder.
+        study: of a folder of data.
+        bounds: that must hold, of the study.
+        results: of the study and its bounds, as the result file keeps them.
+        write_page: of the study and its bounds, into a folder.
     """
 
-    bounds: Sequence[Bound]
-    results: dict[str, Any]
-    write_page: Callable[[Path], None]
+    study: Callable[[Path], Any]
+    bounds: Callable[[Any], list[Bound]]
+    results: Callable[[Any, list[Bound]], dict[str, Any]]
+    write_page: Callable[[Any, list[Bound], Path], None]
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ def peak_megabytes() -> float | None:
     return next((int(line[1]) * 1024 / 1e6 for line in lines if line and line[0] == "VmHWM:"), None)
 
 
-def command(script: str, about: str, data: str, needs: Sequence[str], study: Callable[[Path], Outcome]) -> int:
+def command(script: str, about: str, data: str, needs: Sequence[str], parts: Parts) -> int:
     """Run a study as a program; where its data is not there, say so and do nothing.
 
     Args:
@@ -61,7 +63,7 @@ def command(script: str, about: str, data: str, needs: Sequence[str], study: Cal
         about: its docstring.
         data: name of its folder among the measured data.
         needs: files or folders that must be in there.
-        study: of that folder.
+        parts: of the study.
 
     Returns:
         0 where all bounds hold, else 1.
@@ -75,10 +77,12 @@ def command(script: str, about: str, data: str, needs: Sequence[str], study: Cal
         print(f"skipped: {folder} does not hold {', '.join(needs)} (--data)")
         return 0
     begin = time.process_time()
-    made = study(folder)
+    made = parts.study(folder)
+    held = parts.bounds(made)
+    results = parts.results(made, held)
     cost = Cost(time.process_time() - begin, peak_megabytes())
     name = Path(script).resolve().relative_to(ROOT).as_posix()
-    write_results(options.o, f"python {name}", {**made.results, "cost": asdict(cost)})
-    made.write_page(options.o.with_suffix(""))
-    print(*made.bounds, sep="\n")
-    return 0 if all(each.passed for each in made.bounds) else 1
+    write_results(options.o, f"python {name}", {**results, "cost": asdict(cost)})
+    parts.write_page(made, held, options.o.with_suffix(""))
+    print(*held, sep="\n")
+    return 0 if all(each.passed for each in held) else 1

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from result_tables import markdown_table
+
 from flexdyn.diagnose import Diagnosis, Finding, Suspect
 
 
@@ -21,6 +27,15 @@ def gap_text(diagnosis: Diagnosis) -> str:
         f"makes: {gap.before:.2f} as given, {gap.calibrated:.2f} with the file's numbers within their tolerance, "
         f"**{gap.after:.2f} after**; a perfect model reaches {gap.floor:.2f}."
     )
+
+
+def calibration_table(diagnosis: Diagnosis, digits: int) -> str:
+    """Factors of the file's numbers, with their standard deviations."""
+    rows = [
+        [each.of, each.parameter, f"{each.factor:.{digits}f}", f"{each.std:.{digits}f}"]
+        for each in diagnosis.calibration
+    ]
+    return markdown_table(["number of the file", "", "factor", "std"], rows, text=2)
 
 
 def _finding(each: Finding) -> str:

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import derivatives
 from flexdyn.records.given import as_recording
 
-Array = NDArray[np.float64]
 MOST_SAMPLES_ALONG = 4000
 """Largest number of samples of a recording that are used; of more, evenly spaced ones."""
 

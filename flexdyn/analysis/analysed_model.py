@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.effects import CommandDelay, Effect, JointCoupling
-from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import check_model
 
 
 def checked_model(model: Any) -> FlexibleJointModel:
@@ -23,8 +23,7 @@ def checked_model(model: Any) -> FlexibleJointModel:
     Raises:
         InputError: the argument is no model.
     """
-    if not isinstance(model, FlexibleJointModel):
-        raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
+    check_model(model)
     return _at_once(without(model.resolved(), lambda effect: isinstance(effect, CommandDelay)))
 
 

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn.analysis.along import Along, along_recording, along_samples
 from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.regressor import FRICTION, body_numbers, regressor
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import OF_LINK, file_numbers
 
-Array = NDArray[np.float64]
 OWN = 1e-7
 """A column is independent if this share of its length is outside the span of the columns before it [1]."""
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.eigenmodes import Tangent
@@ -15,11 +15,10 @@ from flexdyn.analysis.holding import HoldingTorques, holding_at, link_range
 from flexdyn.analysis.jacobian import without_resting_friction
 from flexdyn.analysis.pose import Pose, pose, torques
 from flexdyn.analysis.statics import Statics
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from flexdyn.arrays import Array
+
 Net = Callable[[Array], Array]
 LONGEST_STEP = 0.5
 """Largest step of a joint [rad or m]."""

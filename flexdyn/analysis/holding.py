@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.pose import Pose, pose, vector
 from flexdyn.analysis.statics import Statics
+from flexdyn.arrays import Array
 from flexdyn.effects import JointEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
 
-Array = NDArray[np.float64]
 CREEP = float(np.finfo(float).tiny)
 """At this velocity every law has its level at rest [rad/s]."""
 

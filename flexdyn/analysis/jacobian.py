@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
 from flexdyn.analysis.analysed_model import without
 from flexdyn.analysis.statics import Statics
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-
-Array = NDArray[np.float64]
 
 
 def dry_velocities(model: FlexibleJointModel) -> dict[int, list[Effect]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -84,50 +85,44 @@ class Modes(Locked):
         for kind in dict.fromkeys(self.kinds):
             rows = [k for k, each in enumerate(self.kinds) if each == kind]
             hertz = [f"{self.frequencies[k]:.4g}" for k in rows if self.frequencies[k] > 0.0]
-            at = (
-                f" at {', '.join(hertz[:MOST_FREQUENCIES])}{', ...' if len(hertz) > MOST_FREQUENCIES else ''} Hz"
-                if hertz
-                else ""
-            )
+            more = ", ..." if len(hertz) > MOST_FREQUENCIES else ""
+            at = f" at {', '.join(hertz[:MOST_FREQUENCIES])}{more} Hz" if hertz else ""
             told.append(f"{len(rows)} {kind}{at}")
         return f"<Modes of {self.name}, rotors {self.rotors}: {'; '.join(told)}>"
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: a row for each mode, its shape in the columns of the joints."""
-        at = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.q, strict=True))
-        rows = []
-        for row in self.rows():
-            ratio = "-" if row["damping_ratio"] is None else f"{row['damping_ratio']:.2%}"
-            head: tuple[Any, ...] = (row["mode"], row["frequency"], ratio, row["kind"])
-            for part in ("link",) if self.rotors == "held" else ("link", "rotor"):
-                rows.append((*head, part, *(f"{value:.3f}" for value in row[part].values())))
-                head = ("", "", "", "")
+        rows = [(*head, part, *(f"{value:.3f}" for value in shape)) for head, part, shape in self._lines()]
         heads = ("mode", "Hz", "damping", "kind", "part", *self.joint_names)
-        zeros = tuple(f"anti-resonances of {joint}: {_hertz(each)}" for joint, each in self._zeros())
-        return card(
-            f"Modes of {self.name}", {"rotors": self.rotors, "at": at}, table(heads, rows, len(rows)), notes=zeros
-        )
+        facts = {"rotors": self.rotors, "at": self._at()}
+        return card(f"Modes of {self.name}", facts, table(heads, rows, len(rows)), notes=self._zeros())
 
     def __str__(self) -> str:
         """A table: a line for each mode, then a line of anti-resonances for each motor."""
         width = max(10, *(len(name) + 2 for name in self.joint_names))
-        at = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.q, strict=True))
         head = f"{'mode':>4}  {'Hz':>9}  {'damping':>8}  {'kind':<10}  part"
         names = "".join(f"{joint:>{width}}" for joint in self.joint_names)
-        lines = [f"{self.name}: {len(self)} modes at {at}; rotors {self.rotors}", head.ljust(47) + names]
+        lines = [f"{self.name}: {len(self)} modes at {self._at()}; rotors {self.rotors}", head.ljust(47) + names]
+        for (mode, hertz, ratio, kind), part, shape in self._lines():
+            at = f"{hertz:>9.4g}" if hertz != "" else " " * 9
+            start = f"{mode:>4}  {at}  {ratio:>8}  {kind:<10}  {part:<5}"
+            lines.append(start.ljust(47) + "".join(f"{value:>{width}.3f}" for value in shape))
+        return "\n".join([*lines, *self._zeros()])
+
+    def _at(self) -> str:
+        return ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.q, strict=True))
+
+    def _lines(self) -> Iterator[tuple[tuple[Any, ...], str, Iterable[float]]]:
+        """Lines of a table: number, frequency, damping and kind of a mode, a part, and that part of its shape."""
         for row in self.rows():
             ratio = "-" if row["damping_ratio"] is None else f"{row['damping_ratio']:.2%}"
-            start = f"{row['mode']:>4}  {row['frequency']:>9.4g}  {ratio:>8}  {row['kind']:<10}  "
+            head: tuple[Any, ...] = (row["mode"], row["frequency"], ratio, row["kind"])
             for part in ("link",) if self.rotors == "held" else ("link", "rotor"):
-                shape = "".join(f"{value:>{width}.3f}" for value in row[part].values())
-                lines.append(f"{start}{part:<5}".ljust(47) + shape)
-                start = " " * len(start)
-        lines += [f"anti-resonances of {joint}: {_hertz(zeros)}" for joint, zeros in self._zeros()]
-        return "\n".join(lines)
+                yield head, part, row[part].values()
+                head = ("", "", "", "")
 
-    def _zeros(self) -> list[tuple[str, Array]]:
-        return [(joint, row[row > 0]) for joint, row in zip(self.joint_names, self.anti_resonances, strict=True)]
-
-
-def _hertz(zeros: Array) -> str:
-    return ", ".join(f"{zero:.4g}" for zero in zeros) + " Hz" if len(zeros) else "none"
+    def _zeros(self) -> tuple[str, ...]:
+        """A line of anti-resonances for each motor."""
+        found = (row[row > 0] for row in self.anti_resonances)
+        told = [", ".join(f"{zero:.4g}" for zero in zeros) + " Hz" if len(zeros) else "none" for zeros in found]
+        return tuple(f"anti-resonances of {joint}: {each}" for joint, each in zip(self.joint_names, told, strict=True))

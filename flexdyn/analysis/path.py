@@ -6,16 +6,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.eigenmodes import Rotors, check_rotors, modes_at, resting_statics
+from flexdyn.arrays import Array
 from flexdyn.checks import as_numbers
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

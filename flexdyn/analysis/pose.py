@@ -6,13 +6,13 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.arrays import Array
 from flexdyn.checks import as_numbers
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 Pose = ArrayLike | Mapping[str, float] | None
 
 
@@ -27,14 +27,7 @@ def pose(model: FlexibleJointModel, q: Pose, key: str = "q") -> Array:
     Raises:
         InputError: another number of joints, an unknown joint, a number that is not finite.
     """
-    names, known = model.joint_names, model.initial.get("q", {})
-    if q is None or isinstance(q, Mapping):
-        for joint in q or {}:
-            if joint not in names:
-                remedy = did_you_mean(str(joint), names)
-                raise InputError("the robot has no such joint", key=f"{key}.{joint}", remedy=remedy)
-        q = [{**known, **(q or {})}.get(joint, 0.0) for joint in names]
-    return vector(q, model.n, key, f"one number for each of {', '.join(names)}")
+    return _of_joints(model, {} if q is None else q, key, model.initial.get("q", {}))
 
 
 def vector(value: ArrayLike, size: int, key: str, remedy: str) -> Array:
@@ -58,14 +51,21 @@ def torques(model: FlexibleJointModel, tau: ArrayLike | Mapping[str, float]) -> 
     Raises:
         InputError: another number of joints, an unknown joint, a number that is not finite.
     """
+    return _of_joints(model, tau, "tau", {})
+
+
+def _of_joints(
+    model: FlexibleJointModel, given: ArrayLike | Mapping[str, float], key: str, others: Mapping[str, float]
+) -> Array:
+    """One number for each joint (n,), from all of them or by joint; `others` has those that are not named, else 0."""
     names = model.joint_names
-    if isinstance(tau, Mapping):
-        for joint in tau:
+    if isinstance(given, Mapping):
+        for joint in given:
             if joint not in names:
                 remedy = did_you_mean(str(joint), names)
-                raise InputError("the robot has no such joint", key=f"tau.{joint}", remedy=remedy)
-        tau = [tau.get(joint, 0.0) for joint in names]
-    return vector(tau, model.n, "tau", f"one number for each of {', '.join(names)}")
+                raise InputError("the robot has no such joint", key=f"{key}.{joint}", remedy=remedy)
+        given = [{**others, **given}.get(joint, 0.0) for joint in names]
+    return vector(given, model.n, key, f"one number for each of {', '.join(names)}")
 
 
 def checked_frequencies(frequencies: ArrayLike) -> Array:

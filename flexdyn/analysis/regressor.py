@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import CoulombFriction, Payload, TorqueOffset, ViscousFriction
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.tree import Tree
 
-Array = NDArray[np.float64]
 BODY = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 """Numbers of a body in Pinocchio's order: mass [kg], mass times centre [kg m], inertia about its joint [kg m^2]."""
 FRICTION = ("viscous", "coulomb", "offset")

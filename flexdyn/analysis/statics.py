@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.analysis.balance import roots
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.plant import LinkSide, build_plant
+from flexdyn.simulation.plant import LinkSide, build_plant, coupled_inertia
 
-Array = NDArray[np.float64]
 TORQUE_ROUNDING = 1e-13
 """A torque below this share of the largest torque on the arm counts as zero [1]."""
 
@@ -56,13 +55,7 @@ class Statics:
                 definite.
         """
         size = self.model.n + int(self.elastic.sum())
-        H = np.empty((size, size))
-        self.plant.inertia(self.state(q, q), H)
-        if self.plant.coupled and np.linalg.eigvalsh(H)[0] <= 0.0:
-            problem = "the inertia of the links is smaller than that of the rotors they carry, at this pose"
-            remedy = "the URDF's links must include the rotors they carry; or take reduced"
-            raise InputError(problem, key="robot.rotor_coupling", remedy=remedy)
-        return H
+        return coupled_inertia(self.plant, self.state(q, q), size, ", at this pose")
 
     def net(self, q: Array, theta: Array, tau: Array) -> tuple[Array, Array]:
         """Net torques [N m or N] on links (n,) and rotors (n,): 0 where the arm can rest without friction.

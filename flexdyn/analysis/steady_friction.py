@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.analysis.steady_curve import (
     FASTEST_STRIBECK_SHARE,
@@ -18,10 +17,10 @@ from flexdyn.analysis.steady_curve import (
     FrictionCurve,
 )
 from flexdyn.analysis.steady_points import SteadyPoint
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 
-Array = NDArray[np.float64]
 LEAST_SPEEDS = 8
 """Speeds of one direction that are needed: four to fit and four to check."""
 DECISIVE_DROP = 10.0

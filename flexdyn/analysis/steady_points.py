@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.records.given import as_recordings
 
-Array = NDArray[np.float64]
 INDEPENDENT_AUTOCORRELATION = 0.05
 """Below this autocorrelation samples count as independent [1]."""
 

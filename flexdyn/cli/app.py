@@ -9,7 +9,11 @@ from typer.core import TyperGroup
 
 from flexdyn.cli import completion
 from flexdyn.cli.failures import ProgramInterrupted
+from flexdyn.cli.options import flag
 from flexdyn.errors import InputError, did_you_mean
+
+INSTALLS = "Let the shell complete commands, options and names, from its next start on."
+SHOWS = "Print what --install-completion would install."
 
 
 class Commands(TyperGroup):
@@ -80,31 +84,8 @@ def _print_version(wanted: bool) -> None:
 
 
 def _program(
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, metavar="", help="Print the version and stop."
-        ),
-    ] = False,
-    install_completion: Annotated[
-        bool,
-        typer.Option(
-            "--install-completion",
-            callback=completion.install,
-            is_eager=True,
-            metavar="",
-            help="Let the shell complete commands, options and names, from its next start on.",
-        ),
-    ] = False,
-    show_completion: Annotated[
-        bool,
-        typer.Option(
-            "--show-completion",
-            callback=completion.show,
-            is_eager=True,
-            metavar="",
-            help="Print what --install-completion would install.",
-        ),
-    ] = False,
+    version: Annotated[bool, flag("--version", "Print the version and stop.", _print_version)] = False,
+    install_completion: Annotated[bool, flag("--install-completion", INSTALLS, completion.install)] = False,
+    show_completion: Annotated[bool, flag("--show-completion", SHOWS, completion.show)] = False,
 ) -> None:
     """Take the options that come before any command."""

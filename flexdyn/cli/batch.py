@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 from flexdyn.cli.batch_report import extracted_lines, summary_parts
-from flexdyn.cli.options import JsonOption, flag, naming, output_file, output_folder, output_option
-from flexdyn.cli.output import console, note, show, show_json
+from flexdyn.cli.options import JsonOption, flag, naming, option, output_folder, output_option, picture_file
+from flexdyn.cli.output import answer, note, progress, show, show_json
 from flexdyn.errors import InputError
-from flexdyn.plots.picture import FILES
-
-if TYPE_CHECKING:
-    from flexdyn.batch.progress import Progress
 
 # Arguments of the Python interface -> what the user typed.
 NAMES = {"workers": "--workers", "scheduler": "--scheduler", "extract": "--extract", "views": "--view"}
@@ -27,31 +21,22 @@ NAMES = {"workers": "--workers", "scheduler": "--scheduler", "extract": "--extra
 def batch(
     target: Annotated[Path, typer.Argument(metavar="STUDY|OUT", help="A study file to run, or the store of one.")],
     output: Annotated[
-        Path | None,
-        output_option("OUT", "The Zarr store to write; of --summary a picture, of --extract a folder."),
+        Path | None, output_option("OUT", "The Zarr store to write; of --summary a picture, of --extract a folder.")
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", help="Threads. Default: the processors this process may use.")
-    ] = None,
+    workers: Annotated[int | None, option("N", "Threads. Default: the processors this process may use.")] = None,
     scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="The Dask scheduler whose workers do the runs: tcp://host:8786."),
+        str | None, option("ADDRESS", "The Dask scheduler whose workers do the runs: tcp://host:8786.")
     ] = None,
     resume: Annotated[bool, flag("--resume", "Go on with the store: only what is missing is done.")] = False,
     summary: Annotated[bool, flag("--summary", "Say what is in a store, finished or not.")] = False,
     views: Annotated[
         list[str] | None,
-        typer.Option(
-            "--view",
-            metavar="NAME",
-            help="View in the picture: metrics, sensitivities or trajectories. May be given several times.",
+        option(
+            "NAME", "View in the picture: metrics, sensitivities or trajectories. May be given several times.", "--view"
         ),
     ] = None,
     extract: Annotated[
-        int | None,
-        typer.Option(
-            metavar="K", help="Write run K of a store as model file and command, with the line to simulate it."
-        ),
+        int | None, option("K", "Write run K of a store as model file and command, with the line to simulate it.")
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -83,16 +68,16 @@ def _run(
         raise InputError("it is a folder", file=study, remedy=remedy)
     if output is None:
         raise InputError("say where to write", key="--output", remedy="give the path of the store: -o out.zarr")
-    with _progress(study.name) as progress:
+    with progress(f"{study.name}: starting", lambda reached: f"{study.name}: {reached}") as report:
         try:
-            results = run_study(study, output, workers=workers, scheduler=scheduler, resume=resume, progress=progress)
+            results = run_study(study, output, workers=workers, scheduler=scheduler, resume=resume, progress=report)
         except KeyboardInterrupt:
             if output.exists():
                 words = ["flexdyn", "batch", str(study), "-o", str(output), "--resume"]
                 note(f"finished runs are stored; continue with: {shlex.join(words)}")
             raise
     try:
-        _show(results.summary(), as_json)
+        answer(results.summary(), summary_parts, as_json)
     except KeyboardInterrupt:
         note(f"all runs are stored; see them with: {shlex.join(['flexdyn', 'batch', str(output), '--summary'])}")
         raise
@@ -101,11 +86,11 @@ def _run(
 def _summarise(store: Path, output: Path | None, views: list[str] | None, as_json: bool) -> None:
     from flexdyn.batch.results import open_results
 
-    path = None if output is None else output_file("--output", output, FILES)
+    path = picture_file(output)
     results = open_results(store)
     if path is not None:
         results.plot(path, views=views or None)
-    _show(results.summary(), as_json)
+    answer(results.summary(), summary_parts, as_json)
     if path is not None and not as_json:
         show(f"drawn in {path}")
 
@@ -121,21 +106,3 @@ def _extract(store: Path, k: int, output: Path | None, as_json: bool) -> None:
         show_json({each.name: getattr(taken, each.name) for each in fields(taken)})
     else:
         show(*extracted_lines(taken))
-
-
-def _show(summary: Any, as_json: bool) -> None:
-    if as_json:
-        show_json(summary.to_dict())
-    else:
-        show(*summary_parts(summary))
-
-
-@contextmanager
-def _progress(name: str) -> Iterator[Callable[[Progress], None] | None]:
-    """Print finished runs, rate and time left on stderr if it is a terminal."""
-    err = console(stderr=True)
-    if not err.is_terminal:
-        yield None
-        return
-    with err.status(f"{name}: starting") as status:
-        yield lambda progress: status.update(f"{name}: {progress}")

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from flexdyn.cli.options import JsonOption, naming, output_file, output_option
-from flexdyn.cli.output import number, show, show_json, table
+from flexdyn.cli.options import JsonOption, naming, output_option, picture_file
+from flexdyn.cli.output import answer, number, show, table
 from flexdyn.cli.plot import FromOption, MapsOption, ToOption, load_all, window
 from flexdyn.comparison.compare import Comparison
 from flexdyn.comparison.compare import compare as compare_two
@@ -26,10 +26,7 @@ LEGEND = {
 def compare(
     first: Annotated[Path, typer.Argument(metavar="FIRST", help="A run or recording: the reference.")],
     second: Annotated[Path, typer.Argument(metavar="SECOND", help="The run or recording to compare with FIRST.")],
-    output: Annotated[
-        Path | None,
-        output_option("FILE", f"A picture: {', '.join(FILES)} by its suffix."),
-    ] = None,
+    output: Annotated[Path | None, output_option("FILE", f"A picture: {', '.join(FILES)} by its suffix.")] = None,
     start: FromOption = None,
     end: ToOption = None,
     maps: MapsOption = None,
@@ -40,18 +37,15 @@ def compare(
     Errors are computed at the times of FIRST that both cover. SECOND is interpolated linearly; tau and tau_applied
     are held from sample to sample. Spread is the standard deviation of FIRST. Large errors do not change the exit code.
     """
-    path = None if output is None else output_file("--output", output, FILES, inputs=(first, second))
+    path = picture_file(output, inputs=(first, second))
     low, high = window(start, end)
     one, two = load_all([first, second], maps)
     with naming({}, file=f"{first}, {second}", files={}):
         found = compare_two(one, two, start=low, end=high)
         if path is not None:
             found.plot(path)
-    if as_json:
-        show_json(found.to_dict())
-        return
-    show(*report(found))
-    if path is not None:
+    answer(found, report, as_json)
+    if path is not None and not as_json:
         show(f"drawn in {path}")
 
 

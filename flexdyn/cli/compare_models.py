@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from flexdyn.cli.options import JsonOption
-from flexdyn.cli.output import show, show_json, table
+from flexdyn.cli.output import answer, table
 from flexdyn.diagnose.compared.models import ModelsCompared
 from flexdyn.diagnose.compared.models import compare_models as compare
 
@@ -32,11 +32,7 @@ def compare_models(
 
     Values are compared by their standard deviations, which a diagnosis keeps in the report.json beside its model.yaml.
     """
-    found = compare(models)
-    if as_json:
-        show_json(found.to_dict())
-        return
-    show(*report(found))
+    answer(compare(models), report, as_json)
 
 
 def report(found: ModelsCompared) -> list[Any]:

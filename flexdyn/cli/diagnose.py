@@ -23,7 +23,7 @@ from flexdyn.cli.diagnose_inputs import (
     report_folder,
 )
 from flexdyn.cli.failures import ProgramInterrupted
-from flexdyn.cli.options import JsonOption, ModelArgument, naming, output_option
+from flexdyn.cli.options import JsonOption, ModelArgument, naming, option, output_option
 from flexdyn.cli.output import note, show, show_json
 from flexdyn.cli.recordings import load_each, trimmed
 from flexdyn.cli.target import model_file
@@ -31,31 +31,25 @@ from flexdyn.cli.target import model_file
 FitArgument = Annotated[
     list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain; a.csv+b.csv: side by side.")
 ]
-CHECK_OPTION = typer.Option(
+CHECK_OPTION = option(
+    "CHECK...",
+    "Test data, which no decision reads. Default: the last fifth of what moves in every recording of FIT.",
     CHECK,
-    metavar="CHECK...",
-    help="Test data, which no decision reads. Default: the last fifth of what moves in every recording of FIT.",
 )
-MAPS_OPTION = typer.Option(
-    "--map",
-    metavar="MAP",
-    help="A channel map (YAML) of every recording; or one for each, in their order, FIT before CHECK.",
+MAPS_OPTION = option(
+    "MAP", "A channel map (YAML) of every recording; or one for each, in their order, FIT before CHECK.", "--map"
 )
-TRIM_OPTION = typer.Option(
-    "--trim", metavar="START:END", help="Use this span of every recording, in s; or one for each, in their order."
-)
-HOLD_OUT_OPTION = typer.Option(
+TRIM_OPTION = option("START:END", "Use this span of every recording, in s; or one for each, in their order.", "--trim")
+HOLD_OUT_OPTION = option(
+    "START:END",
+    "A block of the recordings of FIT that is kept apart as test data, in s. May be given again.",
     "--hold-out",
-    metavar="START:END",
-    help="A block of the recordings of FIT that is kept apart as test data, in s. May be given again.",
 )
-EXPECT_OPTION = typer.Option(
-    "--expect", metavar="EFFECT", help="An effect that the drive is likely to have, by its data sheet."
-)
-EXPLAIN_OPTION = typer.Option(
+EXPECT_OPTION = option("EFFECT", "An effect that the drive is likely to have, by its data sheet.", "--expect")
+EXPLAIN_OPTION = option(
+    "EFFECT@JOINT",
+    "Say why an effect was named or was not: coulomb_friction@elbow, channel_lag@q.elbow, payload.",
     EXPLAIN,
-    metavar="EFFECT@JOINT",
-    help="Say why an effect was named or was not: coulomb_friction@elbow, channel_lag@q.elbow, payload.",
 )
 OUTPUT_OPTION = output_option("DIR", "Folder for report.html, report.json and model.yaml.")
 

@@ -29,10 +29,7 @@ def effects(
         str | None,
         typer.Argument(metavar="NAME", help="An effect to describe in full.", autocompletion=completion.effects),
     ] = None,
-    output: Annotated[
-        Path | None,
-        output_option("FILE", "Draw the law of NAME into this .png, .pdf or .svg."),
-    ] = None,
+    output: Annotated[Path | None, output_option("FILE", "Draw the law of NAME into this .png, .pdf or .svg.")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """List the effects that a model can have; describe one and draw its law.
@@ -46,9 +43,7 @@ def effects(
     if chosen is not None and output is not None:
         draw_law(chosen, output_file("--output", output, SUFFIXES))
     if as_json:
-        kinds = [chosen] if chosen else list(catalogue().values())
-        documents = [describe(kind) for kind in kinds]
-        show_json(documents[0] if chosen else documents)
+        show_json(describe(chosen) if chosen else [describe(kind) for kind in catalogue().values()])
     elif chosen is None:
         show(_overview())
     else:

@@ -12,6 +12,7 @@ import numpy as np
 from flexdyn.control.commands import PD, Samples
 from flexdyn.effects import Backlash, CoulombFriction, Effect, StribeckFriction, ViscousFriction
 from flexdyn.io.files import write_text
+from flexdyn.io.text import fill
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model, save_model
 from flexdyn.records import Recording, write_recording
@@ -72,7 +73,8 @@ def write_example(name: str, folder: Path) -> tuple[Path, ...]:
     save_model(model, files[0])
     for day, file in enumerate(files[1:3]):
         write_recording(measured(robot, day), file)
-    write_text(files[3], _readme(name, folder))
+    readme = fill("cli/example_readme.txt", name=name, words=EXAMPLES[name].words, commands=commands(folder))
+    write_text(files[3], readme + "\n")
     return files
 
 
@@ -103,18 +105,3 @@ def commands(folder: Path) -> tuple[str, ...]:
         f"flexdyn simulate {at}/report/model.yaml --command {at}/tuesday.csv -o {at}/corrected.csv",
         f"flexdyn compare {at}/tuesday.csv {at}/corrected.csv",
     )
-
-
-def _readme(name: str, folder: Path) -> str:
-    lines = (
-        "model.yaml   the model of the arm, which lacks an effect",
-        "monday.csv   a log of the true arm: positions of links and rotors, torques; noise of good sensors",
-        "tuesday.csv  another motion of it, which is not used in the fit and tests the answer",
-        "",
-        f"Hidden in the logs and missing in the model: {name}, {EXAMPLES[name].words}. The commands that find it:",
-        "",
-        *(f"    {command}" for command in commands(folder)),
-        "",
-        "The logs are simulated by flexdyn itself; a diagnosis of a real robot is harder.",
-    )
-    return "\n".join(lines) + "\n"

@@ -9,12 +9,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import typer
-from numpy.typing import NDArray
 
 from flexdyn.cli import modes as cli_modes
 from flexdyn.cli.motors import motors
-from flexdyn.cli.options import JsonOption, by_joint, flag, model_argument, naming, output_file, output_option
+from flexdyn.cli.options import JsonOption, by_joint, flag, model_argument, naming, option, output_file, output_option
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.target import Target, find
 from flexdyn.effects import Effect, JointEffect, Payload, unit_for
@@ -24,7 +22,6 @@ from flexdyn.plots import SUFFIXES, draw_frequencies
 from flexdyn.robot.axes import joint_row, plain_axes
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 DRIVES = {
     "J": "rotor inertia",
     "K": "stiffness",
@@ -35,30 +32,24 @@ DRIVES = {
     "f free": "the same with its rotor free",
 }
 """Meanings of the symbols of the drives."""
+NUMBERS = ("gear_ratio", "reflected_inertia", "stiffness", "damping", "q", "inertia")
+FREQUENCIES = ("locked_rotor_frequency", "free_frequency")
 
 
 def info(
     target: Annotated[
-        str,
-        model_argument("ROBOT|MODEL", "A URDF, a robot's name, a model file or a shipped model's name."),
+        str, model_argument("ROBOT|MODEL", "A URDF, a robot's name, a model file or a shipped model's name.")
     ],
     q: Annotated[
         list[str] | None,
-        typer.Option(
-            "--q", metavar="VALUES", help="Position for M and the frequencies: 0.1,0.2 or elbow=1.57, in rad or m."
-        ),
+        option("VALUES", "Position for M and the frequencies: 0.1,0.2 or elbow=1.57, in rad or m.", "--q"),
     ] = None,
     modes: Annotated[
-        bool,
-        flag("--modes", "Eigenfrequencies, damping ratios, shapes and anti-resonances at --q as well."),
+        bool, flag("--modes", "Eigenfrequencies, damping ratios, shapes and anti-resonances at --q as well.")
     ] = False,
-    path: Annotated[
-        Path | None,
-        typer.Option("--path", metavar="RUN", help="With --modes and -o: a recording whose q is the path to draw."),
-    ] = None,
+    path: Annotated[Path | None, option("RUN", "With --modes and -o: a recording whose q is the path to draw.")] = None,
     output: Annotated[
-        Path | None,
-        output_option("FILE", "Draw the frequencies over --path: .png, .pdf or .svg."),
+        Path | None, output_option("FILE", "Draw the frequencies over --path: .png, .pdf or .svg.")
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -73,18 +64,15 @@ def info(
     pose = by_joint("--q", q or (), found.model.joint_names)
     with naming({"q": "--q"}, file=target, files={}):
         document = describe(found, pose)
-    if modes:
-        with naming({"q": "--q"}, file=target, files={}):
+        if modes:
             document["modes"] = cli_modes.describe(found.model, pose)
     if picture is not None and path is not None:
         draw_frequencies(cli_modes.along(found.model, path), picture)
     if as_json:
         show_json(document)
         return
-    show(_head(document), _limits(document), _drives(document))
-    for extra in (motors(document["joints"]), _axes(document), _followers(document), _effects(document)):
-        if extra is not None:
-            show(extra)
+    show(_head(document), _limits(document), _drives(document), motors(document["joints"]))
+    show(_axes(document), _followers(document), _effects(document))
     if modes:
         show(*cli_modes.tables(document["modes"], {joint["name"]: joint["elastic"] for joint in document["joints"]}))
     if picture is not None:
@@ -99,10 +87,10 @@ def _picture(modes: bool, path: Path | None, output: Path | None) -> Path | None
     """
     if path is None and output is None:
         return None
-    for option, given in (("--modes", modes), ("--path", path), ("--output", output)):
+    for name, given in (("--modes", modes), ("--path", path), ("--output", output)):
         if not given:
             remedy = "a picture of frequencies needs --modes --path RUN -o FILE"
-            raise InputError("it is missing", key=option, remedy=remedy)
+            raise InputError("it is missing", key=name, remedy=remedy)
     return output_file("--output", output, SUFFIXES, inputs=(path,))
 
 
@@ -231,24 +219,13 @@ def _drives(document: Mapping[str, Any]) -> Any:
         (
             joint["name"],
             "elastic" if joint["elastic"] else "rigid",
-            *(
-                number(joint[key])
-                for key in ("gear_ratio", "reflected_inertia", "stiffness", "damping", "q", "inertia")
-            ),
-            *(
-                "-" if joint[key] is None else f"{number(joint[key])} Hz"
-                for key in ("locked_rotor_frequency", "free_frequency")
-            ),
+            *(number(joint[key]) for key in NUMBERS),
+            *("-" if joint[key] is None else f"{number(joint[key])} Hz" for key in FREQUENCIES),
         )
         for joint in document["joints"]
     ]
-    return table(
-        "Drives, on the link side (SI: rad, N m, kg m^2; prismatic: m, N, kg)",
-        columns,
-        rows,
-        right=columns[2:],
-        legend=DRIVES,
-    )
+    title = "Drives, on the link side (SI: rad, N m, kg m^2; prismatic: m, N, kg)"
+    return table(title, columns, rows, right=columns[2:], legend=DRIVES)
 
 
 def _axes(document: Mapping[str, Any]) -> Any:

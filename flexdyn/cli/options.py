@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,16 +13,22 @@ import typer
 
 from flexdyn.cli import completion
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.plots.picture import FILES
 
 
-def flag(name: str, help: str) -> Any:
-    """An option without a value."""
-    return typer.Option(name, metavar="", help=help)
+def flag(name: str, help: str, callback: Callable[[bool], None] | None = None) -> Any:
+    """An option without a value; one with a callback is read before all others."""
+    return typer.Option(name, metavar="", help=help, callback=callback, is_eager=callback is not None)
+
+
+def option(metavar: str, help: str, *names: str) -> Any:
+    """An option with a value; its names are by default that of the argument."""
+    return typer.Option(*names, metavar=metavar, help=help)
 
 
 def output_option(metavar: str, help: str) -> Any:
     """The option that says where to write."""
-    return typer.Option("--output", "-o", metavar=metavar, help=help)
+    return option(metavar, help, "--output", "-o")
 
 
 def model_argument(metavar: str, help: str) -> Any:
@@ -33,8 +39,7 @@ def model_argument(metavar: str, help: str) -> Any:
 ModelArgument = Annotated[str, model_argument("MODEL", "A model file, or the name of a shipped model.")]
 JsonOption = Annotated[bool, flag("--json", "Print JSON; infinite numbers are null.")]
 MapOption = Annotated[
-    Path | None,
-    typer.Option("--map", metavar="MAP", help="A channel map (YAML): names, units and clocks of the recording."),
+    Path | None, option("MAP", "A channel map (YAML): names, units and clocks of the recording.", "--map")
 ]
 
 
@@ -138,6 +143,11 @@ def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inpu
             remedy = "write to another file"
             raise InputError("the command reads this file", file=path, key=option, remedy=remedy)
     return path
+
+
+def picture_file(path: Path | None, inputs: Sequence[Path | None] = ()) -> Path | None:
+    """The picture to write, checked as by `output_file`; None if none is asked for."""
+    return None if path is None else output_file("--output", path, FILES, inputs=inputs)
 
 
 def output_folder(path: Path) -> None:

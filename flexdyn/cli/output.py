@@ -6,7 +6,8 @@ import json
 import math
 import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,10 +30,26 @@ def console(*, stderr: bool = False) -> Console:
     return Console(stderr=stderr, width=width, markup=False, highlight=False, emoji=False)
 
 
+@contextmanager
+def progress(first: str, line: Callable[[Any], str] = str) -> Iterator[Callable[[Any], None] | None]:
+    """Keep a line on stderr up to date if that is a terminal; else None.
+
+    Args:
+        first: the line until something is reported.
+        line: the line for what is reported.
+    """
+    err = console(stderr=True)
+    if not err.is_terminal:
+        yield None
+        return
+    with err.status(first) as status:
+        yield lambda reached: status.update(line(reached))
+
+
 def show(*parts: Any) -> None:
-    """Print texts and tables on stdout, one below the other."""
+    """Print texts and tables on stdout, one below the other; None is left out."""
     out = console()
-    for part in parts:
+    for part in (part for part in parts if part is not None):
         text = isinstance(part, str)
         out.print(visible(part, lines=True) if text else part, soft_wrap=text)  # a line to be copied is not broken
 
@@ -42,6 +59,14 @@ def show_json(document: Any) -> None:
     text = json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False)
     safe = (letter if letter.isprintable() or letter == "\n" else json.dumps(letter)[1:-1] for letter in text)
     sys.stdout.write("".join(safe) + "\n")
+
+
+def answer(found: Any, report: Callable[[Any], Iterable[Any]], as_json: bool) -> None:
+    """Print a result: as JSON, or the texts and tables of its report."""
+    if as_json:
+        show_json(found.to_dict())
+    else:
+        show(*report(found))
 
 
 def note(text: str) -> None:

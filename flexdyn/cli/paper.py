@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from flexdyn.cli.options import JsonOption, output_folder, output_option
-from flexdyn.cli.output import console, number, show, show_json, table
+from flexdyn.cli.output import number, progress, show, show_json, table
+
+DIAGNOSES = "Hide the arm's friction from its model too, and let the diagnosis find it: a minute."
 
 
 def paper(
     output: Annotated[
-        Path,
-        output_option("DIR", "Folder for figures, tables and runs; made if it is not there."),
+        Path, output_option("DIR", "Folder for figures, tables and runs; made if it is not there.")
     ] = Path("flexdyn_paper"),
-    diagnose: Annotated[
-        bool,
-        typer.Option(
-            "--diagnose", help="Hide the arm's friction from its model too, and let the diagnosis find it: a minute."
-        ),
-    ] = False,
+    diagnose: Annotated[bool, typer.Option("--diagnose", help=DIAGNOSES)] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run the paper's study on elastic joints and friction.
@@ -33,9 +28,8 @@ def paper(
     output_folder(output)
     from flexdyn.paper import run_study
 
-    with _progress() as progress:
-        study = run_study(output, diagnose=diagnose, progress=progress)
-    passed = all(check.passed for check in study.checks)
+    with progress("the paper's study") as report:
+        study = run_study(output, diagnose=diagnose, progress=report)
     if as_json:
         show_json(study.summary)
     else:
@@ -47,7 +41,7 @@ def paper(
             show(*_found(study.summary, output))
         columns = ("check", "value", "bound", "result")
         show(table("Checks", columns, rows, right=("value", "bound")), f"Figures, tables and runs are in {output}")
-    if not passed:
+    if not study.passed:
         raise typer.Exit(1)
 
 
@@ -70,14 +64,3 @@ def _found(summary: Mapping[str, Any], output: Path) -> Iterator[Any]:
     steps = [(each["name"], times(each["gap"])) for each in told["gap"]]
     yield table("Gap on data not used in the fit", ("model", "in units of noise"), steps, right=("in units of noise",))
     yield f"The diagnosis is in {output / FOLDER / 'report.html'}"
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None] | None]:
-    """Print the part of the study in progress on stderr if it is a terminal."""
-    err = console(stderr=True)
-    if not err.is_terminal:
-        yield None
-        return
-    with err.status("the paper's study") as status:
-        yield status.update

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from flexdyn.cli.options import MapOption, decimal, flag, naming, output_file
+from flexdyn.cli.options import MapOption, decimal, flag, naming, option, output_file
 from flexdyn.cli.output import note, show
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import find
@@ -28,8 +28,7 @@ def play(
         typer.Argument(metavar="OTHER", help="A recording of the same arm, shown as a translucent second one."),
     ] = None,
     model: Annotated[
-        str | None,
-        typer.Option(metavar="MODEL", help="The model of the arm, for a recording that does not hold it (CSV)."),
+        str | None, option("MODEL", "The model of the arm, for a recording that does not hold it (CSV).")
     ] = None,
     map: MapOption = None,
     rigid: Annotated[
@@ -37,17 +36,11 @@ def play(
         flag("--rigid", "In place of OTHER: the same arm without elasticity, replaying the tau of RUN in open loop."),
     ] = False,
     command: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="With --rigid: the command of that arm (YAML), for example the controller of RUN.",
-        ),
+        Path | None, option("FILE", "With --rigid: the command of that arm (YAML), for example the controller of RUN.")
     ] = None,
-    html: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write one HTML file that plays offline, and serve nothing.")
-    ] = None,
+    html: Annotated[Path | None, option("FILE", "Write one HTML file that plays offline, and serve nothing.")] = None,
     magnify: Annotated[
-        str | None, typer.Option(metavar="F", help="Factor of theta - q on the dials. Default: so that it shows well.")
+        str | None, option("F", "Factor of theta - q on the dials. Default: so that it shows well.")
     ] = None,
     no_open: Annotated[bool, flag("--no-open", "Do not open the browser.")] = False,
 ) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from flexdyn.cli.options import decimal, naming, output_file, output_option
+from flexdyn.cli.options import decimal, naming, option, output_option, picture_file
 from flexdyn.cli.output import show
 from flexdyn.cli.recordings import load
 from flexdyn.errors import InputError
@@ -18,39 +18,32 @@ from flexdyn.plots.picture import FILES
 from flexdyn.records import Recording
 
 MapsOption = Annotated[
-    list[Path] | None,
-    typer.Option("--map", metavar="MAP", help="A channel map (YAML) of the first file; again: of the second; ..."),
+    list[Path] | None, option("MAP", "A channel map (YAML) of the first file; again: of the second; ...", "--map")
 ]
-FromOption = Annotated[str | None, typer.Option("--from", metavar="S", help="First time, in s.")]
-ToOption = Annotated[str | None, typer.Option("--to", metavar="S", help="Last time, in s.")]
+FromOption = Annotated[str | None, option("S", "First time, in s.", "--from")]
+ToOption = Annotated[str | None, option("S", "Last time, in s.", "--to")]
 
 
 def plot(
     runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Runs or recordings, the measured one first.")],
-    output: Annotated[
-        Path | None,
-        output_option("FILE", f"The picture: {', '.join(FILES)} by its suffix."),
-    ] = None,
+    output: Annotated[Path | None, output_option("FILE", f"The picture: {', '.join(FILES)} by its suffix.")] = None,
     views: Annotated[
-        list[str] | None,
-        typer.Option("--view", metavar="NAME", help=f"One of {', '.join(VIEW_NAMES)}; may be given several times."),
+        list[str] | None, option("NAME", f"One of {', '.join(VIEW_NAMES)}; may be given several times.", "--view")
     ] = None,
     joints: Annotated[
-        list[str] | None, typer.Option("--joint", metavar="JOINT", help="Only this one; may be given several times.")
+        list[str] | None, option("JOINT", "Only this one; may be given several times.", "--joint")
     ] = None,
     start: FromOption = None,
     end: ToOption = None,
     maps: MapsOption = None,
-    model: Annotated[
-        str | None, typer.Option(metavar="MODEL", help="For the energy of a run whose file does not hold it (CSV).")
-    ] = None,
+    model: Annotated[str | None, option("MODEL", "For the energy of a run whose file does not hold it (CSV).")] = None,
 ) -> None:
     """Draw runs and recordings: positions, deflection and torques of every joint, and the energy of runs.
 
     Several files share the axes; their differences from the first are drawn below. Without --output an interactive
     page opens in the browser; .html writes such a page, which works offline.
     """
-    path = None if output is None else output_file("--output", output, FILES, inputs=runs)
+    path = picture_file(output, inputs=runs)
     first, last = window(start, end)
     recordings = load_all(runs, maps)
     options = {"views": "--view", "joints": "--joint", "model": "--model", "start, end": "--from, --to"}

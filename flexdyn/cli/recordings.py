@@ -5,12 +5,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TypeVar
 
 from flexdyn.cli.options import span_of
 from flexdyn.cli.output import console
 from flexdyn.errors import InputError
 from flexdyn.records import Recording, RecordingWarning, read_recording
 
+T = TypeVar("T")
 LARGE = 50e6
 """Files larger than this show a progress bar [bytes]."""
 
@@ -25,10 +27,7 @@ def load_each(paths: Sequence[Path], maps: Sequence[Path]) -> list[Recording]:
     Raises:
         InputError: another number of maps, or a file with a fault.
     """
-    if len(maps) not in (0, 1, len(paths)):
-        problem = f"{len(maps)} maps for {len(paths)} recordings"
-        raise InputError(problem, key="--map", remedy="give one for all, or one for each in their order")
-    each = list(maps) if len(maps) == len(paths) else [maps[0] if maps else None] * len(paths)
+    each = _for_each(maps, len(paths), "--map", "maps")
     return [load(path, map=map) for path, map in zip(paths, each, strict=True)]
 
 
@@ -42,21 +41,24 @@ def trimmed(recordings: Sequence[Recording], spans: Sequence[str]) -> list[Recor
     Raises:
         InputError: another number of spans, or one in which a recording has no two samples.
     """
-    if len(spans) not in (0, 1, len(recordings)):
-        problem = f"{len(spans)} spans for {len(recordings)} recordings"
-        raise InputError(problem, key="--trim", remedy="give one for all, or one for each in their order")
-    if not spans:
-        return list(recordings)
-    each = [span_of("--trim", text) for text in spans] * (len(recordings) // len(spans))
-    found = []
-    for rec, span in zip(recordings, each, strict=True):
-        try:
-            found.append(rec.trim(*span))
-        except InputError as error:
-            raise InputError(
-                error.problem, file=rec.name, key="--trim", value=error.value, remedy=error.remedy
-            ) from None
-    return found
+    each = _for_each(spans, len(recordings), "--trim", "spans")
+    return [rec if span is None else _trim(rec, span) for rec, span in zip(recordings, each, strict=True)]
+
+
+def _trim(rec: Recording, span: str) -> Recording:
+    start, end = span_of("--trim", span)
+    try:
+        return rec.trim(start, end)
+    except InputError as error:
+        raise InputError(error.problem, **{**error.data, "file": rec.name, "key": "--trim"}) from None
+
+
+def _for_each(given: Sequence[T], count: int, option: str, what: str) -> list[T | None]:
+    """One entry for each recording: none, the same for all, or their own."""
+    if len(given) not in (0, 1, count):
+        problem = f"{len(given)} {what} for {count} recordings"
+        raise InputError(problem, key=option, remedy="give one for all, or one for each in their order")
+    return list(given) * (count // len(given)) if given else [None] * count
 
 
 def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Recording:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 import numpy as np
-import typer
 
 from flexdyn.cli.options import (
     JsonOption,
@@ -20,10 +17,11 @@ from flexdyn.cli.options import (
     decimal,
     flag,
     naming,
+    option,
     output_file,
     output_option,
 )
-from flexdyn.cli.output import console, note, number, show, show_json, table
+from flexdyn.cli.output import note, number, progress, show, show_json, table
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError
@@ -55,36 +53,28 @@ def simulate(
     output: Annotated[Path | None, output_option("RUN", f"The run: {', '.join(SUFFIXES)} by its suffix.")] = None,
     command: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="A recording whose tau drives the arm, or a YAML file with pd: or torques:. Default: the model's own, "
+        option(
+            "FILE",
+            "A recording whose tau drives the arm, or a YAML file with pd: or torques:. Default: the model's own, "
             "else no torque.",
         ),
     ] = None,
     map: MapOption = None,
-    duration: Annotated[str | None, typer.Option(metavar="S", help="Duration in s. Default: the command's.")] = None,
-    solver: Annotated[str, typer.Option(metavar="NAME", help=f"auto, {', '.join(SOLVERS)}.")] = "auto",
-    step: Annotated[str | None, typer.Option(metavar="S", help="Step of RungeKutta4 or TimeStepping, in s.")] = None,
-    rtol: Annotated[str | None, typer.Option(metavar="R", help="Relative tolerance of an adaptive solver.")] = None,
-    atol: Annotated[
-        str | None, typer.Option(metavar="A", help="Absolute tolerance of an adaptive solver, in rad and rad/s.")
-    ] = None,
+    duration: Annotated[str | None, option("S", "Duration in s. Default: the command's.")] = None,
+    solver: Annotated[str, option("NAME", f"auto, {', '.join(SOLVERS)}.")] = "auto",
+    step: Annotated[str | None, option("S", "Step of RungeKutta4 or TimeStepping, in s.")] = None,
+    rtol: Annotated[str | None, option("R", "Relative tolerance of an adaptive solver.")] = None,
+    atol: Annotated[str | None, option("A", "Absolute tolerance of an adaptive solver, in rad and rad/s.")] = None,
     smoothing: Annotated[
-        str | None,
-        typer.Option(metavar="U", help="Smooth dry friction below this velocity, in rad/s. Default: exact sticking."),
+        str | None, option("U", "Smooth dry friction below this velocity, in rad/s. Default: exact sticking.")
     ] = None,
-    rate: Annotated[str, typer.Option(metavar="HZ", help="Sample rate of the run, in Hz.")] = "1000",
-    q0: Annotated[
-        list[str] | None, typer.Option(metavar="VALUES", help=f"First link positions, {STARTS}; rad or m.")
-    ] = None,
-    v0: Annotated[list[str] | None, typer.Option(metavar="VALUES", help="First link velocities, likewise.")] = None,
+    rate: Annotated[str, option("HZ", "Sample rate of the run, in Hz.")] = "1000",
+    q0: Annotated[list[str] | None, option("VALUES", f"First link positions, {STARTS}; rad or m.")] = None,
+    v0: Annotated[list[str] | None, option("VALUES", "First link velocities, likewise.")] = None,
     theta0: Annotated[
-        list[str] | None,
-        typer.Option(metavar="VALUES", help="First rotor positions, likewise, or equilibrium: springs carry gravity."),
+        list[str] | None, option("VALUES", "First rotor positions, likewise, or equilibrium: springs carry gravity.")
     ] = None,
-    omega0: Annotated[
-        list[str] | None, typer.Option(metavar="VALUES", help="First rotor velocities, likewise.")
-    ] = None,
+    omega0: Annotated[list[str] | None, option("VALUES", "First rotor velocities, likewise.")] = None,
     limits: Annotated[
         bool, flag("--limits", "Keep to the URDF's limits: end stops at the ends of range, motors saturate.")
     ] = False,
@@ -95,6 +85,8 @@ def simulate(
     The first state comes from --q0, --v0, --theta0 and --omega0. Without them it comes from the first row of the
     recording in --command, or else from the model file. Rotors start at theta = q, omega = v by default.
     """
+    from flexdyn.simulation.simulate import simulate as integrate
+
     path = output_file("--output", output, SUFFIXES, inputs=(Path(model), command, map))
     span = None if duration is None else decimal("--duration", duration)
     hertz = decimal("--rate", rate)
@@ -108,7 +100,10 @@ def simulate(
             drive = arm.command
             note("the command is the model file's own")
         _can_write(path)
-        run = _run(arm, drive, span, chosen, hertz, starts)
+        length = span or getattr(drive, "duration", None)
+        end = f" of {length:g}" if length else ""
+        with progress(f"{arm.name}: starting", lambda t: f"{arm.name}: t = {t:.3f}{end} s") as report:
+            run = integrate(arm, drive, span, chosen, rate=hertz, progress=report, **starts)
     for text in run.notes:
         note(text)
     run.save(path)
@@ -191,33 +186,6 @@ def _can_write(path: Path) -> None:
     """Write an empty recording to another place: a missing library is reported before the work, not after it."""
     with TemporaryDirectory() as folder:
         write_recording(Recording([0.0, 1.0], {"q.none": [0.0, 0.0]}), Path(folder) / f"probe{path.suffix}")
-
-
-def _run(
-    model: FlexibleJointModel,
-    command: Any,
-    duration: float | None,
-    solver: Any,
-    rate: float,
-    starts: dict[str, Any],
-) -> Run:
-    from flexdyn.simulation.simulate import simulate as integrate
-
-    length = duration or getattr(command, "duration", None)
-    with _progress(model.name, length) as progress:
-        return integrate(model, command, duration, solver, rate=rate, progress=progress, **starts)
-
-
-@contextmanager
-def _progress(name: str, duration: float | None) -> Iterator[Callable[[float], None] | None]:
-    """Print the time reached on stderr if it is a terminal."""
-    err = console(stderr=True)
-    if not err.is_terminal:
-        yield None
-        return
-    with err.status(f"{name}: starting") as status:
-        end = f" of {duration:g}" if duration else ""
-        yield lambda t: status.update(f"{name}: t = {t:.3f}{end} s")
 
 
 def _report(run: Run, path: Path) -> list[Any]:

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.comparison.difference import common_rows, difference, root_mean_square
 from flexdyn.comparison.motion_sources import MotionSource, as_sources, unit_in
@@ -17,8 +16,6 @@ from flexdyn.records.signals.gaps import in_gaps
 
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

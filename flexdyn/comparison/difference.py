@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.comparison.motion_sources import HELD, MotionSource
 from flexdyn.errors import InputError
 from flexdyn.records.signals.gaps import in_gaps
 from flexdyn.records.units import split_name
 
-Array = NDArray[np.float64]
 LARGEST_COMPARED = 1e290
 """Largest number that is compared: sums of such numbers do not overflow."""
 SAME_TIME = 1e-6

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from flexdyn.errors import InputError
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recording
+from flexdyn.records.units import PRISMATIC
+from flexdyn.records.units import SIGNALS as UNITS
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.run import Run
 
@@ -138,11 +140,10 @@ def windowed(source: MotionSource, start: float | None, end: float | None) -> ND
 
 def _true(run: Run) -> Recording:
     """The run's own arrays as a recording."""
-    robot, names = run.model.robot, run.joint_names
-    channels = {f"{signal}.{name}": getattr(run, signal)[:, j] for signal in SIGNALS for j, name in enumerate(names)}
-    units: dict[str, str] = {}
-    for j, name in enumerate(names):
-        angle, torque = robot.angle_unit(j), robot.torque_unit(j)
-        by_signal = {"q": angle, "theta": angle, "v": f"{angle}/s", "omega": f"{angle}/s"}
-        units |= {f"{signal}.{name}": by_signal.get(signal, torque) for signal in SIGNALS}
+    channels, units = {}, {}
+    for signal in SIGNALS:
+        for j, name in enumerate(run.joint_names):
+            channels[f"{signal}.{name}"] = getattr(run, signal)[:, j]
+            prismatic = run.model.robot.kinds[j] == "prismatic"
+            units[f"{signal}.{name}"] = PRISMATIC[UNITS[signal]] if prismatic else UNITS[signal]
     return Recording(run.t, channels, meta={"units": units}, name=run.model.name)

@@ -7,16 +7,16 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from flexdyn.control.commands import Controller, Samples, State
+from flexdyn.arrays import Array
+from flexdyn.control.commands import Controller, State
 from flexdyn.paper import equations as eq
-from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, PaperCases, reference
+from flexdyn.paper.cases import PaperCases, reference, torque_of_fig4
 from flexdyn.records import Recording
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 
-Array = NDArray[np.float64]
 Corners = Sequence[tuple[float, float]]
 
 BENCH_RATE = 1000.0  # Hz, of control and of recordings
@@ -26,9 +26,9 @@ TORQUE_NOISE = 0.002  # of the greatest torque, standard deviation
 KP, KD = 2.0, 1.0  # N m/rad, N m s/rad: as stiff as the springs allow
 FILTERED = 1.5e-3  # s, low pass on the differences of the encoders
 LARGEST_ASKED_TORQUE = 0.5  # N m, that the controller asks for: it stays below the actuator line of Table I
-BENCH_WATCHED = 12.0  # s, of the arm under the torque of Fig. 4
+BENCH_FIG4_DURATION = 12.0  # s, of the run under the torque of Fig. 4
 
-# Time [s] and angle [rad] at which each joint is to be at rest: fast moves, slow sweeps, dwells.
+# Times [s] and angles [rad] at which each joint comes to rest: fast moves, slow sweeps, dwells.
 FIT: tuple[Corners, Corners] = (
     (
         *((0.0, 0.0), (4.0, 0.7), (8.0, 0.1), (9.0, 0.1), (15.0, 0.35), (18.5, -0.3), (21.5, 0.1), (22.5, 0.1)),
@@ -61,11 +61,9 @@ class Bench:
     @cached_property
     def runs(self) -> Mapping[str, Run]:
         """The true runs: a controlled motion to fit, another one to test, and the torque of Fig. 4."""
-        return {
-            "fit": self._controlled(FIT),
-            "check": self._controlled(CHECK),
-            "check_fig4": simulate(self.cases.model, torque_of_fig4(), BENCH_WATCHED, reference(), rate=BENCH_RATE),
-        }
+        torque = torque_of_fig4(BENCH_FIG4_DURATION)
+        driven = simulate(self.cases.model, torque, BENCH_FIG4_DURATION, reference(), rate=BENCH_RATE)
+        return {"fit": self._controlled(FIT), "check": self._controlled(CHECK), "check_fig4": driven}
 
     @cached_property
     def recordings(self) -> Mapping[str, Recording]:
@@ -77,14 +75,13 @@ class Bench:
         wanted = motion(corners)
         law = PaperServo(wanted, feedforward(self.cases.arm(), wanted))
         duration = (len(wanted) - 1) / BENCH_RATE
-        return simulate(
-            self.cases.model, Controller(law, BENCH_RATE), duration, reference(), q0=wanted[0], rate=BENCH_RATE
-        )
+        control = Controller(law, BENCH_RATE)
+        return simulate(self.cases.model, control, duration, reference(), q0=wanted[0], rate=BENCH_RATE)
 
 
 @dataclass
 class PaperServo:
-    """PD control on the motor encoders, the rigid arm's torque fed forward.
+    """PD control on the motor encoders, with the torque of the rigid arm as feedforward.
 
     Attributes:
         wanted: reference positions (samples, 2) [rad].
@@ -110,7 +107,7 @@ class PaperServo:
 
 
 def motion(corners: tuple[Corners, Corners]) -> Array:
-    """From corner to corner with zero velocity and acceleration there (samples, 2) [rad]."""
+    """Motion from corner to corner; velocity and acceleration are zero at each corner (samples, 2) [rad]."""
     t = np.arange(round(corners[0][-1][0] * BENCH_RATE) + 1) / BENCH_RATE
     columns = []
     for each in corners:
@@ -129,14 +126,8 @@ def feedforward(arm: eq.Arm, wanted: Array) -> Array:
     return np.asarray(links + arm.J * a)
 
 
-def torque_of_fig4() -> Samples:
-    """The torque of Fig. 4: accelerate, brake, then zero; the same at both joints."""
-    signs = np.array([1.0, -1.0, 0.0, 0.0])
-    return Samples([0.0, PULSE, TORQUE_END, BENCH_WATCHED], np.outer(AMPLITUDE * signs, [1.0, 1.0]))
-
-
 def recorded(t: ArrayLike, q: Array, theta: Array, tau: Array, noise: np.random.Generator, name: str = "") -> Recording:
-    """What encoders and torque sensors write down of both joints (samples, 2) each."""
+    """A recording of both joints by encoders and torque sensors; q, theta and tau are (samples, 2) each."""
     channels = {}
     for j, joint in enumerate(("shoulder", "elbow")):
         level = TORQUE_NOISE * float(np.abs(tau[:, j]).max())

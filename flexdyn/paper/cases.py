@@ -7,25 +7,24 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.arrays import Array
 from flexdyn.control.commands import Samples
 from flexdyn.effects import CoulombFriction, StribeckFriction, TorqueSpeedLimit, ViscousFriction
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
-from flexdyn.paper.equations import Arm
+from flexdyn.paper.equations import Arm, friction
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
 
-Array = NDArray[np.float64]
-
-CASES_RATE = 250.0  # Hz, of the runs that are kept: 60 samples and more in the shortest period
+CASES_RATE = 250.0  # Hz, of the saved runs: 60 samples and more in the shortest period
 AMPLITUDE = 0.6  # N m: 95 % of the stall torque of Table I
 PULSE = 0.6  # s, of acceleration, and as long of braking
 TORQUE_END = 2 * PULSE
-CASES_WATCHED = 10.0  # s, over which the vibration that is left is watched
-CASES_DURATION = TORQUE_END + CASES_WATCHED + 1.0  # s
+CASES_OBSERVED = 10.0  # s, over which the residual vibration is observed
+CASES_DURATION = TORQUE_END + CASES_OBSERVED + 1.0  # s
 PAPER_V = 0.01  # N m s/rad: v_1 = v_2 of Fig. 5
 DAMPINGS = (0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # N m s/rad
 SMOOTH_AMPLITUDE = 0.3  # N m
@@ -47,6 +46,10 @@ class FrictionNumbers:
     dynamic: float
     static: float
     epsilon: float
+
+    def law(self, u: ArrayLike) -> Array:
+        """Eq. 1 with these numbers, at joint velocities [rad/s] -> [N m]."""
+        return friction(u, **vars(self))
 
 
 @dataclass(frozen=True)
@@ -106,17 +109,19 @@ class PaperCases:
 
 
 def reference() -> DormandPrince:
-    """The solver of the runs that are kept."""
+    """The solver of the saved runs."""
     return DormandPrince(rtol=1e-9, atol=1e-11)
 
 
 def bang_bang(model: FlexibleJointModel) -> Run:
-    """The model under the torque of Fig. 4, and on until the vibration that is left has been watched."""
+    """The model under the torque of Fig. 4, until the residual vibration has been observed."""
+    return simulate(model, torque_of_fig4(CASES_DURATION), CASES_DURATION, reference(), rate=CASES_RATE)
+
+
+def torque_of_fig4(duration: float) -> Samples:
+    """The torque of Fig. 4 for a time [s]: accelerate, brake, then zero; the same at both joints."""
     signs = np.array([1.0, -1.0, 0.0, 0.0])
-    t = [0.0, PULSE, TORQUE_END, CASES_DURATION]
-    return simulate(
-        model, Samples(t, np.outer(AMPLITUDE * signs, [1, 1])), CASES_DURATION, reference(), rate=CASES_RATE
-    )
+    return Samples([0.0, PULSE, TORQUE_END, duration], np.outer(AMPLITUDE * signs, [1.0, 1.0]))
 
 
 def smooth_torque(t: ArrayLike) -> Array:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+from flexdyn.io.text import fill
+from flexdyn.io.yaml import read_yaml
 from flexdyn.simulation.run import Run
 
 Drawing = Callable[[Any], None]
@@ -37,6 +40,18 @@ def check(name: str, value: Any, bound: float, note: str) -> Check:
     return Check(name, number, bound, number <= bound, note)
 
 
+def stated(name: str, value: Any, **numbers: Any) -> Check:
+    """Measure a statement of ``statements.yaml``.
+
+    Args:
+        name: its key there.
+        value: measured.
+        numbers: that its note names.
+    """
+    text = _statements()["checks"][name]
+    return check(text["name"], value, float(text["bound"]), text["note"].format(**numbers))
+
+
 @dataclass(frozen=True)
 class Figure:
     """A figure to be drawn.
@@ -52,6 +67,17 @@ class Figure:
     caption: str
     draw: Drawing
     size: tuple[float, float]
+
+
+def figure(name: str, draw: Drawing) -> Figure:
+    """A figure with the caption and the size that ``statements.yaml`` has for it."""
+    text = _statements()["figures"][name]
+    return Figure(name, text["caption"], draw, tuple(text["size"]))
+
+
+@cache
+def _statements() -> Mapping[str, Any]:
+    return read_yaml(Path(__file__).with_name("statements.yaml"))
 
 
 @dataclass(frozen=True)
@@ -75,3 +101,13 @@ class Chapter:
     figures: tuple[Figure, ...] = ()
     runs: Mapping[str, Run] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
+
+
+def prose(template: str, **filled: Any) -> str:
+    """Paragraphs and tables: a filled template of this folder.
+
+    Args:
+        template: name of its file.
+        filled: what its names stand for.
+    """
+    return fill(f"paper/{template}", **filled)

@@ -6,32 +6,30 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.paper import style
-from flexdyn.paper.cases import CASES_DURATION, CASES_WATCHED, DAMPINGS, TORQUE_END, PaperCases, bang_bang
-from flexdyn.paper.chapter import Chapter, Figure, check
-from flexdyn.paper.vibration import Residual, amplitude, modes, pluck_rate, residual, slowest_rates
+from flexdyn.paper.cases import CASES_DURATION, CASES_OBSERVED, DAMPINGS, TORQUE_END, PaperCases, bang_bang
+from flexdyn.paper.chapter import Chapter, figure, prose, stated
+from flexdyn.paper.vibration import Mode, Residual, amplitude, modes, pluck_rate, residual, slowest_rates
 from flexdyn.simulation.run import Run
 
-Array = NDArray[np.float64]
 ELBOW = np.pi / 2  # rad: the pose of Table I, at which modes are computed
 SWEEP = np.logspace(-2, 2, 161)  # N m s/rad
 SHOWN_DAMPINGS = (0.01, 0.5, 2.0)  # N m s/rad
-DASHES: tuple[Any, ...] = (
-    "-",
-    (0, (6, 2)),
-    (0, (3, 1, 1, 1)),
-    (0, (4, 1, 1, 1, 1, 1)),
-    (0, (1, 1.2)),
-    (0, (8, 2, 2, 2)),
-    (0, (3, 1.2)),
-)
-COLOURS = (style.BLACK, style.BLUE, style.SKY, style.GREEN, style.ORANGE, style.VERMILION, style.PURPLE)
+LOOKS: dict[float, dict[str, Any]] = {
+    v: {"color": colour, "linestyle": "-" if dash is None else (0, dash)}
+    for v, colour, dash in zip(
+        DAMPINGS,
+        (style.BLACK, style.BLUE, style.SKY, style.GREEN, style.ORANGE, style.VERMILION, style.PURPLE),
+        (None, (6, 2), (3, 1, 1, 1), (4, 1, 1, 1, 1, 1), (1, 1.2), (8, 2, 2, 2), (3, 1.2)),
+        strict=True,
+    )
+}
 
 
 def damping(cases: PaperCases) -> Chapter:
-    """Increased damping suppresses the vibration: how much, how fast, and up to where."""
+    """Increased damping suppresses the vibration: by how much, how fast, and up to which damping."""
     runs = {v: bang_bang(cases.viscous_model(v)) for v in DAMPINGS}
     found = {v: residual(cases.arm(v=v), run) for v, run in runs.items()}
     plucked = {v: _plucked(cases, v) for v in DAMPINGS}
@@ -40,23 +38,12 @@ def damping(cases: PaperCases) -> Chapter:
     last = np.array([each.last for each in found.values()])
     worst = max(abs(measured / true - 1) for pairs in plucked.values() for measured, true in pairs)
     checks = (
-        check(
-            "Every step of damping leaves less vibration after 10 s",
-            (last[1:] / last[:-1]).max(),
-            1.0,
-            f"largest ratio of successive amplitudes, v = {', '.join(f'{v:g}' for v in DAMPINGS)} N m s/rad",
-        ),
-        check(
-            "Plucked modes decay as the linearised eq. 12-15 say",
-            worst,
-            0.01,
-            f"largest relative error of the decay rate, 2 modes, {len(DAMPINGS)} values of v",
-        ),
+        stated("damping_steps", (last[1:] / last[:-1]).max(), v=", ".join(f"{v:g}" for v in DAMPINGS)),
+        stated("plucked_modes", worst, values=len(DAMPINGS)),
     )
     numbers = {
-        f"{v:g}": vars(found[v])
+        f"{v:g}": found[v].to_dict()
         | {
-            "left": found[v].left,
             "modes": [
                 {"frequency_hz": mode.frequency, "rate": mode.rate, "decrement": mode.decrement}
                 for mode in modes(cases.arm(v=v), ELBOW)
@@ -65,20 +52,8 @@ def damping(cases: PaperCases) -> Chapter:
         for v in DAMPINGS
     }
     figures = (
-        Figure(
-            "fig5_damping",
-            "Growing viscous damping v (N m s/rad): deflection of the elbow (a) and amplitude of the vibration (b) "
-            "after the torque of Fig. 4, no dry friction.",
-            lambda canvas: _draw_growing(canvas, cases, runs),
-            (style.FULL_WIDTH, 3.0),
-        ),
-        Figure(
-            "fig5_decay_rates",
-            "Decay rate of both vibrations over the damping v. Lines: linearised eq. 12-15 at the pose of Table I; "
-            "markers: fitted to simulations of the plucked arm.",
-            lambda canvas: _draw_rates(canvas, cases, plucked, best),
-            (3.5, 2.9),
-        ),
+        figure("fig5_damping", lambda canvas: _draw_growing(canvas, cases, runs)),
+        figure("fig5_decay_rates", lambda canvas: _draw_rates(canvas, cases, plucked, best)),
     )
     kept = {f"damping_v_{v:g}": runs[v] for v in SHOWN_DAMPINGS}
     text = _text(cases, found, best, float(rates.max()))
@@ -93,47 +68,30 @@ def _plucked(cases: PaperCases, v: float) -> list[tuple[float, float]]:
 
 
 def _text(cases: PaperCases, found: Mapping[float, Residual], best: float, best_rate: float) -> str:
-    rows = []
-    for v, each in found.items():
-        slow, *_, fast = modes(cases.arm(v=v), ELBOW)
-        rows.append(
-            f"| {v:g} | {np.degrees(each.first):.2f} | {np.degrees(each.last):.2f} | {100 * each.left:.0f} % | "
-            f"{each.rate:.4f} | {slow.rate:.4f} | {slow.decrement:.4f} | {fast.rate:.4f} | {fast.decrement:.4f} |"
-        )
-    slow, fast = modes(cases.arm(), ELBOW)
-    share = abs(slow.shape[2] / slow.shape[0])
-    damped = modes(cases.arm(v=0.5), ELBOW)
-    return "\n".join(
-        [
-            "Viscous friction alone, growing; torque as in Fig. 4. A: amplitude of the vibration as above; rate: of "
-            "the exponential fitted to it. Slow and fast are the two vibrations of eq. 12-15 linearised at the pose of "
-            f"Table I, {slow.frequency:.2f} and {fast.frequency:.2f} Hz without damping: their decay rate and "
-            "logarithmic decrement (ln of the ratio of two successive peaks).",
-            "",
-            f"| v [N m s/rad] | A after the torque [deg] | {CASES_WATCHED:g} s later [deg] | left | fitted rate [1/s] "
-            "| slow: rate [1/s] | decrement | fast: rate [1/s] | decrement |",
-            "|---|---|---|---|---|---|---|---|---|",
-            *rows,
-            "",
-            "So the paper's conclusion holds, increased damping suppresses the vibration, with two reservations. "
-            "First, the friction of eq. 20, 21 acts on the links, and with the rotor inertia chosen "
-            f"({cases.arm().J:g} kg m^2) it is mostly the rotors that swing: in the slow vibration the shoulder's "
-            f"rotor moves {share:.0f} times as far as its link. At v = 0.5 N m s/rad the fast vibration decays with a "
-            f"time constant of {1 / damped[-1].rate:.0f} s, the slow one with {1 / damped[0].rate:.0f} s. Second, "
-            f"there is a best value: the rate of the slower decay is greatest, {best_rate:.2f} 1/s, at v = {best:.1f} "
-            "N m s/rad. It falls again with more damping, which holds the links ever more firmly while the rotors "
-            "swing on their springs, undamped in eq. 14, 15.",
-        ]
+    def both(v: float) -> dict[str, Mode]:
+        return dict(zip(("slow", "fast"), modes(cases.arm(v=v), ELBOW), strict=True))
+
+    free = both(0.0)
+    return prose(
+        "damping.md",
+        free=free,
+        damped=both(0.5),
+        share=abs(free["slow"].shape[2] / free["slow"].shape[0]),
+        rows=[{"v": v, "found": each, **both(v)} for v, each in found.items()],
+        watched=CASES_OBSERVED,
+        J=cases.arm().J,
+        best=best,
+        best_rate=best_rate,
+        degrees=np.degrees,
     )
 
 
 def _draw_growing(canvas: Any, cases: PaperCases, runs: Mapping[float, Run]) -> None:
     left, right = canvas.subplots(1, 2)
     for v, run in runs.items():
-        look = dict(zip(("color", "linestyle"), (COLOURS[DAMPINGS.index(v)], DASHES[DAMPINGS.index(v)]), strict=True))
         if v in SHOWN_DAMPINGS:
-            left.plot(run.t, np.degrees(run.deflection[:, 1]), **look, label=f"$v = {v:g}$")
-        right.semilogy(run.t, np.degrees(amplitude(cases.arm(v=v), run)), **look, label=f"{v:g}")
+            left.plot(run.t, np.degrees(run.deflection[:, 1]), **LOOKS[v], label=f"$v = {v:g}$")
+        right.semilogy(run.t, np.degrees(amplitude(cases.arm(v=v), run)), **LOOKS[v], label=f"{v:g}")
     style.titled(left, "a", "elbow")
     style.titled(right, "b", "amplitude of the vibration")
     left.set_ylabel(r"deflection $\theta_2 - q_2$ (deg)")
@@ -154,7 +112,7 @@ def _draw_rates(
 ) -> None:
     panel = canvas.subplots()
     lines = _rate_lines(cases)
-    looks = ((style.BLUE, "-", "o"), (style.VERMILION, (0, (5, 2)), "s"))
+    looks = ((style.BLUE, "-", "o"), (style.VERMILION, style.DASHED, "s"))
     for (colour, dash, mark), line, name in zip(looks, lines, ("slow", "fast"), strict=True):
         panel.loglog(SWEEP, line, color=colour, linestyle=dash, label=f"{name} vibration")
         place = 0 if name == "slow" else -1

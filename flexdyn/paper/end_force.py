@@ -5,17 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.control.commands import PD, FrameWrench, Samples
 from flexdyn.paper import style
 from flexdyn.paper.cases import PAPER_V, PaperCases, reference
-from flexdyn.paper.chapter import Chapter, Figure, check
+from flexdyn.paper.chapter import Chapter, figure, prose, stated
 from flexdyn.paper.equations import Arm, jacobian, tip
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 
-Array = NDArray[np.float64]
 FORCE = np.array([-0.2, 0.0])  # N, along -x: across the second link as it stands
 RISE, RELEASE, END = 1.0, 16.0, 20.0  # s
 SETTLING = 3.0  # N m s/rad: brings both joints to rest well before the release
@@ -38,33 +37,22 @@ def end_force(cases: PaperCases) -> Chapter:
         "static_deflection_deg": np.degrees(bent).tolist(),
         "tip_moved_mm": moved.tolist(),
     }
-    text = (
-        "Section 3 names the joint torques induced by an end-of-arm force as a further term and then assumes the force "
-        "to be zero. Here it acts: the motors hold their place (a PD law at 1 kHz), and the tool is pushed by "
-        f"{-FORCE[0]:g} N along -x, across the second link, and let go after {RELEASE:g} s. At rest the springs must "
-        "deflect by theta - q = -K^-1 J_r^T F, with the Jacobian of eq. 8-11 at the pose that the arm then has: "
-        f"{_degrees(bent)} degrees (shoulder, elbow). With the damping raised to v = {SETTLING:g} N m s/rad, so that "
-        f"it comes to rest, the simulated arm deflects by {_degrees(heavy.deflection[at])} degrees, and its tip moves "
-        f"by {np.linalg.norm(moved):.0f} mm, {abs(moved[0]):.0f} mm of them along the force. With the paper's "
-        f"v = {PAPER_V:g} it swings about that place (mean deflection {_degrees(mean)} degrees). Dry friction is left "
-        "out: it would let the arm rest anywhere in a band about this place."
+    text = prose(
+        "end_force.md",
+        force=-FORCE[0],
+        release=RELEASE,
+        settling=SETTLING,
+        paper_v=PAPER_V,
+        bent=bent,
+        deflection=heavy.deflection[at],
+        mean=mean,
+        distance=np.linalg.norm(moved),
+        along=abs(moved[0]),
+        both=_degrees,
     )
-    checks = (
-        check(
-            "Under an end-of-arm force the springs deflect by K^-1 J^T F at rest",
-            error,
-            1e-6,
-            f"relative, {-FORCE[0]:g} N across the second link, v = {SETTLING:g} N m s/rad, after {RELEASE:g} s",
-        ),
-    )
-    figure = Figure(
-        "end_force",
-        "A push of 0.2 N across the second link from 0 to 16 s: deflection of the joints. Dotted: the static value "
-        "-K^-1 J_r^T F.",
-        lambda canvas: _draw(canvas, light, heavy, bent),
-        (style.FULL_WIDTH, 2.8),
-    )
-    return Chapter("The end-of-arm force", text, checks, numbers, (figure,), {"end_force": light})
+    checks = (stated("end_force", error, force=-FORCE[0], v=SETTLING, release=RELEASE),)
+    picture = figure("end_force", lambda canvas: _draw(canvas, light, heavy, bent))
+    return Chapter("The end-of-arm force", text, checks, numbers, (picture,), {"end_force": light})
 
 
 def static_deflection(arm: Arm, q: Array) -> Array:
@@ -93,10 +81,10 @@ def _draw(canvas: Any, light: Run, heavy: Run, bent: Array) -> None:
     panels = canvas.subplots(1, 2, sharex=True)
     for j, panel in enumerate(panels):
         panel.axvspan(0.0, RELEASE, color="#EDEDED", linewidth=0, zorder=0)
-        looks = ((light, style.BLUE, "-", PAPER_V), (heavy, style.VERMILION, (0, (5, 2)), SETTLING))
+        looks = ((light, style.BLUE, "-", PAPER_V), (heavy, style.VERMILION, style.DASHED, SETTLING))
         for run, colour, dash, v in looks:
             panel.plot(run.t, np.degrees(run.deflection[:, j]), color=colour, linestyle=dash, label=f"$v = {v:g}$")
-        line = {"color": style.BLACK, "linestyle": (0, (1, 1.2)), "linewidth": 1.3}
+        line = {"color": style.BLACK, "linestyle": style.DOTTED, "linewidth": 1.3}
         panel.plot([0.0, RELEASE], np.degrees([bent[j]] * 2), **line, label=r"$-K^{-1} J_r^T F$", zorder=3)
         panel.set(xlim=(0, END), xticks=range(0, 21, 4), xlabel="time (s)")
         style.titled(panel, "ab"[j], f"joint {j + 1}")

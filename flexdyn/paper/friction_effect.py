@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.paper import style
-from flexdyn.paper.cases import CASES_DURATION, CASES_WATCHED, PAPER_V, TORQUE_END, PaperCases, bang_bang
-from flexdyn.paper.chapter import Chapter, Figure, check
-from flexdyn.paper.vibration import Residual, residual, ringing_after
+from flexdyn.paper.cases import CASES_DURATION, CASES_OBSERVED, PAPER_V, TORQUE_END, PaperCases, bang_bang
+from flexdyn.paper.chapter import Chapter, figure, prose, stated
+from flexdyn.paper.vibration import residual, ringing_after
 
-Array = NDArray[np.float64]
 WITHOUT = {"color": style.BLUE, "linestyle": "-", "label": "without friction"}
-WITH = {"color": style.VERMILION, "linestyle": (0, (5, 2)), "label": "with friction"}
+WITH = {"color": style.VERMILION, "linestyle": style.DASHED, "label": "with friction"}
 
 
 def friction_effect(cases: PaperCases) -> Chapter:
-    """Fig. 5: what friction does to both arms."""
+    """Fig. 5: the effect of friction on both arms."""
     runs, arm = cases.driven, cases.arm()
     viscous = bang_bang(cases.viscous_model(PAPER_V))
     left = {
@@ -30,62 +27,29 @@ def friction_effect(cases: PaperCases) -> Chapter:
     moved = {kind: np.degrees(runs[f"{kind}_friction"].q[-1] - runs[kind].q[-1]) for kind in ("flexible", "rigid")}
     lost = {name: 1 - each.left for name, each in left.items()}
     checks = (
-        check(
-            "Friction takes from the vibration, and dry friction more than v = 0.01 alone",
-            max(lost["none"] / lost["viscous"], lost["viscous"] / lost["viscous_and_dry"]),
-            0.5,
-            "largest ratio of the losses in 10 s, none to viscous and viscous to viscous and dry",
-        ),
-        check(
-            "With friction too the flexible arm oscillates after the torque, the rigid one does not",
+        stated("friction_losses", max(lost["none"] / lost["viscous"], lost["viscous"] / lost["viscous_and_dry"])),
+        stated(
+            "oscillation_with_friction",
             ringing_after(runs["rigid_friction"]) / ringing_after(runs["flexible_friction"]),
-            0.1,
-            "rigid over flexible, root mean square of what oscillates in q1, q2 over 5 s",
         ),
     )
     numbers = {
-        "residual": {name: vars(each) | {"left": each.left} for name, each in left.items()},
+        "residual": {name: each.to_dict() for name, each in left.items()},
         "end_moved_by_friction_deg": {kind: angles.tolist() for kind, angles in moved.items()},
     }
-    figure = Figure(
-        "fig5_friction",
-        "Fig. 5: effect of friction on the flexible (a, d) and the rigid arm (b, e), and on the deflection of the "
-        "flexible one (c, f); v = 0.01 N m s/rad and the dry friction chosen.",
-        lambda canvas: _draw(canvas, runs),
-        (style.FULL_WIDTH, 3.9),
-    )
+    picture = figure("fig5_friction", lambda canvas: _draw(canvas, runs))
     kept = {"fig5_flexible_friction": runs["flexible_friction"], "fig5_rigid_friction": runs["rigid_friction"]}
-    return Chapter("The effect of friction: Fig. 5", _text(left, moved), checks, numbers, (figure,), kept)
-
-
-def _text(left: Mapping[str, Residual], moved: Mapping[str, Array]) -> str:
-    rows = [
-        f"| {name.replace('_', ' ')} | {np.degrees(each.first):.2f} | {np.degrees(each.last):.2f} | "
-        f"{100 * (1 - each.left):.1f} % | {each.rate:.4f} |"
-        for name, each in left.items()
-    ]
-    return "\n".join(
-        [
-            f"Friction is eq. 1 on both links, v = {PAPER_V:g} N m s/rad as in the caption of Fig. 5. The vibration "
-            "that is left after the torque is measured by its amplitude A, the deflection of one spring that would "
-            "hold all its energy. Without friction A is constant but for the slow change of the arm's pose.",
-            "",
-            f"| friction of the flexible arm | A after the torque [deg] | {CASES_WATCHED:g} s later [deg] | lost | "
-            "rate of the exponential fitted [1/s] |",
-            "|---|---|---|---|---|",
-            *rows,
-            "",
-            "Without friction the arm coasts on after the torque; with it, that motion dies within seconds. At the end "
-            f"of the runs ({CASES_DURATION:g} s) the links stand elsewhere by {_degrees(moved['flexible'])} "
-            f"degrees (flexible arm, joints 1 and 2) and {_degrees(moved['rigid'])} degrees (rigid arm): friction is "
-            "indeed quite important for where the arm goes. For the vibration it is the dry part, at the levels "
-            f"chosen, that matters; v = {PAPER_V:g} alone takes little of it.",
-        ]
+    text = prose(
+        "friction_effect.md",
+        left=left,
+        moved=moved,
+        paper_v=PAPER_V,
+        watched=CASES_OBSERVED,
+        duration=CASES_DURATION,
+        degrees=np.degrees,
+        tuple=tuple,
     )
-
-
-def _degrees(angles: Array) -> str:
-    return " and ".join(f"{angle:.0f}" for angle in angles)
+    return Chapter("The effect of friction: Fig. 5", text, checks, numbers, (picture,), kept)
 
 
 def _draw(canvas: Any, runs: Any) -> None:
@@ -100,7 +64,7 @@ def _draw(canvas: Any, runs: Any) -> None:
         for panel, name, at in zip(panels[j], names, "abc" if j == 0 else "def", strict=True):
             style.titled(panel, at, name)
             style.torque_on(panel)
-            panel.set_xlim(0, TORQUE_END + CASES_WATCHED)
+            panel.set_xlim(0, TORQUE_END + CASES_OBSERVED)
         _share(panels[j, 0], panels[j, 1])
         panels[j, 0].set_ylabel(f"angle $q_{j + 1}$ (deg)")
         panels[j, 2].set_ylabel(rf"$\theta_{j + 1} - q_{j + 1}$ (deg)")
@@ -110,7 +74,7 @@ def _draw(canvas: Any, runs: Any) -> None:
 
 
 def _share(one: Any, other: Any) -> None:
-    """The same angles on both axes, so that the arms compare at a glance."""
+    """The same angles on both axes, so that the two arms can be compared."""
     ends = [*one.get_ylim(), *other.get_ylim()]
     for panel in (one, other):
         panel.set_ylim(min(ends), max(ends))

@@ -5,15 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.effects import CoulombFriction, Effect, StribeckFriction, ViscousFriction
+from flexdyn.effects import CoulombFriction, StribeckFriction, ViscousFriction
 from flexdyn.paper import style
 from flexdyn.paper.cases import FrictionNumbers, PaperCases
-from flexdyn.paper.chapter import Chapter, Figure, check
-from flexdyn.paper.equations import friction
-
-Array = NDArray[np.float64]
+from flexdyn.paper.chapter import Chapter, figure, prose, stated
 
 
 def friction_law(cases: PaperCases) -> Chapter:
@@ -21,74 +17,28 @@ def friction_law(cases: PaperCases) -> Chapter:
     numbers = cases.friction
     u = np.linspace(-1.0, 1.0, 2001)
     laws = [law for law in cases.model.effects if isinstance(law, ViscousFriction | CoulombFriction | StribeckFriction)]
-    joint = [law for law in laws if law.joint == cases.model.joint_names[0]]
-    text = (
-        "Eq. 1 is the sum of three effects on the link side: viscous friction (b^v), Coulomb friction (b^d) and "
-        "Stribeck friction (b^s - b^d, epsilon). The levels are chosen, because Table I has none: "
-        f"b^d = {numbers.dynamic:g} N m, b^s = {numbers.static:g} N m, epsilon = {numbers.epsilon:g} rad/s; "
-        f"b^v = v = {numbers.viscous:g} N m "
-        "s/rad is the paper's. At rest eq. 2 prints sgn(0) = 0, no friction at all, so that the smallest torque would "
-        "start a motion, against the paper's own sentence that b^s is the torque needed for that. The set-valued "
-        "Sgn(0) = [-1, 1] is meant: at rest friction takes whatever value in [-b^s, b^s] holds the joint."
-    )
+    total = sum(law.torque(0.0, u) for law in laws if law.joint == cases.model.joint_names[0])
     return Chapter(
         "The friction law: eq. 1 and Fig. 1",
-        text,
-        (
-            check(
-                "Eq. 1 equals the sum of the model's three friction effects",
-                np.abs(_total(joint, u) - _equation(numbers, u)).max(),
-                1e-15,
-                "N m, largest over velocities from -1 to 1 rad/s",
-            ),
-        ),
+        prose("friction_law.md", **vars(numbers)),
+        (stated("friction_law", np.abs(total - numbers.law(u)).max()),),
         {"b_v": numbers.viscous, "b_d": numbers.dynamic, "b_s": numbers.static, "epsilon": numbers.epsilon},
-        (
-            Figure(
-                "fig1_friction_law",
-                "Fig. 1, redrawn: eq. 1 with the numbers of the shipped model, whole (a) and near rest (b).",
-                lambda canvas: _draw(canvas, numbers),
-                (style.FULL_WIDTH, 2.7),
-            ),
-        ),
+        (figure("fig1_friction_law", lambda canvas: _draw(canvas, numbers)),),
     )
-
-
-def _total(laws: list[Any], u: Array) -> Array:
-    total = np.zeros_like(u)
-    for law in laws:
-        effect: Effect = law
-        total += effect.torque(0.0, u)
-    return total
-
-
-def _equation(numbers: FrictionNumbers, u: Array) -> Array:
-    return friction(u, viscous=numbers.viscous, static=numbers.static, dynamic=numbers.dynamic, epsilon=numbers.epsilon)
 
 
 def _draw(canvas: Any, numbers: FrictionNumbers) -> None:
     panels = canvas.subplots(1, 2, width_ratios=(1.25, 1.0))
     for panel, reach in zip(panels, (1.0, 0.2), strict=True):
         u = np.linspace(1e-6, reach, 600)
-        for side in (-1.0, 1.0):
-            total = 1e3 * side * _equation(numbers, u)
-            panel.plot(side * u, total, color=style.BLUE, linewidth=1.6, label="$b(u)$, eq. 1" if side > 0 else None)
         viscous = 1e3 * numbers.viscous * u
-        for side in (-1.0, 1.0):
-            panel.plot(
-                side * u,
-                side * viscous,
-                color=style.GREEN,
-                linestyle=(0, (1, 1.2)),
-                label="$b^v u$, viscous" if side > 0 else None,
-            )
-            panel.plot(
-                side * u,
-                side * (viscous + 1e3 * numbers.dynamic),
-                color=style.VERMILION,
-                linestyle=(0, (5, 2)),
-                label=r"$b^v u + b^d\,\mathrm{Sgn}\,u$" if side > 0 else None,
-            )
+        for values, look in (
+            (1e3 * numbers.law(u), {"color": style.BLUE, "linewidth": 1.6, "label": "$b(u)$, eq. 1"}),
+            (viscous, {"color": style.GREEN, "linestyle": style.DOTTED, "label": "$b^v u$, viscous"}),
+            (viscous + 1e3 * numbers.dynamic, style.RIGID | {"label": r"$b^v u + b^d\,\mathrm{Sgn}\,u$"}),
+        ):
+            panel.plot(-u, -values, **(look | {"label": None}))
+            panel.plot(u, values, **look)
         static = 1e3 * numbers.static
         panel.plot([0, 0], [-static, static], color=style.BLUE, linewidth=3.2, solid_capstyle="butt")
         panel.plot(0, 0, "o", color="white", markeredgecolor=style.BLACK, markersize=4.5, zorder=5, linestyle="none")

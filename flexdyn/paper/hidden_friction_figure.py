@@ -1,4 +1,4 @@
-"""The picture of the gap that shrinks: motion measured and simulated, and the gap from step to step."""
+"""Figure of the diagnosis: measured and simulated motion, and the gap after each added effect."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def draw(
 
 
 def _staircase(panel: Any, steps: Sequence[Step]) -> None:
-    """One bar a step on a logarithmic axis; noise alone as a line."""
+    """One bar for each step on a logarithmic axis; the gap of noise alone is a line."""
     *bars, floor = steps
     rows = np.arange(len(bars))
     colours = [style.VERMILION, style.ORANGE, *[style.SKY] * (len(bars) - 3), style.BLUE][: len(bars)]

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
-from flexdyn.paper.chapter import Chapter, Check
+from flexdyn.paper.chapter import Chapter, prose
 from flexdyn.paper.readings import Reading
 from flexdyn.simulation.run import Run
 
@@ -33,52 +32,20 @@ def summary_data(chapters: Sequence[Chapter], readings: Sequence[Reading], versi
 
 def summary_text(chapters: Sequence[Chapter], readings: Sequence[Reading], version: str) -> str:
     """The same to read, figures embedded."""
-    checks = [check for chapter in chapters for check in chapter.checks]
-    passed = sum(check.passed for check in checks)
-    parts = [
-        "# The paper's study, reproduced",
-        f"*{TITLE}*, Amirkabir 8/30, with flexdyn {version}: the two-link SCARA of Table I (`scara_two_link`). The "
-        "copy of the paper at hand is a scan turned into text: its figures are missing, and some misprints listed here "
-        "may be the scan's. Numbers that the paper leaves out are chosen and named.",
-        f"**{passed} of {len(checks)} checks hold.**",
-        _check_table(checks),
-    ]
-    for chapter in chapters:
-        parts += [f"## {chapter.title}", chapter.text]
-        for figure in chapter.figures:
-            caption = _escaped(figure.caption)
-            parts.append(f"![{caption}]({figure.name}.png)\n\n*{caption}* ([PDF]({figure.name}.pdf))")
-    parts += ["## Ambiguities and misprints, and the reading chosen", _reading_table(readings)]
-    parts += ["## Runs for playback", *_run_list(chapters)]
-    return "\n\n".join(parts) + "\n"
-
-
-def _check_table(checks: Sequence[Check]) -> str:
-    rows = [
-        f"| {_escaped(check.name)} | {check.value:.3g} | {check.bound:g} | {'yes' if check.passed else '**NO**'} | "
-        f"{_escaped(check.note)} |"
-        for check in checks
-    ]
-    return "\n".join(["| check | value | at most | holds | unit, how measured |", "|---|---|---|---|---|", *rows])
-
-
-def _reading_table(readings: Sequence[Reading]) -> str:
-    rows = ["| " + " | ".join(_escaped(text) for text in asdict(each).values()) + " |" for each in readings]
-    return "\n".join(["| where | printed | read as | why |", "|---|---|---|---|", *rows])
-
-
-def _run_list(chapters: Sequence[Chapter]) -> list[str]:
-    lines, notes = [], dict[str, None]()
-    for chapter in chapters:
-        for name, run in chapter.runs.items():
-            lines.append(f"- `{Path('runs') / name}.npz`: {_run_line(run)}")
-            notes |= dict.fromkeys(run.notes)
-    said = [f"Noted by these runs: {'; '.join(notes)}."] if notes else []
-    return ["\n".join(lines), *said]
-
-
-def _run_line(run: Run) -> str:
-    return f"{run.t[-1]:g} s at {(len(run.t) - 1) / run.t[-1]:g} Hz, {type(run.solver).__name__}"
+    runs = {name: run for chapter in chapters for name, run in chapter.runs.items()}
+    text = prose(
+        "summary.md",
+        paper=TITLE,
+        version=version,
+        checks=[check for chapter in chapters for check in chapter.checks],
+        chapters=chapters,
+        readings=readings,
+        runs=runs,
+        notes=list(dict.fromkeys(note for run in runs.values() for note in run.notes)),
+        solver=lambda run: type(run.solver).__name__,
+        cell=_escaped,
+    )
+    return text.rstrip("\n") + "\n"
 
 
 def _run_data(run: Run) -> dict[str, Any]:

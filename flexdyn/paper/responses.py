@@ -8,7 +8,7 @@ import numpy as np
 
 from flexdyn.paper import style
 from flexdyn.paper.cases import AMPLITUDE, PULSE, TORQUE_END, PaperCases
-from flexdyn.paper.chapter import Chapter, Check, Figure, check
+from flexdyn.paper.chapter import Chapter, Check, figure, prose, stated
 from flexdyn.paper.vibration import amplitude, ringing_after
 from flexdyn.simulation.run import Run
 
@@ -24,34 +24,19 @@ def responses(cases: PaperCases) -> Chapter:
         "torque_cut_off_rigid": _cut_off(rigid),
     }
     size = np.degrees(amplitude(cases.arm(), flexible)[flexible.t >= TORQUE_END])
-    bends = " and ".join(f"{bend:.1f}" for bend in numbers["largest_deflection_deg"])
-    text = (
-        f"The curve of Fig. 4 is lost. Chosen: {AMPLITUDE:g} N m for {PULSE:g} s to accelerate, -{AMPLITUDE:g} N m for "
-        f"{PULSE:g} s to brake, then nothing, the same at both joints as the caption says. It is the usual test of a "
-        f"flexible arm, stays under the stall torque of {cases.limit.stall_torque:g} N m, and starts and stops sharply "
-        "enough for the large oscillation that the text describes. Under the torque-speed line of Table I the motors "
-        f"cannot follow all of it: of the commanded torque, up to {max(numbers['torque_cut_off_flexible']):.2f} N m is "
-        "cut off while they turn fast.\n\n"
-        f"The springs deflect by up to {bends} degrees (shoulder, elbow). When the torque is gone, the flexible "
-        f"arm goes "
-        f"on vibrating with an amplitude of {size.min():.1f} to {size.max():.1f} degrees and no sign of decay, there "
-        "being no friction, while the rigid arm (its rotors' inertia included) moves on without any oscillation."
+    text = prose(
+        "responses.md",
+        amplitude=AMPLITUDE,
+        pulse=PULSE,
+        stall=cases.limit.stall_torque,
+        cut_off=max(numbers["torque_cut_off_flexible"]),
+        bends=numbers["largest_deflection_deg"],
+        size=size,
+        tuple=tuple,
     )
     figures = (
-        Figure(
-            "fig4_torque",
-            "Fig. 4, chosen: the torque at joint 1 (a) and joint 2 (b), asked and applied, and the applied torque over "
-            "rotor speed (c) under the torque-speed line of Table I.",
-            lambda canvas: _draw_torque(canvas, cases),
-            (style.FULL_WIDTH, 2.8),
-        ),
-        Figure(
-            "fig3_joint_responses",
-            "Fig. 3: joint responses of the flexible and the rigid arm (a, b) and deflection of the joints (c, d), "
-            "without friction. Grey: the torque acts.",
-            lambda canvas: _draw_responses(canvas, flexible, rigid),
-            (style.FULL_WIDTH, 4.0),
-        ),
+        figure("fig4_torque", lambda canvas: _draw_torque(canvas, cases)),
+        figure("fig3_joint_responses", lambda canvas: _draw_responses(canvas, flexible, rigid)),
     )
     runs = {"fig3_flexible": flexible, "fig3_rigid": rigid}
     return Chapter("Torque and joint responses: Fig. 4 and Fig. 3", text, _checks(cases), numbers, figures, runs)
@@ -62,25 +47,10 @@ def _checks(cases: PaperCases) -> tuple[Check, ...]:
     excess = max(_over_limit(cases, run) for run in cases.driven.values())
     energy = flexible.energy.mechanical[flexible.t >= TORQUE_END]
     return (
-        check(
-            "Table I: k_2 = 0.18 is the slope of the torque-speed line, 0.63/3.5",
-            abs(cases.limit.stall_torque / cases.limit.no_load_speed - 0.18),
-            1e-15,
-            "N m s/rad",
-        ),
-        check("The applied torque stays within the torque-speed line", excess, 1e-12, "N m past it, four runs"),
-        check(
-            "The flexible arm oscillates after the torque, the rigid one does not",
-            ringing_after(rigid) / ringing_after(flexible),
-            0.01,
-            "rigid over flexible, root mean square of what oscillates in q1, q2 over 5 s",
-        ),
-        check(
-            "Without friction the energy stays constant after the torque",
-            np.ptp(energy) / energy.mean(),
-            1e-6,
-            "relative, over 11 s, flexible arm",
-        ),
+        stated("torque_speed_slope", abs(cases.limit.stall_torque / cases.limit.no_load_speed - 0.18)),
+        stated("torque_speed_line", excess),
+        stated("oscillation", ringing_after(rigid) / ringing_after(flexible)),
+        stated("energy", np.ptp(energy) / energy.mean()),
     )
 
 
@@ -102,7 +72,7 @@ def _draw_torque(canvas: Any, cases: PaperCases) -> None:
     steps_t = [-0.15, 0, 0, PULSE, PULSE, TORQUE_END, TORQUE_END, 1.5]
     steps = np.array([0, 0, 1, 1, -1, -1, 0, 0]) * AMPLITUDE
     for j, panel in enumerate(panels[:2]):
-        panel.plot(steps_t, steps, color=style.BLACK, linestyle=(0, (1, 1.2)), label="asked", zorder=3)
+        panel.plot(steps_t, steps, color=style.BLACK, linestyle=style.DOTTED, label="asked", zorder=3)
         for run, look in ((flexible, style.FLEXIBLE), (rigid, style.RIGID)):
             on = run.t <= 1.5
             panel.plot(run.t[on], run.tau_applied[on, j], **(look | {"label": f"applied, {look['label']}"}))

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.paper import style
 from flexdyn.paper.cases import SMOOTH_AMPLITUDE, SMOOTH_END, PaperCases, smooth_samples
-from flexdyn.paper.chapter import Chapter, Figure, check
+from flexdyn.paper.chapter import Chapter, figure, prose, stated
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
 
-Array = NDArray[np.float64]
 FACTORS = 10.0 ** np.arange(0.0, 6.01, 0.5)  # times the K of Table I
 FITTED_FACTOR = 1e2  # the law of large K is fitted from this factor on
 RIGID_LIMIT_DURATION = 5.0
@@ -26,38 +25,29 @@ def rigid_limit(cases: PaperCases) -> Chapter:
     rigid = simulate(model.rigid(), command, RIGID_LIMIT_DURATION, solver, rate=200.0)
     K, rms, most = FACTORS * cases.arm().K, [], []
     for stiffness in K:
-        run = simulate(
-            model.replace(joints={"*": {"stiffness": stiffness}}), command, RIGID_LIMIT_DURATION, solver, rate=200.0
-        )
+        softer = model.replace(joints={"*": {"stiffness": stiffness}})
+        run = simulate(softer, command, RIGID_LIMIT_DURATION, solver, rate=200.0)
         distance = np.linalg.norm(run.q - rigid.q, axis=1)
         rms.append(float(np.sqrt((distance**2).mean())))
         most.append(float(distance.max()))
     stiff = FACTORS >= FITTED_FACTOR
     slope, offset = np.polyfit(np.log10(K[stiff]), np.log10(rms)[stiff], 1)
-    text = (
-        'The paper checks its model by the sentence that "the responses of the system with large spring constant are '
-        'in good agreement" with the rigid arm. Here that becomes a law. Both arms get the same smooth torque '
-        f"({SMOOTH_AMPLITUDE:g} N m at its peak, {SMOOTH_END:g} s long, three derivatives zero at both ends; no "
-        "friction, no torque limit), start at rest with springs unloaded, and the rigid arm carries the rotors' "
-        "inertia J. Then the distance of their link angles falls as 1/K: "
-        f"fitted over K = {K[stiff][0]:.3g} to {K[-1]:.3g} N m/rad, its slope on logarithmic axes is {slope:.4f}. At "
-        f"the K = {K[0]:g} N m/rad of Table I the root-mean-square distance is {np.degrees(rms[0]):.2f} degrees, more "
-        "than the law gives: that arm is too soft for it."
+    text = prose(
+        "rigid_limit.md",
+        amplitude=SMOOTH_AMPLITUDE,
+        end=SMOOTH_END,
+        fitted=K[stiff],
+        slope=slope,
+        K=K[0],
+        distance=np.degrees(rms[0]),
     )
     numbers = {"K": K.tolist(), "rms_distance_rad": rms, "largest_distance_rad": most, "slope": float(slope)}
-    note = f"slope {slope:.4f} of log rms |q_flexible - q_rigid| over log K, 5 s, {int(stiff.sum())} values of K"
-    figure = Figure(
-        "fig3_rigid_limit",
-        "Fig. 3, as a law: distance between the link angles of the flexible and the rigid arm over the stiffness of "
-        "the joints, with the line fitted from the dotted mark on.",
-        lambda canvas: _draw(canvas, K, np.array(rms), np.array(most), (slope, offset)),
-        (3.5, 2.9),
-    )
-    checks = (check("The distance to the rigid arm falls as 1/K: slope -1", abs(slope + 1), 0.1, note),)
-    return Chapter("The rigid arm as the limit of stiff joints", text, checks, numbers, (figure,))
+    picture = figure("fig3_rigid_limit", lambda canvas: _draw(canvas, K, rms, most, (slope, offset)))
+    checks = (stated("rigid_limit", abs(slope + 1), slope=slope, values=int(stiff.sum())),)
+    return Chapter("The rigid arm as the limit of stiff joints", text, checks, numbers, (picture,))
 
 
-def _draw(canvas: Any, K: Array, rms: Array, most: Array, line: tuple[float, float]) -> None:
+def _draw(canvas: Any, K: Array, rms: list[float], most: list[float], line: tuple[float, float]) -> None:
     panel = canvas.subplots()
     start = K[FACTORS >= FITTED_FACTOR][0]
     fitted = np.array([start, K[-1]])

@@ -1,4 +1,4 @@
-"""How the study's figures look, and how they reach their files."""
+"""The style of the study's figures, and how they are saved."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from flexdyn.paper.chapter import Figure
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 BLACK, GREY = "#000000", "#8C8C8C"
 FULL_WIDTH = 7.16  # inch: both columns of a journal page
+DASHED, DOTTED = (0, (5, 2)), (0, (1, 1.2))
 FLEXIBLE = {"color": BLUE, "linestyle": "-", "label": "flexible"}
-RIGID = {"color": VERMILION, "linestyle": (0, (5, 2)), "label": "rigid"}
+RIGID = {"color": VERMILION, "linestyle": DASHED, "label": "rigid"}
 STYLE = {
     "font.family": "STIXGeneral",  # comes with matplotlib: the same letters everywhere
     "mathtext.fontset": "stix",
@@ -45,7 +46,7 @@ STYLE = {
 
 
 def require_matplotlib() -> Any:
-    """Matplotlib, or a clear line on how to get it.
+    """Import Matplotlib; if it is missing, the error says how to install it.
 
     Raises:
         MissingExtra: it is not installed.
@@ -57,7 +58,7 @@ def require_matplotlib() -> Any:
 
 
 def save(figure: Figure, folder: Path) -> list[Path]:
-    """Draw a figure once and write it as PNG at 300 dpi and as PDF, each whole or not at all."""
+    """Draw a figure once and write it as PNG at 300 dpi and as PDF, each file completely or not at all."""
     matplotlib = require_matplotlib()
     paths = []
     with matplotlib.style.context(["default", STYLE]):
@@ -72,7 +73,7 @@ def save(figure: Figure, folder: Path) -> list[Path]:
 
 
 def titled(panel: Any, name: str, text: str) -> None:
-    """A panel's letter and what it shows."""
+    """Set the title of a panel: its letter and its content."""
     panel.set_title(f"({name})  {text}", loc="left")
 
 

@@ -1,20 +1,18 @@
-"""Chapter: how far the springs carry the end of the arm away from where the motors hold it."""
+"""Chapter: displacement of the end of the arm by the deflection of the joints."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.paper import style
-from flexdyn.paper.cases import CASES_WATCHED, TORQUE_END, PaperCases
-from flexdyn.paper.chapter import Chapter, Figure, check
+from flexdyn.paper.cases import CASES_OBSERVED, TORQUE_END, PaperCases
+from flexdyn.paper.chapter import Chapter, figure, prose, stated
 from flexdyn.paper.equations import tip
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.run import Run
-
-Array = NDArray[np.float64]
 
 
 def tip_deflection(cases: PaperCases) -> Chapter:
@@ -24,39 +22,21 @@ def tip_deflection(cases: PaperCases) -> Chapter:
     arm = cases.arm()
     apart = max(np.abs(tip(arm, run.q) - tip(arm, run.theta) - vectors[name]).max() for name, run in runs.items())
     sizes = {name: np.linalg.norm(vector, axis=1) for name, vector in vectors.items()}
-    numbers = {}
-    lines = []
-    for name, run in runs.items():
-        acting, end = run.t < TORQUE_END, run.t >= TORQUE_END + CASES_WATCHED
-        after = (run.t >= TORQUE_END) & (run.t < TORQUE_END + 1.0)
-        found = [
-            1e3 * float(each) for each in (sizes[name][acting].max(), sizes[name][after].max(), sizes[name][end].max())
-        ]
-        numbers[name] = dict(zip(("driven_mm", "after_mm", "end_mm"), found, strict=True))
-        lines.append(f"| {name} | " + " | ".join(f"{each:.0f}" for each in found) + " |")
-    text = "\n".join(
-        [
-            "The paper assumes that end-effector deflection is caused by the joints. It is the distance between the "
-            "tip of the arm and where it would be if the links stood at the rotors' angles; the arm reaches "
-            f"{2 * arm.L:g} m. Largest values:",
-            "",
-            "| flexible arm | while the torque acts [mm] | in the second after it [mm] | 10 s later [mm] |",
-            "|---|---|---|---|",
-            *lines,
-            "",
-            "Later values can be the larger ones though the vibration does not grow: where the elbow stretches, the "
-            "tip is farther from the shoulder, and the same deflection carries it farther.",
-        ]
-    )
-    figure = Figure(
-        "tip_deflection",
-        "End-effector deflection caused by the joints: path of the tip and of its rigid pose at the rotors' angles "
-        "during the first 2.4 s, without friction (a); distance between the two (b).",
-        lambda canvas: _draw(canvas, runs, sizes),
-        (style.FULL_WIDTH, 3.0),
-    )
-    checks = (check("Tip deflection from Pinocchio equals the closed form", apart, 1e-12, "m, two runs"),)
-    return Chapter("End-effector deflection", text, checks, numbers, (figure,))
+    numbers = {name: _largest(run.t, 1e3 * sizes[name]) for name, run in runs.items()}
+    text = prose("tip_deflection.md", reach=2 * arm.L, numbers=numbers)
+    picture = figure("tip_deflection", lambda canvas: _draw(canvas, runs, sizes))
+    checks = (stated("tip_deflection", apart),)
+    return Chapter("End-effector deflection", text, checks, numbers, (picture,))
+
+
+def _largest(t: Array, size: Array) -> dict[str, float]:
+    """The largest distance [mm] while the torque acts, in the second after it, and at the end of the run."""
+    parts = {
+        "driven_mm": t < TORQUE_END,
+        "after_mm": (t >= TORQUE_END) & (t < TORQUE_END + 1.0),
+        "end_mm": t >= TORQUE_END + CASES_OBSERVED,
+    }
+    return {name: float(size[part].max()) for name, part in parts.items()}
 
 
 def _vector(run: Run) -> Array:
@@ -70,7 +50,7 @@ def _draw(canvas: Any, runs: dict[str, Run], sizes: dict[str, Array]) -> None:
     run = runs["without friction"]
     robot, seen = run.model.robot, run.t <= 2 * TORQUE_END
     actual, rigid = (frame_positions(robot, angles[seen])[:, :2] for angles in (run.q, run.theta))
-    left.plot(*rigid.T, color=style.VERMILION, linestyle=(0, (5, 2)), label=r"rigid pose at $\theta$")
+    left.plot(*rigid.T, color=style.VERMILION, linestyle=style.DASHED, label=r"rigid pose at $\theta$")
     left.plot(*actual.T, color=style.BLUE, label="tip")
     for a, b in zip(actual[::20], rigid[::20], strict=True):
         left.plot([a[0], b[0]], [a[1], b[1]], color=style.GREY, linewidth=0.5, zorder=1)
@@ -79,11 +59,11 @@ def _draw(canvas: Any, runs: dict[str, Run], sizes: dict[str, Array]) -> None:
     left.set(xlabel="$x$ (m)", ylabel="$y$ (m)", aspect="equal")
     left.set_adjustable("datalim")
     left.legend(loc="lower left")
-    looks = {"without friction": (style.BLUE, "-"), "with friction": (style.VERMILION, (0, (5, 2)))}
+    looks = {"without friction": (style.BLUE, "-"), "with friction": (style.VERMILION, style.DASHED)}
     for name, (colour, dash) in looks.items():
         right.plot(runs[name].t, 1e3 * sizes[name], color=colour, linestyle=dash, linewidth=0.9, label=name)
     style.torque_on(right)
-    right.set(xlim=(0, TORQUE_END + CASES_WATCHED), xlabel="time (s)", ylabel="tip deflection (mm)")
+    right.set(xlim=(0, TORQUE_END + CASES_OBSERVED), xlabel="time (s)", ylabel="tip deflection (mm)")
     right.set_ylim(0, 1.22e3 * max(size.max() for size in sizes.values()))
     right.legend(loc="upper right", ncols=2)
     style.titled(left, "a", "path of the tip")

@@ -1,4 +1,4 @@
-"""How much an arm vibrates, how fast that decays, and what the linearised equations say about it."""
+"""Amplitude and decay of the vibration of an arm, from simulations and from the linearised equations."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.polynomial.chebyshev import chebfit, chebval
 from numpy.typing import NDArray
 
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.paper.cases import CASES_WATCHED, TORQUE_END
+from flexdyn.paper.cases import CASES_OBSERVED, TORQUE_END
 from flexdyn.paper.equations import Arm, mass_matrix
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
@@ -33,7 +33,7 @@ def amplitude(arm: Arm, run: Run) -> Array:
 
 @dataclass(frozen=True)
 class Residual:
-    """The vibration left behind by the torque.
+    """The vibration that remains after the torque.
 
     Attributes:
         first: amplitude, root mean square over the first second after the torque ended [rad].
@@ -50,13 +50,17 @@ class Residual:
         """The part of the amplitude that is left after ten seconds [1]."""
         return self.last / self.first
 
+    def to_dict(self) -> dict[str, float]:
+        """All numbers, for the JSON summary."""
+        return vars(self) | {"left": self.left}
+
 
 def residual(arm: Arm, run: Run) -> Residual:
-    """Measure what is left after the torque of Fig. 4."""
+    """Measure the vibration after the torque of Fig. 4."""
     size = amplitude(arm, run)
     after = run.t >= TORQUE_END
     first = after & (run.t < TORQUE_END + 1.0)
-    last = run.t >= TORQUE_END + CASES_WATCHED
+    last = run.t >= TORQUE_END + CASES_OBSERVED
     start, end = (float(np.sqrt((size[window] ** 2).mean())) for window in (first, last))
     return Residual(start, end, decay_rate(run.t[after], size[after]))
 
@@ -67,11 +71,11 @@ def decay_rate(t: Array, size: Array) -> float:
 
 
 def ringing_after(run: Run) -> float:
-    """What oscillates in the links' angles during the five seconds after the torque of Fig. 4.
+    """Size of the oscillation of the links' angles during the five seconds after the torque of Fig. 4.
 
     Returns:
-        the root mean square of what a polynomial of degree 7 leaves of q1 and q2 [rad]: coasting and braking are
-        smooth, vibration is not.
+        root mean square of the residual of q1 and q2 after a fit of polynomials of degree 7 [rad]: coasting and braking
+        are smooth, vibration is not.
     """
     window = (run.t >= TORQUE_END) & (run.t <= TORQUE_END + 5.0)
     s, q = (run.t[window] - TORQUE_END) / 2.5 - 1.0, run.q[window]

@@ -12,9 +12,9 @@ from flexdyn.comparison.difference import common_rows, difference
 from flexdyn.comparison.motion_sources import HELD
 from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.palette import INK, hue, shade
-from flexdyn.plots.panel import Bar, Curve, Key, Panel, check_times, limits, short
+from flexdyn.plots.panel import Bar, Key, Panel, check_times, limits, short
 from flexdyn.plots.picture import Picture
-from flexdyn.plots.thinning import broken, outline
+from flexdyn.plots.thinning import curve_over_time
 from flexdyn.plots.views import TIME
 from flexdyn.records.units import split_name
 
@@ -78,29 +78,27 @@ def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
     for row in worst:
         both = difference(one, two, row.channel, rows)
         unit = f" [{row.unit}]" if row.unit else ""
+        colour, held = _hue(found, row.channel), (split_name(row.channel) or ("",))[0] in HELD
         curves = [
-            _curve(
-                both.t,
-                values,
-                f"{row.channel}, {source.name}",
-                source.name,
-                shade(_hue(found, row.channel), found.sources, i),
+            curve_over_time(both.t, values, f"{row.channel}, {source.name}", source.name, shade_, held=held)
+            for source, values, shade_ in (
+                (one, both.first, shade(colour, found.sources, 0)),
+                (two, both.second, shade(colour, found.sources, 1)),
             )
-            for i, (source, values) in enumerate(zip((one, two), (both.first, both.second), strict=True))
         ]
-        span = (found.start, found.end)
         panel = Panel(
             f"{short(row.channel)}, largest error",
             TIME,
             f"value{unit}",
             tuple(curves),
-            x_range=span,
+            x_range=(found.start, found.end),
             timed=True,
             labelled=False,
-            colour=_hue(found, row.channel),
+            colour=colour,
             y_range=limits(both.first, both.second),
         )
-        error = _curve(both.t, both.error, f"{row.channel}, {two.name} less {one.name}", two.name, INK)
+        name = f"{row.channel}, {two.name} less {one.name}"
+        error = curve_over_time(both.t, both.error, name, two.name, INK, held=held)
         above.append(panel)
         beneath.append(
             replace(
@@ -115,12 +113,6 @@ def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
             )
         )
     return Block((tuple(above), tuple(beneath)), (1.9, 1.0), 3.4)
-
-
-def _curve(t: np.ndarray, values: np.ndarray, name: str, group: str, colour: str) -> Curve:
-    kept = outline(t, values)
-    held = (split_name(name) or ("",))[0] in HELD
-    return Curve(*broken(t, values, kept), name, short(group), colour, held=held)
 
 
 def _hue(found: Comparison, channel: str) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots.file_energy import FileEnergy, file_energy
 from flexdyn.plots.palette import INK, LOSSES, PARTS
@@ -14,7 +14,6 @@ from flexdyn.plots.thinning import outline
 from flexdyn.plots.views import TIME
 from flexdyn.simulation.energy import Energy
 
-Array = NDArray[np.float64]
 Entries = dict[str, tuple[Array, str]]
 """Curves of a panel: values and colour by label."""
 UP = "energy [J]"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -14,8 +14,6 @@ from flexdyn.model.recorded_model import model_in
 from flexdyn.records import Recording
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.plant import LinkSide, build_plant
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.analysis import PathFrequencies
 from flexdyn.errors import InputError
-from flexdyn.plots.page import BLUE, GREY, LAW_LINE_WIDTH, checked_path, dress, new_figure, save
+from flexdyn.plots.page import BLUE, GREY, checked_path, dress, line, new_figure, save
 
 LOGARITHMIC_SPAN = 12.0
 """A larger ratio of frequencies is drawn on a logarithmic axis [1]."""
@@ -43,7 +43,7 @@ def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
     shades = {mode: _shade(place / max(1, len(modes) - 1)) for place, mode in enumerate(modes)}
     alone = {"marker": "o", "markersize": 5.0} if len(found.q) == 1 else {}
     for mode, column in modes.items():
-        axes.plot(found.distance, column, color=shades[mode], linewidth=LAW_LINE_WIDTH, **alone)
+        line(axes, found.distance, column, color=shades[mode], **alone)
     values = np.concatenate(list(modes.values()))
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     if high > LOGARITHMIC_SPAN * low:

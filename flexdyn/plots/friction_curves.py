@@ -7,12 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect, JointCoupling, JointEffect, MemoryEffect
-from flexdyn.plots.page import BLUE, GREY, LAW_LINE_WIDTH, PALE, RED, SHADES, cross, legend, legend_above
+from flexdyn.plots.page import BLUE, GREY, PALE, RED, SHADES, cross, legend, legend_above, line
 
-Array = NDArray[np.float64]
 VELOCITY = "velocity $u$ of the link or rotor [rad/s]"
 FRICTION = "friction torque [N m]"
 WAVES = 8.0
@@ -42,14 +41,13 @@ def smooth(axes: Any, effect: JointEffect) -> tuple[str, str]:
     u = np.linspace(-reach, reach, 801)
     durations = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "s"]
     cross(axes)
-    if not durations:
-        axes.plot(u, effect.torque(0.0, u), color=BLUE, linewidth=LAW_LINE_WIDTH)
-    for share, shade in zip((0.0, 0.5, 1.0, 2.0, 4.0), SHADES[::-1], strict=True):
-        for duration in durations[:1]:
-            t = share * duration
-            axes.plot(u, effect.torque(0.0, u, t=t), color=shade, linewidth=LAW_LINE_WIDTH, label=f"t = {t:g} s")
     if durations:
+        for share, shade in zip((0.0, 0.5, 1.0, 2.0, 4.0), SHADES[::-1], strict=True):
+            t = share * durations[0]
+            line(axes, u, effect.torque(0.0, u, t=t), color=shade, label=f"t = {t:g} s")
         legend(axes, "since the start")
+    else:
+        line(axes, u, effect.torque(0.0, u))
     if isinstance(effect, JointCoupling):
         return r"rotor velocity $\omega$ of the other joint [rad/s]", "torque against this rotor [N m]"
     return VELOCITY, FRICTION
@@ -66,12 +64,11 @@ def dry(axes: Any, effect: JointEffect) -> tuple[str, str]:
         _band(axes, tau, effect.torque(0.0, 1.0, tau=tau), effect.torque(0.0, -1.0, tau=tau))
         return r"transmission torque $\tau_s$ [N m]", FRICTION
     reach = span(effect, 6.0)
-    right = np.linspace(0.0, reach, 801)[1:]
-    right = np.concatenate([[reach * 1e-9], right])
+    right = np.concatenate([[reach * 1e-9], np.linspace(0.0, reach, 801)[1:]])
     upper, lower = effect.torque(0.0, right), effect.torque(0.0, -right)
     cross(axes)
-    axes.plot(right, upper, color=BLUE, linewidth=LAW_LINE_WIDTH)
-    axes.plot(-right, lower, color=BLUE, linewidth=LAW_LINE_WIDTH)
+    line(axes, right, upper)
+    line(axes, -right, lower)
     axes.plot([0.0, 0.0], [lower[0], upper[0]], color=RED, linewidth=2.6, solid_capstyle="butt", zorder=3)
     axes.annotate(
         "at rest: any torque\nbetween the two ends",
@@ -86,8 +83,8 @@ def dry(axes: Any, effect: JointEffect) -> tuple[str, str]:
 
 def _band(axes: Any, x: Array, upper: Array, lower: Array) -> None:
     axes.fill_between(x, lower, upper, color=PALE, linewidth=0.0, label="at rest: any of these")
-    axes.plot(x, upper, color=BLUE, linewidth=LAW_LINE_WIDTH, label="$u > 0$")
-    axes.plot(x, lower, color=RED, linewidth=LAW_LINE_WIDTH, label="$u < 0$")
+    line(axes, x, upper, label="$u > 0$")
+    line(axes, x, lower, color=RED, label="$u < 0$")
     axes.axhline(0.0, color="#111827", linewidth=0.7)
     legend_above(axes, 3)
 
@@ -98,8 +95,8 @@ def loop(axes: Any, effect: MemoryEffect) -> tuple[str, str]:
     torque = effect.along(path)
     rise = len(path) // 5  # the path has five legs; the first one starts from rest
     cross(axes)
-    axes.plot(path[: rise + 1], torque[: rise + 1], color=GREY, linewidth=LAW_LINE_WIDTH, linestyle=(0, (2, 1.2)))
-    axes.plot(path[rise:], torque[rise:], color=BLUE, linewidth=LAW_LINE_WIDTH)
+    line(axes, path[: rise + 1], torque[: rise + 1], color=GREY, linestyle=(0, (2, 1.2)))
+    line(axes, path[rise:], torque[rise:])
     for share in (0.1, 0.3, 0.5, 0.7):
         k = int(share * len(path))
         ends = [(path[i], torque[i]) for i in (k + len(path) // 60, k)]

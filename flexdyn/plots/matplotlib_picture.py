@@ -89,13 +89,8 @@ def _head(figure: Any, picture: Picture) -> None:
 
 def _panel(figure: Any, picture: Picture, panel: Panel) -> None:
     box = panel.box
-    place = (
-        box.left / picture.width,
-        box.bottom / picture.height,
-        box.width / picture.width,
-        box.height / picture.height,
-    )
-    axes = figure.add_axes(place)
+    width, height = picture.width, picture.height
+    axes = figure.add_axes((box.left / width, box.bottom / height, box.width / width, box.height / height))
     axes.set_title(panel.title, loc="left", color=panel.colour, fontweight="bold", pad=4.0, parse_math=False)
     if panel.level:
         axes.axhline(0.0, color=SOFT, linewidth=0.7, zorder=1.0)

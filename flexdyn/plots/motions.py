@@ -12,7 +12,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
 from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.energy_view import energy_panels
-from flexdyn.plots.panel import Key, Panel, short
+from flexdyn.plots.panel import Panel, short
 from flexdyn.plots.picture import Picture
 from flexdyn.plots.scene import PlotScene, make_scene
 from flexdyn.plots.thinning import MOST_CURVE_POINTS
@@ -73,11 +73,10 @@ def plot(
     scene = _bounded(scene, drawn, notes, chosen=joints is not None)
     apart = [short(source.name) for source, rows in zip(scene.sources, scene.common, strict=True) if rows is None]
     if apart:
-        notes.append(
-            f"No residual, because there is no time in common with {short(scene.sources[0].name)}: {', '.join(apart)}."
-        )
+        first = short(scene.sources[0].name)
+        notes.append(f"No residual, because there is no time in common with {first}: {', '.join(apart)}.")
     blocks = _joint_blocks(scene, drawn)
-    keys = _keys(scene, drawn, blocks)
+    keys = keys_of(scene, drawn, _panels(blocks)) if blocks else ()
     if any(panel is not None and panel.up.startswith(RESIDUAL) for panel in _panels(blocks)):
         notes.append(f"{RESIDUAL.capitalize()}: the others less {short(scene.sources[0].name)}.")
     blocks += energy
@@ -188,10 +187,6 @@ def _grid_shape(count: int) -> tuple[int, float, float]:
     if count <= 8:
         return 2, 4.6, 1.7
     return (3, 3.5, 1.5) if count <= 18 else (4, 2.8, 1.3)
-
-
-def _keys(scene: PlotScene, drawn: Sequence[View], blocks: Sequence[Block]) -> tuple[Key, ...]:
-    return keys_of(scene, drawn, _panels(blocks)) if blocks else ()
 
 
 def _panels(blocks: Sequence[Block]) -> list[Panel | None]:

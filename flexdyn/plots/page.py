@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +19,15 @@ LAW_LINE_WIDTH = 2.2
 """Width of a law's line [pt]."""
 
 
-def checked_path(path: str | Path) -> Path:
+def checked_path(path: str | Path, suffixes: Sequence[str] = SUFFIXES) -> Path:
     """The path of a picture.
 
     Raises:
-        InputError: its suffix is none of `SUFFIXES`.
+        InputError: its suffix is none of those.
     """
     file = Path(path)
-    if file.suffix.lower() not in SUFFIXES:
-        remedy = f"known: {', '.join(SUFFIXES)}"
+    if file.suffix.lower() not in suffixes:
+        remedy = f"known: {', '.join(suffixes)}"
         raise InputError("unknown suffix of a picture", file=file, value=file.suffix, remedy=remedy)
     return file
 
@@ -57,6 +58,18 @@ def cross(axes: Any) -> None:
     """Lines through the origin."""
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
     axes.axvline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
+
+
+def line(axes: Any, x: Any, y: Any, color: str = BLUE, **look: Any) -> None:
+    """The line of a law."""
+    axes.plot(x, y, color=color, linewidth=LAW_LINE_WIDTH, **look)
+
+
+def beside(axes: Any, x: Any, plain: str, law: Any, label: str) -> None:
+    """A law beside y = x, which is dashed, with a legend of both."""
+    axes.plot(x, x, color=GREY, linewidth=1.0, linestyle=DASHED, label=plain)
+    line(axes, x, law, label=label)
+    axes.legend(frameon=False, loc="upper left")
 
 
 def legend(axes: Any, title: str, *, upside_down: bool = False) -> None:

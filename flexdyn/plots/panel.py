@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.plots.palette import INK
 
-Array = NDArray[np.float64]
 LARGEST_DRAWN, SMALLEST_DRAWN = 1e150, 1e-150
 """Largest number that is drawn, and smallest difference: the renderers compute squares of them."""
 LONGEST_NAME_SHOWN = 48
@@ -156,9 +155,8 @@ def limits(*values: Array, margin: float = 0.06) -> tuple[float, float]:
     high = max(float(np.nanmax(array)) for array in values)
     size = max(abs(low), abs(high))
     if size > LARGEST_DRAWN:
-        raise InputError(
-            "the values are beyond what can be drawn", value=size, remedy=f"the limit is {LARGEST_DRAWN:g}"
-        )
+        remedy = f"the limit is {LARGEST_DRAWN:g}"
+        raise InputError("the values are beyond what can be drawn", value=size, remedy=remedy)
     if high - low <= max(1e-9 * size, SMALLEST_DRAWN):
         pad = max(0.1 * size, SMALLEST_DRAWN) if size else 1.0
         return low - pad, high + pad

@@ -8,8 +8,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, visible
+from flexdyn.errors import visible
 from flexdyn.io.notebook import Public
+from flexdyn.plots.page import checked_path
 from flexdyn.plots.panel import Key, Panel
 
 FILES = (".png", ".pdf", ".svg", ".html")
@@ -89,19 +90,12 @@ class Picture(Public):
             InputError: the suffix is not known, or the file cannot be written.
             MissingExtra: matplotlib or plotly is not installed.
         """
-        file = Path(path)
-        suffix = file.suffix.lower()
-        if suffix not in FILES:
-            remedy = f"known: {', '.join(FILES)}"
-            raise InputError("unknown suffix of a picture", file=file, value=file.suffix, remedy=remedy)
-        if suffix == ".html":
-            from flexdyn.plots.plotly_picture import write_page
-
-            write_page(self, file)
+        file = checked_path(path, FILES)
+        if file.suffix.lower() == ".html":
+            from flexdyn.plots.plotly_picture import write_page as write
         else:
-            from flexdyn.plots.matplotlib_picture import write_picture
-
-            write_picture(self, file)
+            from flexdyn.plots.matplotlib_picture import write_picture as write
+        write(self, file)
 
     def show(self) -> Path:
         """Open it in the browser, as a page in a new folder for temporary files.

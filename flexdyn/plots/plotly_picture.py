@@ -199,7 +199,6 @@ def _bars(panel: Panel, place: dict[str, str]) -> list[dict[str, Any]]:
 
 def _sample(key: Key, legend: str) -> dict[str, Any]:
     """A line of the legend: an empty trace in the same group as the real ones."""
-    empty = Curve(
-        np.array([np.nan]), np.array([np.nan]), key.label, key.label, key.colour, key.dash, key.width, key.dots
-    )
+    nowhere = np.array([np.nan])
+    empty = Curve(nowhere, nowhere, key.label, key.label, key.colour, key.dash, key.width, key.dots)
     return _trace(empty) | {"legendgroup": _escaped(key.label), "showlegend": True, "legend": legend}

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.effects import ChannelLag, CommandDelay, SensorEffect
 from flexdyn.plots.friction_curves import turn
-from flexdyn.plots.page import BLUE, DASHED, GREY, LAW_LINE_WIDTH, cross, legend_above
+from flexdyn.plots.page import BLUE, DASHED, GREY, LAW_LINE_WIDTH, beside, cross, legend_above, line
 
 VISIBLE = 0.02
 """Smaller errors, relative to the measured value, are drawn separately [1]."""
@@ -38,11 +38,9 @@ def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
     reported = effect.measured(true, np.arange(801.0))
     cross(axes)
     if np.abs(reported - true).max() < VISIBLE * reach:
-        axes.plot(true, reported - true, color=BLUE, linewidth=LAW_LINE_WIDTH)
+        line(axes, true, reported - true)
         return "true position [rad]", "measured - true [rad]"
-    axes.plot(true, true, color=GREY, linewidth=1.0, linestyle=DASHED, label="true")
-    axes.plot(true, reported, color=BLUE, linewidth=LAW_LINE_WIDTH, label="measured")
-    axes.legend(frameon=False, loc="upper left")
+    beside(axes, true, "true", reported, "measured")
     return "true position [rad]", "measured position [rad]"
 
 
@@ -52,6 +50,6 @@ def _late(axes: Any, effect: ChannelLag) -> tuple[str, str]:
     true = np.sin(2.0 * math.pi * t / (10.0 * effect.delay))
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
     axes.plot(t, true, color=GREY, linewidth=1.4, linestyle=DASHED, label="true")
-    axes.plot(t, effect.measured(true, t), color=BLUE, linewidth=LAW_LINE_WIDTH, label="measured")
+    line(axes, t, effect.measured(true, t), label="measured")
     legend_above(axes, 2)
     return "time $t$ [s]", "position [rad]"

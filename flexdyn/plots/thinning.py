@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.plots.panel import Curve, short
 from flexdyn.records.signals.gaps import gap_rows
 
 Array = NDArray[np.float64]
@@ -61,6 +64,20 @@ def broken(t: Array, values: Array, kept: NDArray[np.intp]) -> tuple[Array, Arra
     at = np.searchsorted(kept, rows, "right")
     middle = 0.5 * (t[rows] + t[rows + 1])
     return np.insert(t[kept], at, middle), np.insert(values[kept], at, np.nan)
+
+
+def curve_over_time(t: Array, values: Array, name: str, group: str, colour: str, **look: Any) -> Curve:
+    """A curve over time with as many points as its outline needs, interrupted in gaps.
+
+    Args:
+        t: times of all samples.
+        values: of all samples.
+        name: of the signal.
+        group: of the line in the legend, which is shortened.
+        colour: of the line.
+        look: further attributes of the curve.
+    """
+    return Curve(*broken(t, values, outline(t, values)), name, short(group), colour, **look)
 
 
 def outline_in_plane(x: Array, y: Array) -> tuple[NDArray[np.intp], bool]:

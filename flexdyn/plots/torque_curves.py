@@ -7,13 +7,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import DeflectionEffect, JointEffect
 from flexdyn.plots.friction_curves import span, turn, varies
-from flexdyn.plots.page import BLUE, DASHED, GREY, LAW_LINE_WIDTH, RED, SHADES, cross, legend
+from flexdyn.plots.page import BLUE, DASHED, GREY, RED, SHADES, beside, cross, legend, line
 
-Array = NDArray[np.float64]
 ASKED = (-1.2, -0.6, 0.0, 0.6, 1.2)
 """Commanded torques in the pictures of actuator effects [N m]."""
 DEFLECTION = 0.01
@@ -25,10 +24,10 @@ def spring(axes: Any, effect: JointEffect) -> tuple[str, str]:
     cross(axes)
     if varies(lambda x: effect.torque(x, 0.0), DEFLECTION):
         delta = np.linspace(-DEFLECTION, DEFLECTION, 801)
-        axes.plot(delta, effect.torque(delta, 0.0), color=BLUE, linewidth=LAW_LINE_WIDTH)
+        line(axes, delta, effect.torque(delta, 0.0))
         return r"deflection $\delta = \theta - q$ [rad]", "torque in the transmission [N m]"
     rate = np.linspace(-1.0, 1.0, 801) * span(effect, 6.0)
-    axes.plot(rate, effect.torque(0.0, rate), color=BLUE, linewidth=LAW_LINE_WIDTH)
+    line(axes, rate, effect.torque(0.0, rate))
     return r"$\omega - v$ [rad/s]", "torque in the transmission [N m]"
 
 
@@ -37,14 +36,12 @@ def deflection(axes: Any, effect: DeflectionEffect) -> tuple[str, str]:
     cross(axes)
     if varies(lambda theta: effect.deflection(0.0, theta), 0.5 * turn(effect)):
         theta = np.linspace(0.0, turn(effect), 1201)
-        axes.plot(theta, effect.deflection(0.0, theta), color=BLUE, linewidth=LAW_LINE_WIDTH)
+        line(axes, theta, effect.deflection(0.0, theta))
         return r"rotor position $\theta$ [rad]", r"added to the deflection $\delta$ [rad]"
     lengths = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "rad"]
     reach = 3.0 * max(lengths, default=DEFLECTION)
     delta = np.linspace(-reach, reach, 1201)
-    axes.plot(delta, delta, color=GREY, linewidth=1.0, linestyle=DASHED, label="without")
-    axes.plot(delta, effect.deflection(delta), color=BLUE, linewidth=LAW_LINE_WIDTH, label="with it")
-    axes.legend(frameon=False, loc="upper left")
+    beside(axes, delta, "without", effect.deflection(delta), "with it")
     return r"$\delta = \theta - q$ [rad]", "deflection that the spring sees [rad]"
 
 
@@ -55,10 +52,10 @@ def link(axes: Any, effect: JointEffect) -> tuple[str, str]:
     q = np.linspace(-reach, reach, 1201)
     cross(axes)
     if not varies(lambda v: effect.torque(q[-1], v), 1.0):
-        axes.plot(q, effect.torque(q, 0.0), color=BLUE, linewidth=LAW_LINE_WIDTH)
+        line(axes, q, effect.torque(q, 0.0))
     else:
         for v, shade in zip((3.0, 0.0, -3.0), (RED, GREY, BLUE), strict=True):
-            axes.plot(q, effect.torque(q, v), color=shade, linewidth=LAW_LINE_WIDTH, label=f"v = {v:g} rad/s")
+            line(axes, q, effect.torque(q, v), color=shade, label=f"v = {v:g} rad/s")
         axes.legend(frameon=False)
     return "link position $q$ [rad]", "torque on the link [N m]"
 
@@ -78,9 +75,7 @@ def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
         return r"rotor position $\theta$ [rad]", up
     cross(axes)
     tau = np.linspace(ASKED[0], ASKED[-1], 801)
-    axes.plot(tau, tau, color=GREY, linewidth=1.0, linestyle=DASHED, label="without")
-    axes.plot(tau, effect.torque(0.0, 0.0, tau=tau), color=BLUE, linewidth=LAW_LINE_WIDTH, label="with it")
-    axes.legend(frameon=False, loc="upper left")
+    beside(axes, tau, "without", effect.torque(0.0, 0.0, tau=tau), "with it")
     return r"commanded torque $\tau$ [N m]", up
 
 
@@ -89,5 +84,5 @@ def _family(axes: Any, effect: JointEffect, across: Array, state: tuple[Any, Any
     cross(axes)
     for tau, shade in zip(ASKED, SHADES, strict=True):
         axes.axhline(tau, color=shade, linewidth=0.8, linestyle=DASHED)
-        axes.plot(across, effect.torque(*state, tau=tau), color=shade, linewidth=LAW_LINE_WIDTH, label=f"{tau:g} N m")
+        line(axes, across, effect.torque(*state, tau=tau), color=shade, label=f"{tau:g} N m")
     legend(axes, "asked (dashed)", upside_down=True)

@@ -13,7 +13,7 @@ from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, shade
 from flexdyn.plots.panel import Curve, Key, Panel, limits, short
 from flexdyn.plots.scene import DEFLECTION, PlotScene, SignalTrace
-from flexdyn.plots.thinning import broken, outline
+from flexdyn.plots.thinning import curve_over_time
 
 TIME = "t [s]"
 RESIDUAL = "residual"
@@ -169,14 +169,7 @@ def _difference(scene: PlotScene, place: int, channel: str) -> Difference | None
 
 
 def _residual_curve(scene: PlotScene, place: int, trace: SignalTrace, joint: str, found: Difference) -> Curve:
-    kept = outline(found.t, found.error)
-    source = scene.sources[place]
-    return Curve(
-        *broken(found.t, found.error, kept),
-        f"{trace.up}.{joint}, {source.name} less {scene.sources[0].name}",
-        short(source.name),
-        shade(scene.hue(joint), scene.sources, place),
-        dash=trace.dash,
-        width=1.1,
-        held=trace.up in HELD,
-    )
+    source, colour = scene.sources[place], shade(scene.hue(joint), scene.sources, place)
+    name = f"{trace.up}.{joint}, {source.name} less {scene.sources[0].name}"
+    look = {"dash": trace.dash, "width": 1.1, "held": trace.up in HELD}
+    return curve_over_time(found.t, found.error, name, source.name, colour, **look)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.control.firmware import Firmware
 from flexdyn.errors import InputError
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
-Array = NDArray[np.float64]
 ASKED = ("voltage", "duty", "goal")
 """Signals that command a motor under voltage; the first that was recorded is used."""
 
@@ -33,9 +32,8 @@ def with_asked_torque(model: FlexibleJointModel, recording: Recording) -> Record
     Raises:
         InputError: such a joint without voltage, duty or goal; a duty without a supply; a goal without firmware.
     """
-    driven = {name: joint for name, joint in model.joints.items() if joint.actuator is not None}
     columns = {}
-    for name, joint in driven.items():
+    for name, joint in model.joints.items():
         if joint.actuator is not None:
             volts = _volts(joint.actuator, recording, name)
             columns[f"tau.{name}"] = joint.actuator.per_volt(joint.gear_ratio) * volts

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation, Samples, State, per_joint
 from flexdyn.control.firmware import CORE_ORDER, Firmware
 from flexdyn.control.points import COMMAND_KEYS, CommandPoints, command_of
@@ -24,7 +23,6 @@ from flexdyn.records.given import as_recording
 from flexdyn.records.suggestion import asked_back
 from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
 
-Array = NDArray[np.float64]
 RECORDED: Interpolation = "monotone"
 """Default interpolation of a recorded reference: through its samples, never outside the range of two neighbours."""
 
@@ -163,15 +161,11 @@ def first_state(recording: Recording, model: FlexibleJointModel) -> dict[str, di
     A rigid joint has one position: q, or theta where only that was measured.
     """
     initial: dict[str, dict[str, float]] = {"q": {}, "theta": {}, "v": {}, "omega": {}}
-    for joint in model.joint_names:
+    for name, joint in model.joints.items():
         for signal, twin in (("q", "theta"), ("theta", "q"), ("v", "omega"), ("omega", "v")):
-            for source in (signal, twin):
-                if recording.has(source, joint):
-                    initial[signal][joint] = float(recording[f"{source}.{joint}"][0])
-                    break
-    rigid = [joint for joint in model.joint_names if not model.joints[joint].elastic]
-    for signal, joint in itertools.product(("theta", "omega"), rigid):
-        initial[signal].pop(joint, None)
+            source = next((each for each in (signal, twin) if recording.has(each, name)), None)
+            if source is not None and (joint.elastic or signal in ("q", "v")):
+                initial[signal][name] = float(recording[f"{source}.{name}"][0])
     return initial
 
 
@@ -251,7 +245,8 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
     if isinstance(reference, Recording):
         initial = first_state(reference, model)
         known = ("goal", "reference", "theta", "q")
-        signal = next((name for name in known if _has(reference, name, model)), "reference")
+        there = {name.partition(".")[0] for name in reference.channels if name.partition(".")[2] in model.joint_names}
+        signal = next((name for name in known if name in there), "reference")
         reference = recorded(reference, signal, model.joint_names)
     _check_reference("servo.reference", reference)
     if servo.firmware is not None:
@@ -291,10 +286,6 @@ def _check_reference(key: str, reference: Any) -> None:
         remedy = "a function is sampled first: fd.Samples(t, [position(x) for x in t], 'cubic')"
         reference = _called(reference)
     raise InputError("no reference to track", key=key, value=reference, remedy=remedy)
-
-
-def _has(recording: Recording, signal: str, model: FlexibleJointModel) -> bool:
-    return any(f"{signal}.{joint}" in recording for joint in model.joint_names)
 
 
 def _signal(samples: Samples, joint_names: Sequence[str]) -> _core.Signal:

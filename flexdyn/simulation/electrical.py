@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import MemoryEffect
 from flexdyn.effects.motor import MotorWinding
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import acting_effects
 
-Array = NDArray[np.float64]
 ROUNDING = 1e-12
 """Part of a limit that a current at it may be off."""
 

@@ -6,12 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import Public
-
-Array = NDArray[np.float64]
 
 
 class EnergyWarning(UserWarning):

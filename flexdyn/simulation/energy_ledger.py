@@ -3,80 +3,27 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect
 from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import SimulationError
-from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import lower_wrenches
 from flexdyn.simulation.energy import Energy, EnergyWarning
-from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
+from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.plant import LinkSide, acting_effects, build_plant
 from flexdyn.simulation.solver_choice import core_settings
 from flexdyn.simulation.solvers import RungeKutta4, Solver, TimeStepping
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from flexdyn.simulation.run import Run
 
 
-class Moved(Protocol):
-    """The parts of a run that the ledger needs."""
-
-    @property
-    def model(self) -> FlexibleJointModel:
-        """The model that moved."""
-
-    @property
-    def solver(self) -> Solver:
-        """The solver that integrated it."""
-
-    @property
-    def inputs(self) -> Inputs:
-        """The inputs of the run."""
-
-    @property
-    def t(self) -> Array:
-        """Times (samples,) [s]."""
-
-    @property
-    def q(self) -> Array:
-        """Link positions (samples, n)."""
-
-    @property
-    def v(self) -> Array:
-        """Link velocities (samples, n)."""
-
-    @property
-    def theta(self) -> Array:
-        """Rotor positions (samples, n)."""
-
-    @property
-    def omega(self) -> Array:
-        """Rotor velocities (samples, n)."""
-
-    @property
-    def tau_applied(self) -> Array:
-        """Torques on the rotors (samples, n)."""
-
-    @property
-    def tau_s(self) -> Array:
-        """Torques in the transmissions (samples, n)."""
-
-    @property
-    def stats(self) -> Mapping[str, int]:
-        """Steps and evaluations."""
-
-    @property
-    def z(self) -> Array:
-        """Internal states (samples, number of them)."""
-
-
-def ledger(run: Moved) -> Energy:
+def ledger(run: Run) -> Energy:
     """Compute the energy ledger of a run: its motion is integrated once more, together with every power.
 
     Warns:
@@ -86,12 +33,10 @@ def ledger(run: Moved) -> Energy:
     rows = len(run.t)
     sums = np.zeros((rows, plant.ledger_size))
     out = [np.empty((rows, run.model.n)) for _ in SIGNALS] + [np.empty((rows, plant.internal_states))]
-    samples = run.inputs.samples
-    signal = None if samples is None else _core.signal(*samples.pieces(samples.values))
-    wrenches = lower_wrenches(run.model, run.inputs.external, run.inputs.duration)
-    inputs = run.inputs
+    inputs, samples = run.inputs, run.inputs.samples
+    command = _core.open_loop(None if samples is None else _core.signal(*samples.pieces(samples.values)))
+    wrenches = lower_wrenches(run.model, inputs.external, inputs.duration)
     settings = core_settings(run.solver)
-    command = _core.open_loop(signal)
     job = _core.job(plant, command, wrenches, inputs.x0, inputs.duration, settings, run.t, out, sums)
     report = _core.simulate(job, None)
     if report["reason"]:  # a law in Python that does not give the same torque again
@@ -107,7 +52,7 @@ def ledger(run: Moved) -> Energy:
     return energy
 
 
-def _energy(run: Moved, plant: _core.Plant, sums: Array) -> Energy:
+def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
     model, n = run.model.resolved(), run.model.n
     elastic = model.elastic
     speeds = np.hstack([run.v, run.omega[:, elastic]])
@@ -159,7 +104,7 @@ def _label(effect: Effect) -> str:
     return ".".join((name, *(str(getattr(effect, key)) for key in ("joint", "side"))))
 
 
-def _tolerance(run: Moved, parts: list[Array], sums: Array) -> float:
+def _tolerance(run: Run, parts: list[Array], sums: Array) -> float:
     """The error that integration, absolute tolerance and rounding may cause, from the energy that was converted [J]."""
     turnover = max(np.ptp(parts[0]), np.ptp(parts[1]), np.abs(sums).max(initial=0.0))
     steps = max(100, run.stats.get("steps", 0))

@@ -7,16 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect
 from flexdyn.effects.memory import MemoryEffect
 from flexdyn.effects.motor import MotorWinding
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import acting_effects, build_links, core_law, rotor_spin
 
-Array = NDArray[np.float64]
 WIDE = math.inf  # rad/s: smoothed over this width, dry friction has practically no slope
 
 

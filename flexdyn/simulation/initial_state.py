@@ -8,15 +8,15 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.arrays import Array
 from flexdyn.checks import as_number, as_numbers
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 Start = ArrayLike | Mapping[str, float] | None
 Columns = Mapping[str, Mapping[str, Any]]
 

@@ -6,13 +6,10 @@ import pickle
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from flexdyn.arrays import Array
 from flexdyn.control.commands import PD, Controller, FrameWrench, Samples
 from flexdyn.control.servo import Servo
 
-Array = NDArray[np.float64]
 SIGNALS = ("q", "theta", "v", "omega", "tau", "tau_applied", "tau_s")
 
 

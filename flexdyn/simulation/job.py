@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.checks import as_number, as_numbers
 from flexdyn.control.commands import Samples, checked_rate
 from flexdyn.errors import InputError
@@ -19,7 +20,7 @@ from flexdyn.simulation.command_input import Drive, lower_wrenches, make_drive
 from flexdyn.simulation.initial_state import first_state
 from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
 from flexdyn.simulation.limits import exceeded
-from flexdyn.simulation.plant import build_plant
+from flexdyn.simulation.plant import build_plant, check_model
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.solver_choice import STIFF, budget, choose_solver, core_settings, switch_notes
 from flexdyn.simulation.solvers import (
@@ -32,7 +33,6 @@ from flexdyn.simulation.solvers import (
 )
 from flexdyn.simulation.stopped import stopped
 
-Array = NDArray[np.float64]
 MAX_STEPS = 1e15  # years of computing; beyond it the core's step counter would overflow
 MAX_SAMPLES = 20_000_000  # 7.8 GB for seven joints: more is a typing error, and the process would be killed
 
@@ -133,8 +133,7 @@ def prepare(
     Raises:
         InputError: an argument that does not fit.
     """
-    if not isinstance(model, FlexibleJointModel):
-        raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
+    check_model(model)
     shared = Shared(rate, times) if shared is None else shared
     drive = shared.drive(model, command, duration)
     span = _duration(duration, drive)

@@ -7,17 +7,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.checks import as_number
 from flexdyn.effects import Effect, EndStop, TorqueSpeedLimit
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot import Robot
 from flexdyn.robot.axes import joint_row
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.plant import LinkSide, first_positions
 
-Array = NDArray[np.float64]
 SLACK = 1e-6
 """An excess below this share of a limit, or of a unit, is not reported [1]."""
 NO_LINE = 1e9
@@ -87,46 +86,38 @@ def exceeded(robot: Robot, t: Array, q: Array, v: Array, tau: Array) -> tuple[Ex
         tau: torques of the motors, reflected, after the effects of the actuators (samples, n).
     """
     found = []
+    for joint, kind, limit, past, unit in _excesses(robot, q, v, tau):
+        beyond = past > SLACK * max(1.0, abs(limit))
+        if beyond.any():
+            most = int(np.argmax(past))
+            since = float(t[np.argmax(beyond)])
+            found.append(Exceeded(joint, kind, limit, float(past[most]), since, float(t[most]), unit))
+    return tuple(found)
+
+
+def _excesses(robot: Robot, q: Array, v: Array, tau: Array) -> Iterator[tuple[str, str, float, Array, str]]:
+    """Joint, kind, limit, excess at every sample, unit, for every limit in the URDF; joints that axes move are last."""
     for j, joint in enumerate(robot.joint_names):
-        angle, torque = robot.angle_unit(j), "N m" if robot.angle_unit(j) == "rad" else "N"
-        for kind, limit, past, unit in _excesses(robot, j, q[:, j], v[:, j], tau[:, j], angle, torque):
-            beyond = past > SLACK * max(1.0, abs(limit))
-            if beyond.any():
-                most = int(np.argmax(past))
-                since = float(t[np.argmax(beyond)])
-                found.append(Exceeded(joint, kind, limit, float(past[most]), since, float(t[most]), unit))
-    return (*found, *_coupled_excesses(robot, t, q))
-
-
-def _coupled_excesses(robot: Robot, t: Array, q: Array) -> Iterator[Exceeded]:
-    """Positions beyond their limit of joints that axes move."""
-    for joint, limits in robot.coupled_limits.items():
+        angle = robot.angle_unit(j)
+        yield from _outside(joint, (float(robot.lower[j]), float(robot.upper[j])), q[:, j], angle)
+        for kind, limits, values, unit in (
+            ("speed", robot.velocity_limit, v, f"{angle}/s"),
+            ("torque", robot.effort_limit, tau, robot.torque_unit(j)),
+        ):
+            if 0.0 < limits[j] < math.inf:  # files without numbers write 0
+                yield joint, kind, float(limits[j]), np.abs(values[:, j]) - limits[j], unit
+    for joint, ends in robot.coupled_limits.items():
         row = joint_row(robot, joint)
-        if row is None:  # an axis has its name
-            continue
-        position, unit = q @ row, robot.angle_unit(int(np.flatnonzero(row)[0]))
-        for limit, sign in zip(limits, (-1.0, 1.0), strict=True):
-            past = sign * (position - limit)
-            beyond = past > SLACK * max(1.0, abs(limit))
-            if beyond.any():
-                most = int(np.argmax(past))
-                since = float(t[np.argmax(beyond)])
-                yield Exceeded(joint, "position", limit, float(past[most]), since, float(t[most]), unit)
+        if row is not None:  # no axis has its name
+            yield from _outside(joint, ends, q @ row, robot.angle_unit(int(np.flatnonzero(row)[0])))
 
 
-def _excesses(
-    robot: Robot, j: int, q: Array, v: Array, tau: Array, angle: str, torque: str
-) -> Iterator[tuple[str, float, Array, str]]:
-    """Kind, limit, excess at every sample, unit, for every limit in the URDF."""
-    for limit, sign in ((float(robot.lower[j]), -1.0), (float(robot.upper[j]), 1.0)):
+def _outside(
+    joint: str, ends: tuple[float, float], position: Array, unit: str
+) -> Iterator[tuple[str, str, float, Array, str]]:
+    for limit, sign in zip(ends, (-1.0, 1.0), strict=True):
         if math.isfinite(limit):
-            yield "position", limit, sign * (q - limit), angle
-    for kind, limits, values, unit in (
-        ("speed", robot.velocity_limit, v, f"{angle}/s"),
-        ("torque", robot.effort_limit, tau, torque),
-    ):
-        if 0.0 < limits[j] < math.inf:  # files without numbers write 0
-            yield kind, float(limits[j]), np.abs(values) - limits[j], unit
+            yield joint, "position", limit, sign * (position - limit), unit
 
 
 def enforce_limits(
@@ -155,7 +146,7 @@ def enforce_limits(
         if value is not None and not 0.0 < as_number(value) < math.inf:
             raise InputError("a number above 0 is needed", key=key, value=value)
     added: list[Effect] = []
-    M = LinkSide(model).mass_matrix(_first(model))
+    M = LinkSide(model).mass_matrix(first_positions(model))
 
     def stop(joint: str, limits: tuple[float, float], fastest: float, inertia: float) -> None:
         if _has(model, EndStop, joint):
@@ -180,11 +171,6 @@ def enforce_limits(
         remedy = "write <limit lower upper velocity effort> into it, or add end_stop and torque_speed_limit"
         raise InputError("the robot states no limit", key="limits", value=model.name, remedy=remedy)
     return model.replace(effects=[*model.effects, *added])
-
-
-def _first(model: FlexibleJointModel) -> Array:
-    start = model.initial.get("q", {})
-    return np.array([start.get(joint, 0.0) for joint in model.joint_names])
 
 
 def _ranged(robot: Robot, j: int) -> bool:

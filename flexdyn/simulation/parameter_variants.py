@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.joint import Joint
 from flexdyn.simulation.command_input import Drive
 from flexdyn.simulation.initial_state import first_states
 from flexdyn.simulation.inputs_and_signals import SIGNALS
@@ -122,7 +121,7 @@ class Variants:
             np.array(np.broadcast_to(base, shape)) for base in (model.stiffness, model.damping, model.rotor_inertia)
         )
         for name, columns in joints.items():
-            j, numbers = model.index(name), _numbers(model.joints[name], columns)
+            j, numbers = model.index(name), {**model.joints[name].values(), **columns}
             for column in columns.values():
                 sound &= (column > 0.0) & np.isfinite(column)
             K[:, j], D[:, j] = numbers["stiffness"], numbers["damping"]
@@ -153,11 +152,6 @@ class Variants:
         """Whether every joint moves an inertia at the model's own first positions (runs,)."""
         entries = [np.broadcast_to(q.get(joint, 0.0), count) for joint in self.model.joint_names]
         return moves_inertia(self._links, np.nan_to_num(np.stack(entries, axis=1)))
-
-
-def _numbers(joint: Joint, columns: Mapping[str, Array]) -> dict[str, Any]:
-    """Numbers of a drive, with columns for those that differ."""
-    return {**joint.values(), **columns}
 
 
 def _is_plain(effect: Effect) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -11,13 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
-from flexdyn.effects import (
-    Effect,
-    JointCoupling,
-    JointEffect,
-    Payload,
-    TorqueConstantError,
-)
+from flexdyn.effects import Effect, JointCoupling, JointEffect, Payload, TorqueConstantError
 from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -138,17 +132,11 @@ class LinkSide:
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
         """h(q, v) (..., n) [N m]: Coriolis, centrifugal and gravity torques."""
-        q_, v_ = self._columns(q, v)
-        out = np.empty(q_.shape)
-        self._links.bias(q_, v_, out)
-        return out
+        return self._filled(self._links.bias, q, v)
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """M(q) a + h(q, v) (..., n) [N m]."""
-        q_, v_, a_ = self._columns(q, v, a)
-        out = np.empty(q_.shape)
-        self._links.inverse_dynamics(q_, v_, a_, out)
-        return out
+        return self._filled(self._links.inverse_dynamics, q, v, a)
 
     def extra_torques(self, others: Sequence[LinkSide], q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Torques that the same arm with other inertias needs in addition to those of this one (..., k, n) [N m].
@@ -171,10 +159,7 @@ class LinkSide:
 
     def acceleration(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
         """Accelerations M(q)^-1 (tau - h(q, v)) (..., n) [rad/s^2], with tau on the links."""
-        q_, v_, tau_ = self._columns(q, v, tau)
-        out = np.empty(q_.shape)
-        self._links.acceleration(q_, v_, tau_, out)
-        return out
+        return self._filled(self._links.acceleration, q, v, tau)
 
     def energy(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
         """Kinetic and gravitational energy (...,) [J]; the kinetic one includes the rotors of rigid joints."""
@@ -182,6 +167,12 @@ class LinkSide:
         kinetic, potential = np.empty(q_.shape[:-1]), np.empty(q_.shape[:-1])
         self._links.energy(q_, v_, kinetic, potential)
         return kinetic, potential
+
+    def _filled(self, law: Callable[..., None], *given: ArrayLike) -> Array:
+        columns = self._columns(*given)
+        out = np.empty(columns[0].shape)
+        law(*columns, out)
+        return out
 
     def _columns(self, *arrays: ArrayLike) -> list[Array]:
         columns = np.broadcast_arrays(*(np.asarray(array, dtype=float) for array in arrays))
@@ -287,8 +278,7 @@ def _caller(effect: JointEffect) -> Any:
 
 def _check_inertia(model: FlexibleJointModel, links: _core.LinkDynamics) -> None:
     """Refuse a joint that moves no inertia: ABA would divide by zero."""
-    known = model.initial.get("q", {})
-    q = np.array([known.get(joint, 0.0) for joint in model.joint_names])
+    q = first_positions(model)
     if not moves_inertia(links, q[None])[0]:
         M = np.empty((model.n, model.n))
         links.mass_matrix(q, M)
@@ -307,14 +297,37 @@ def moves_inertia(links: _core.LinkDynamics, q: Array) -> NDArray[np.bool_]:
 def _check_coupling(model: FlexibleJointModel, plant: _core.Plant) -> None:
     """Refuse links with less inertia than their rotors: the kinetic energy would not be positive."""
     x = np.zeros(plant.state_size)
-    x[: model.n] = [model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names]
-    size = model.n + int(model.elastic.sum())
+    x[: model.n] = first_positions(model)
+    coupled_inertia(plant, x, model.n + int(model.elastic.sum()))
+
+
+def coupled_inertia(plant: _core.Plant, x: Array, size: int, where: str = "") -> Array:
+    """H(q) (size, size) of the velocities of links and rotors at a state.
+
+    Raises:
+        InputError: rotors are coupled, and the links have less inertia than the rotors that they carry, so that H(q) is
+            not positive definite.
+    """
     H = np.empty((size, size))
     plant.inertia(x, H)
-    if np.linalg.eigvalsh(H)[0] <= 0.0:
+    if plant.coupled and np.linalg.eigvalsh(H)[0] <= 0.0:
+        problem = f"the inertia of the links is smaller than that of the rotors they carry{where}"
         remedy = "the URDF's links must include the rotors they carry; or take reduced"
-        raise InputError(
-            "the inertia of the links is smaller than that of the rotors they carry",
-            key="robot.rotor_coupling",
-            remedy=remedy,
-        )
+        raise InputError(problem, key="robot.rotor_coupling", remedy=remedy)
+    return H
+
+
+def check_model(model: Any) -> None:
+    """Refuse what is no model.
+
+    Raises:
+        InputError: it is none.
+    """
+    if not isinstance(model, FlexibleJointModel):
+        raise InputError("a FlexibleJointModel is needed", key="model", value=model, remedy="use fd.load_model(...)")
+
+
+def first_positions(model: FlexibleJointModel) -> Array:
+    """Link positions (n,) in the model's `initial`, 0 where it names none [rad or m]."""
+    known = model.initial.get("q", {})
+    return np.array([known.get(joint, 0.0) for joint in model.joint_names])

@@ -7,9 +7,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.at_time import at_time, is_timed
@@ -18,7 +18,6 @@ from flexdyn.simulation.plant import build_plant
 from flexdyn.simulation.solver_choice import STIFF, core_settings, fastest_rate
 from flexdyn.simulation.solvers import DormandPrince, Rosenbrock
 
-Array = NDArray[np.float64]
 HEAVY = 1e16
 """Inertia of what is moved as recorded [kg m^2 or kg], times that of a metre or a radian at 1 N m: a force of 1e5 N
 moves it by less than 1e-9 m in ten seconds, and 16 digits still tell its motion."""

@@ -9,14 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import SensorEffect, measure
 from flexdyn.errors import visible
 from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
+from flexdyn.records.units import PRISMATIC
+from flexdyn.records.units import SIGNALS as UNITS
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.electrical import Electrical, asked_voltage, electrical
 from flexdyn.simulation.energy import Energy
@@ -28,8 +30,6 @@ from flexdyn.simulation.solvers import Solver
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
     from flexdyn.viewer.inline import Inline
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,10 +86,8 @@ class Run(Locked, Public):
             for j, name in enumerate(self.joint_names)
         )
         steps = f"{self.stats.get('steps', 0)} steps, {self.stats.get('events', 0)} events"
-        facts = {
-            "time": f"{self.t[-1]:g} s, {len(self.t)} samples",
-            "solver": f"{type(self.solver).__name__}, {steps}",
-        }
+        solver = f"{type(self.solver).__name__}, {steps}"
+        facts = {"time": f"{self.t[-1]:g} s, {len(self.t)} samples", "solver": solver}
         heads = ("joint", "first q", "last q", "largest v", "deflection", "tau", "tau_s")
         return card(f"Run of {self.model.name}", facts, table(heads, rows), notes=self.notes)
 
@@ -149,9 +147,10 @@ class Run(Locked, Public):
                 channel = f"{signal}.{joint}"
                 channels[channel] = measure(sensors.get(channel, ()), getattr(self, signal)[:, j], self.t)
                 if self.model.robot.kinds[j] == "prismatic":
-                    units[f"{signal}.{joint}"] = _PRISMATIC_UNITS[signal]
+                    units[channel] = PRISMATIC[UNITS[signal]]
         volts = asked_voltage(self.model, self.tau)
-        channels |= {f"voltage.{name}": volts[:, j] for name, j in self._motors()}
+        driven = [j for j, joint in enumerate(self.model.joints.values()) if joint.actuator is not None]
+        channels |= {f"voltage.{self.joint_names[j]}": volts[:, j] for j in driven}
         seen = [f"{e.name} acts on the channel {e.channel}" for each in sensors.values() for e in each]
         meta: dict[str, Any] = {"solver": self.solver.to_dict(), "notes": [*self.notes, *seen]}
         if self.model.robot.source is not None:
@@ -175,10 +174,6 @@ class Run(Locked, Public):
         from flexdyn.simulation.run_dataset import run_dataset
 
         return run_dataset(self.to_recording(), self.energy if energy else None)
-
-    def _motors(self) -> list[tuple[str, int]]:
-        """Joints whose motor is under voltage, and their indices."""
-        return [(name, j) for j, (name, joint) in enumerate(self.model.joints.items()) if joint.actuator is not None]
 
     def _sensors(self) -> dict[str, list[SensorEffect]]:
         """Sensor effects that are not neutral, by channel."""
@@ -223,6 +218,3 @@ class Run(Locked, Public):
         from flexdyn.viewer.playback import inline
 
         return inline(self, compare, **choice)
-
-
-_PRISMATIC_UNITS = {"q": "m", "theta": "m", "v": "m/s", "omega": "m/s", "tau": "N", "tau_applied": "N", "tau_s": "N"}

@@ -61,7 +61,18 @@ class RungeKutta4(Solver):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DormandPrince(Solver):
+class _Adaptive(Solver):
+    """Settings of the solvers that adapt their steps to an error."""
+
+    rtol: float
+    atol: float
+    max_step: float = math.inf
+    smoothing: float | None = None
+    max_steps: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class DormandPrince(_Adaptive):
     """Dormand-Prince 5(4): adaptive steps, dense output of order 4; the reference.
 
     The local error of every state is kept below ``atol + rtol |x|`` (root mean square over the state).
@@ -78,13 +89,10 @@ class DormandPrince(Solver):
 
     rtol: float = 1e-8
     atol: float = 1e-10
-    max_step: float = math.inf
-    smoothing: float | None = None
-    max_steps: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rosenbrock(Solver):
+class Rosenbrock(_Adaptive):
     """RODAS, order 4(3), L-stable: for stiff springs and friction whose bristles are stiff.
 
     The local error is kept as in `DormandPrince`; the Jacobian is Pinocchio's, analytic.
@@ -99,9 +107,6 @@ class Rosenbrock(Solver):
 
     rtol: float = 1e-6
     atol: float = 1e-8
-    max_step: float = math.inf
-    smoothing: float | None = None
-    max_steps: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import make_drive
 from flexdyn.simulation.inputs_and_signals import SIGNALS
@@ -13,7 +13,6 @@ from flexdyn.simulation.plant import build_plant
 from flexdyn.simulation.solver_choice import budget, core_settings
 from flexdyn.simulation.solvers import Rosenbrock
 
-Array = NDArray[np.float64]
 TRIAL_STEPS = 2000  # some hundredths of a second of computing; a spent budget took a hundred times that
 RESERVE = 2.0  # times as many steps as the trial foretells must be within the budget
 

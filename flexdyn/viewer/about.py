@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.viewer.dials import NEEDLE
 from flexdyn.viewer.frames import Frames
@@ -15,7 +15,6 @@ from flexdyn.viewer.layout import Extent
 from flexdyn.viewer.page import floats
 from flexdyn.viewer.scene import ARM, BLUE, GHOST, SILVER, VIOLET
 
-Array = NDArray[np.float64]
 COLUMNS = {"q": "q", "deflection": "\u03b8 \u2212 q", "difference": "\u0394q"}
 """Heads of the page's table by series."""
 GHOSTLY = {

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.robot import Robot
 from flexdyn.robot.tree import Tree
 from flexdyn.viewer.solids import tube
 
-Array = NDArray[np.float64]
 BODY_GREY = (0.60, 0.65, 0.73, 1.0)
 STEEL = (0.35, 0.45, 0.62, 1.0)
 SHELL = (0.45, 0.58, 0.80, 0.55)
@@ -57,9 +56,9 @@ def bodies_of(robot: Robot, size: float) -> tuple[list[Body], tuple[str, ...]]:
     seen = {body.joint for body in bodies}
     bare = [j for j in range(robot.tree.m) if j not in seen]
     names = list(robot.pin_model.names)[1:]
-    notes = (
-        [f"left out, too large for a page or of a kind that it does not know: {', '.join(refused)}"] if refused else []
-    )
+    notes = []
+    if refused:
+        notes.append(f"left out, too large for a page or of a kind that it does not know: {', '.join(refused)}")
     if len(bare) == robot.tree.m:
         notes.append("no link has shapes that can be drawn: bodies are drawn from the inertias")
     elif bare:
@@ -73,9 +72,8 @@ def bodies_of(robot: Robot, size: float) -> tuple[list[Body], tuple[str, ...]]:
 
 def tip_of(robot: Robot, joint: int) -> Array:
     """The end of the body on a joint (3,) [m] in its frame: its farthest frame, else the centre of mass."""
-    frames = [
-        np.array(entry.placement.translation) for entry in robot.pin_model.frames if entry.parentJoint == joint + 1
-    ]
+    mounted = (entry for entry in robot.pin_model.frames if entry.parentJoint == joint + 1)
+    frames = [np.array(entry.placement.translation) for entry in mounted]
     return max([*frames, robot.tree.com[joint]], key=lambda point: float(np.linalg.norm(point)))
 
 
@@ -86,29 +84,19 @@ def _shapes(robot: Robot) -> tuple[list[Body], list[str]]:
     bodies, refused, total = [], [], 0
     for entry in robot.visual_model().geometryObjects:
         triangles = int(getattr(entry.geometry, "num_tris", 0))
-        if triangles > LARGEST_MESH or total + triangles > LARGEST_ARM:
-            refused.append(str(entry.name))
-            continue
-        total += triangles
-        geometry = loadMesh(entry.geometry) if triangles else loadPrimitive(entry)
+        large = triangles > LARGEST_MESH or total + triangles > LARGEST_ARM
+        geometry = None if large else loadMesh(entry.geometry) if triangles else loadPrimitive(entry)
         if geometry is None:
             refused.append(str(entry.name))
             continue
+        total += triangles
         entry.geometry.computeLocalAABB()
         box = entry.geometry.aabb_local
         pose = np.array(entry.placement.homogeneous)
         color = tuple(float(part) for part in entry.meshColor)
         plain = np.allclose(color, (0.7, 0.7, 0.7, 1.0), atol=1e-3)
-        bodies.append(
-            Body(
-                int(entry.parentJoint) - 1,
-                geometry,
-                pose,
-                BODY_GREY if plain else color,
-                _corners(np.array(box.min_), np.array(box.max_), pose),
-                faceted=triangles > 0,
-            )
-        )
+        corners, joint = _corners(np.array(box.min_), np.array(box.max_), pose), int(entry.parentJoint) - 1
+        bodies.append(Body(joint, geometry, pose, BODY_GREY if plain else color, corners, faceted=triangles > 0))
     return bodies, refused
 
 

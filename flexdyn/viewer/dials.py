@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.robot.tree import Tree
 from flexdyn.viewer.solids import polygon, sector
 
-Array = NDArray[np.float64]
 FACE, MARK, NEEDLE = "#ffffff", "#1f2937", "#d62728"
 RADIUS = 0.055
 """Sizes of a dial, as shares of the arm's size [1]."""

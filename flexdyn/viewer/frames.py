@@ -6,12 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.viewer.motion import PlayedMotion
 
-Array = NDArray[np.float64]
 FASTEST = 240.0
 """Largest frame rate [Hz]: at a tenth of the speed there are still 24 frames in a second."""
 MOST_FRAMES = 3600
@@ -50,9 +49,8 @@ def frames_of(motion: PlayedMotion, ghost: PlayedMotion | None) -> Frames:
     if ghost is not None:
         (first, last), (start, end) = motion.span, ghost.span
         if last > first and end > start and (start >= last or end <= first):
-            problem = (
-                f"it spans {start:.10g} to {end:.10g} s, and what it is compared with {first:.10g} to {last:.10g} s"
-            )
+            own, other = f"{start:.10g} to {end:.10g} s", f"{first:.10g} to {last:.10g} s"
+            problem = f"it spans {own}, and what it is compared with {other}"
             raise InputError(problem, key="compare", remedy="shift the clock of one of them")
     rate = (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 else 1.0
     return Frames(motion.at(times), None if ghost is None else ghost.at(times), float(rate))
@@ -77,9 +75,8 @@ def checked_factor(magnify: float) -> float:
         InputError: it is none.
     """
     if not 0.0 < magnify <= MOST_MAGNIFIED:
-        raise InputError(
-            "no such factor", key="magnify", value=magnify, remedy=f"above 0, and up to {MOST_MAGNIFIED:g}"
-        )
+        remedy = f"above 0, and up to {MOST_MAGNIFIED:g}"
+        raise InputError("no such factor", key="magnify", value=magnify, remedy=remedy)
     return float(magnify)
 
 

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.robot import Robot
 from flexdyn.viewer.bodies import Body, tip_of
 
-Array = NDArray[np.float64]
 EXTENT_SAMPLES = 60
 """Number of times that are used for the extent."""
 

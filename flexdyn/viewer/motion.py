@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.simulation.run import Run
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -95,14 +92,9 @@ def of_recording(
             # The rotor of a rigid joint is not shown, unless it was measured.
             if model.elastic[j] or measured.any():
                 deflection[:, j] = measured
-    notes = _notes(driven, absent)
+    said = {
+        "only theta was measured: the link is shown at its rotor's angle": driven,
+        "not in the recording, held or as in the arm it is compared with": absent,
+    }
+    notes = tuple(f"{text}: {', '.join(names)}" for text, names in said.items() if names)
     return PlayedMotion(label or recording.name or model.name, recording.t, q, deflection, notes)
-
-
-def _notes(driven: Sequence[str], absent: Sequence[str]) -> tuple[str, ...]:
-    notes = []
-    if driven:
-        notes.append(f"only theta was measured: the link is shown at its rotor's angle: {', '.join(driven)}")
-    if absent:
-        notes.append(f"not in the recording, held or as in the arm it is compared with: {', '.join(absent)}")
-    return tuple(notes)

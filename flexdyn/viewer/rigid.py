@@ -63,7 +63,7 @@ def _beside_run(source: Run, given: Any) -> tuple[PlayedMotion, tuple[str, ...]]
     n, x0 = source.model.n, inputs.x0  # the start of the run, which may be before its first sample
     first = n + int(source.model.elastic.sum())
     run = simulate(rigid, command, inputs.duration, q0=x0[:n], v0=x0[first : first + n], times=source.t)
-    return _labelled(run, command), (*notes, *_again(command))
+    return _labelled(run, command), (*notes, *((LAW_AGAIN,) if isinstance(command, Controller) else ()))
 
 
 def _beside_recording(
@@ -71,13 +71,10 @@ def _beside_recording(
 ) -> tuple[PlayedMotion, tuple[str, ...]]:
     rigid, times = model.rigid(), shown.t - shown.t[0]
     if command is None:
-        _check_torques(source, model)
+        idle = _idle(source, model)
         ghost = of_run(simulate(rigid, source, q0=shown.q[0], times=times))
-        return replace(ghost, label=f"{ghost.label}, in open loop"), (
-            OPEN_LOOP,
-            *_idle(source, model),
-            *_slow(source, model),
-        )
+        notes = (OPEN_LOOP, *idle, *_slow(source, model))
+        return replace(ghost, label=f"{ghost.label}, in open loop"), notes
     start = first_state(source, rigid)["v"] or None
     run = simulate(rigid, command, float(times[-1]), q0=shown.q[0], v0=start, times=times)
     return _labelled(run, command), _slow(source, model)
@@ -90,21 +87,17 @@ def _labelled(run: Run, command: Any) -> PlayedMotion:
     return replace(ghost, label=f"{ghost.label}, under the controller") if closed else ghost
 
 
-def _again(command: Any) -> tuple[str, ...]:
-    return (LAW_AGAIN,) if isinstance(command, Controller) else ()
+def _idle(recording: Recording, model: FlexibleJointModel) -> tuple[str, ...]:
+    """Joints that nothing drives.
 
-
-def _check_torques(recording: Recording, model: FlexibleJointModel) -> None:
-    """Whether there are torques to play."""
-    if not any(recording.has("tau", joint) for joint in model.joint_names):
+    Raises:
+        InputError: there is no torque of any joint.
+    """
+    idle = [joint for joint in model.joint_names if not recording.has("tau", joint)]
+    if len(idle) == model.n:
         has = ", ".join(list(recording.channels)[:6])
         remedy = f"the rigid arm needs the torques asked for, as tau.{model.joint_names[0]}"
         raise InputError("no tau of any joint of the arm", key="channels", value=has, remedy=remedy)
-
-
-def _idle(recording: Recording, model: FlexibleJointModel) -> tuple[str, ...]:
-    """Joints that nothing drives."""
-    idle = [joint for joint in model.joint_names if not recording.has("tau", joint)]
     return (f"no tau in the recording, none on the rigid arm: {', '.join(idle)}",) if idle else ()
 
 

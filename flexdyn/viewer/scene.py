@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.robot import Robot
 from flexdyn.robot.tree import Tree
 from flexdyn.viewer import dials
@@ -15,7 +15,6 @@ from flexdyn.viewer.animation import NodeMove, commands_of
 from flexdyn.viewer.bodies import Body
 from flexdyn.viewer.solids import tube
 
-Array = NDArray[np.float64]
 ARM, GHOST = "/arm", "/ghost"
 """Nodes of the arms in the scene's tree; the page makes the second arm from the first."""
 BLUE, VIOLET, SILVER = "#1f4e9c", "#9b30c9", "#99a6ba"
@@ -66,13 +65,12 @@ class ArmScene:
 
         for k, body in enumerate(bodies):
             node = self._view[f"{moved_path(ARM, self._tree, body.joint)}/body{k}"]
-            color = "#" + "".join(f"{round(255 * part):02x}" for part in body.color[:3])
+            red, green, blue = (round(255 * part) for part in body.color[:3])
+            color = (red << 16) + (green << 8) + blue
             opacity = body.color[3] if len(body.color) > 3 else 1.0
             # Shapes of a URDF often share a plane: there the first one is drawn in front, to avoid flicker.
             apart = {"polygonOffset": True, "polygonOffsetFactor": 0.2 * k, "polygonOffsetUnits": 16 * k}
-            material = MeshPhongMaterial(
-                color=_number(color), opacity=opacity, shininess=15, flatShading=body.faceted, **apart
-            )
+            material = MeshPhongMaterial(color=color, opacity=opacity, shininess=15, flatShading=body.faceted, **apart)
             node.set_object(body.geometry, material)
             node.set_transform(body.pose)
 
@@ -98,19 +96,17 @@ class ArmScene:
 
     def add_tip(self, j: int, point: Array) -> None:
         """Mark the point whose path is drawn."""
-        from meshcat.geometry import MeshBasicMaterial, Sphere
+        from meshcat.geometry import Sphere
 
         node = self._view[f"{moved_path(ARM, self._tree, j)}/tip"]
-        node.set_object(Sphere(0.011 * self._size), MeshBasicMaterial(color=_number(BLUE)))
+        node.set_object(Sphere(0.011 * self._size), _painted(BLUE))
         node.set_transform(_at(point))
 
     def add_trace(self, name: str, points: Array, color: str) -> None:
         """Draw the path of a tip."""
-        from meshcat.geometry import MeshBasicMaterial
-
         line = tube(points, 0.0032 * self._size)
         if line is not None:
-            self._view[f"/{name}"].set_object(line, MeshBasicMaterial(color=_number(color)))
+            self._view[f"/{name}"].set_object(line, _painted(color))
 
     def arm_moves(self, arm: str, q_tree: Array) -> list[NodeMove]:
         """The motions of the joints of an arm, from positions of the whole tree (frames, m)."""
@@ -125,11 +121,8 @@ class ArmScene:
         self.commands.extend(commands_of(moves, rate))
 
     def _flat(self, path: str, part: dials.DialShape) -> None:
-        from meshcat.geometry import MeshBasicMaterial
-
-        material = MeshBasicMaterial(
-            color=_number(part.color), opacity=part.opacity, transparent=True, depthTest=False, depthWrite=False
-        )
+        flat = {"transparent": True, "depthTest": False, "depthWrite": False}
+        material = _painted(part.color, opacity=part.opacity, **flat)
         self._view[path].set_object(part.geometry, material)
         # meshcat cannot set the drawing order; three.js can.
         self.commands[-1]["object"]["object"]["renderOrder"] = part.order
@@ -157,5 +150,8 @@ def _at(point: Array) -> Array:
     return pose
 
 
-def _number(color: str) -> int:
-    return int(color[1:], 16)
+def _painted(color: str, **look: Any) -> Any:
+    """A material that light does not change."""
+    from meshcat.geometry import MeshBasicMaterial
+
+    return MeshBasicMaterial(color=int(color[1:], 16), **look)

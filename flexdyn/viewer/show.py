@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot import frame_positions
@@ -18,7 +17,6 @@ from flexdyn.viewer.motion import PlayedMotion
 from flexdyn.viewer.page import page
 from flexdyn.viewer.scene import ARM, BLUE, GHOST, VIOLET, ArmScene
 
-Array = NDArray[np.float64]
 SHOWN_ANGLE = math.radians(25.0)
 """Approximate size of the largest magnified deflection of a revolute joint [rad]."""
 SHOWN_SHARE = 0.1

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import pytest
 
-from flexdyn.paper import hidden_friction
+from flexdyn.paper import Check, PaperStudy, hidden_friction
 from tests.cli.conftest import Runner
 
 FOUND = {
@@ -29,24 +27,6 @@ FOUND = {
 }
 
 
-@dataclass(frozen=True)
-class Check:
-    """A named number with its bound."""
-
-    name: str
-    value: float
-    bound: float
-    passed: bool
-
-
-@dataclass(frozen=True)
-class Study:
-    """What a study hands back."""
-
-    summary: dict[str, Any]
-    checks: list[Check]
-
-
 @pytest.fixture
 def study(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Path]]:
     """Put a study with given checks in the place of the real one, which takes its time."""
@@ -54,12 +34,12 @@ def study(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Path]]:
     def _study(*passed: bool) -> list[Path]:
         folders: list[Path] = []
 
-        def run_study(out: Path, *, diagnose: bool, progress: Callable[[str], None] | None = None) -> Study:
+        def run_study(out: Path, *, diagnose: bool, progress: Callable[[str], None] | None = None) -> PaperStudy:
             folders.append(out / "diagnosis" if diagnose else out)
             assert progress is None, "stderr is no terminal here"
-            checks = [Check(f"check {k}", 1e-12, 1e-11, good) for k, good in enumerate(passed)]
+            checks = tuple(Check(f"check {k}", 1e-12, 1e-11, good, "m") for k, good in enumerate(passed))
             numbers = {hidden_friction.TITLE: FOUND} if diagnose else {}
-            return Study({"slope": -1.0, "worst": float("inf"), "numbers": numbers}, checks)
+            return PaperStudy({"slope": -1.0, "worst": float("inf"), "numbers": numbers}, checks, ())
 
         module = ModuleType("flexdyn.paper")
         module.run_study = run_study  # type: ignore[attr-defined]

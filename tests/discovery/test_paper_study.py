@@ -58,7 +58,7 @@ def answer(plant: Plant) -> fd.Diagnosis:
     noise = np.random.default_rng(11)
     runs = moved(plant, bench.FIT), pulsed(plant), moved(plant, bench.CHECK)
     fit, *check = (bench.recorded(run.t, run.y[:, 0:2], run.y[:, 2:4], run.tau, noise) for run in runs)
-    return fd.diagnose(hidden_friction.forgetful(PaperCases().model), [fit], check)
+    return fd.diagnose(hidden_friction.without_dry_friction(PaperCases().model), [fit], check)
 
 
 def test_the_hidden_friction_is_found_in_what_another_simulator_made(answer: fd.Diagnosis) -> None:

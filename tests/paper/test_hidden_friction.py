@@ -77,8 +77,8 @@ def test_sensors_are_as_stated(made: Bench) -> None:
 
 
 def test_only_dry_friction_is_hidden(cases: PaperCases) -> None:
-    """The forgetful model keeps limit and viscous friction, and its K and J are off by no more than its tolerance."""
-    given = hidden_friction.forgetful(cases.model)
+    """The model without dry friction keeps limit and viscous friction; K and J are off by at most its tolerance."""
+    given = hidden_friction.without_dry_friction(cases.model)
     assert [effect.name for effect in given.effects] == ["torque_speed_limit"] * 2 + ["viscous_friction"] * 2
     assert sorted({effect.name for effect in hidden_friction.hidden(cases.model)}) == list(NAMES)
     for joint, true in cases.model.joints.items():
@@ -106,7 +106,7 @@ def test_checks_hold_for_the_right_answer_only(cases: PaperCases) -> None:
 
 def test_the_gap_falls_with_every_effect(cases: PaperCases, made: Bench, tmp_path: Path) -> None:
     """With all that is missing the gap is the diagnosis' own; on the way it is simulated, and it falls; it is drawn."""
-    given, right = hidden_friction.forgetful(cases.model), answer(cases, leave_out=2)
+    given, right = hidden_friction.without_dry_friction(cases.model), answer(cases, leave_out=2)
     steps = hidden_friction.gap_steps(given, right, [made.recordings["check"].trim(3.0, 9.0)])
     assert [step.name for step in steps[:2]] == ["as given", "calibrated"]
     assert [step.gap for step in (*steps[:2], *steps[3:])] == [300.0, 200.0, 1.02, 1.0]

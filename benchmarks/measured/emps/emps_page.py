@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +11,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from pages import fill_page
 from result_tables import markdown_table
-from told import findings_text, gap_text
 
 if TYPE_CHECKING:
     from emps_result import Study
@@ -35,40 +35,11 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     made.diagnosis.save(folder / "diagnosis")
     _draw_loops(made, folder / "closed_loop.png")
     _draw_missing(made, folder / "missing.png")
-    checks = "\n".join(f"- {each}" for each in held)
-    head = (
-        "# EMPS: what a plain rigid axis lacks\n"
-        "\n"
-        "One prismatic axis with its position controller, 24.8 s at 1 kHz a record. DATA_EMPS is fitted; PULSES, "
-        "in which 5 V pulses are added after the controller, is not used in the fit."
-    )
-    parts = [head, checks, *_found(made), *_errors(made), *_loop(made)]
-    (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    fill_page(__file__, made, held, folder, errors=_errors(made), late=_late(made))
 
 
-def _found(made: Study) -> Iterator[str]:
-    yield "## What was found"
-    yield f"{gap_text(made.diagnosis)}\n\n{findings_text(made.diagnosis)}"
-    rows = [[each.of, each.parameter, f"{each.factor:.4f}", f"{each.std:.4f}"] for each in made.diagnosis.calibration]
-    yield markdown_table(["number of the file", "", "factor", "std"], rows, text=2)
-    yield (
-        "The report's own friction: 20.4 N dry and 203.5 N s/m viscous with an offset of -3.16 N (4.08 %), or, "
-        "better (3.11 %), 20.1 N and 166.7 N s/m forwards against 20.6 N and 240.4 N s/m backwards. So the authors "
-        "find nearly equal dry levels and a *viscous* part that depends on the direction."
-    )
-    yield "![what is missing](missing.png)"
-    yield (
-        "Three things are left without a name. At the lowest speed there is a ripple over position of about 1 N "
-        "with two cycles per turn of the screw (2.5 mm). In the first centimetres per second after a reversal, the "
-        "friction is smaller than its level, the opposite of a Stribeck effect. In PULSES there is one jump of the "
-        "force at 22.4 s that nothing in the recording explains. The diagnosis was told (`expect`) that viscous "
-        "friction may depend on the direction, as in the authors' second model. Without that it stays unnamed, "
-        "because other unknown laws may look like it."
-    )
-
-
-def _errors(made: Study) -> Iterator[str]:
-    yield "## Errors of the force"
+def _errors(made: Study) -> str:
+    """Errors of the force: reported, of every account, and of plain least squares."""
     rows = [[name, *("" if x is None else f"{x:.3g}" for x in errors)] for name, errors in REPORTED.items()]
     for name, account in made.accounts.items():
         errors = account.errors()
@@ -77,27 +48,13 @@ def _errors(made: Study) -> Iterator[str]:
     plain = [f"{100.0 * made.reference[record]:.3g}" for record in RECORDS]
     rows.append(["plain least squares, friction of either direction", *plain, "", "", "", ""])
     header = ["error [%]", *(f"{kind}, {record}" for kind in KINDS for record in RECORDS)]
-    yield markdown_table(header, rows)
-    yield (
-        "Norm of the difference over the norm of the measured force. Inverse model: position after a Butterworth "
-        "filter of fourth order at 100 Hz, forwards and backwards, central differences, one row of ten. Closed "
-        "loop: the raw force of every sample."
-    )
-    yield "![closed loop](closed_loop.png)"
+    return markdown_table(header, rows)
 
 
-def _loop(made: Study) -> Iterator[str]:
-    yield "## The controller in the loop"
+def _late(made: Study) -> str:
+    """Errors of the control law by its delay."""
     rows = [[str(delay), *(f"{100.0 * by[record]:.3g}" for record in RECORDS)] for delay, by in made.late.items()]
-    yield markdown_table(["samples that the output is late", *(f"error [%], {each}" for each in RECORDS)], rows)
-    yield (
-        "Evaluated along the measured positions, the published control law gives the recorded voltage of the "
-        "*same* row. So the loop is simulated without the one-sample delay of the published diagram. With that "
-        "delay the published model has errors close to the printed ones; a part of those comes from the delay and "
-        "not from the friction. Runs start at the measured position and velocity, because the axis moves already "
-        "when the recording begins. The pulses are steps of 5.07 V, according to the edges of the voltage, not of "
-        "5 V."
-    )
+    return markdown_table(["samples that the output is late", *(f"error [%], {each}" for each in RECORDS)], rows)
 
 
 def _draw_loops(made: Study, path: Path) -> None:

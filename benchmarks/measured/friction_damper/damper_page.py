@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from pages import fill_page
 from result_tables import markdown_table
-from told import findings_text
 
 if TYPE_CHECKING:
     from damper_result import Study
@@ -32,44 +32,21 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     _draw(made, folder / "force.png")
     _draw_left(made, folder / "left.png")
-    checks = "\n".join(f"- {each}" for each in held)
-    head = (
-        "# Friction damper: force under a prescribed motion\n"
-        "\n"
-        "A band brake of steel with backlash, driven by a hydraulic actuator with a sine of 25 mm at 1 Hz; 20, 35 "
-        "and 80 lb pull at its band (ARTS Lab, University of South Carolina, and Lehigh University, 2022; data by "
-        "D. Coble and others, CC BY-SA 4.0). Each file is diagnosed by `fd.diagnose`, with `prescribed: "
-        "[damper]` in the channel map, from its first 5 s, with the full cycles from 2 to 5 s. Cycles from 5 to 8 s, "
-        "whose amplitude fades, and the file at 0.5 Hz took no part."
-    )
-    parts = [head, checks, *_named(made), *_errors(made), *_compared(made), *_left(made), *_limits()]
-    (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    tables = {"errors": _errors(made), "drift": _drift_table(made), "left": _left(made)}
+    ratios = {each.name.partition(" of ")[0]: each.ratio for each in made.compared.numbers}
+    fill_page(__file__, made, held, folder, odds=_odds(made), ratios=ratios, **tables)
 
 
-def _named(made: Study) -> Iterator[str]:
-    yield "## What is named"
-    yield (
-        "The model at the start is a drum behind a spring with a brake that may hold differently in either direction. "
-        "Two numbers are read off the force of each file (`read_off`): the slope after a reversal, known to 10 %, and "
-        "the force while it slides, to 20 %. There is no backlash in it. As the device is published as a damper with "
-        "backlash, backlash is expected (`expect`). The diagnosis reads from 0.75 s on: before its first slip nobody "
-        "knows where in its gap the drum stands. At 512 instead of 1024 samples a second the names are the same."
-    )
-    odds = [
+def _odds(made: Study) -> list[float]:
+    """Probability of backlash at every tension, among the structures that were compared."""
+    return [
         max(each.probability for each in found.considered if each.suspect.effect == "backlash")
         for found in made.diagnoses.values()
     ]
-    yield (
-        f"Among the structures that were compared, backlash has {', '.join(f'{x:.3f}' for x in odds)} at 20, 35 and 80 "
-        "lb. The probabilities below are lower, as a rest that nothing explains may hold something that looks like it "
-        "(eq. 6 of the method); without `expect` those odds are 50 times worse, and backlash would not be named."
-    )
-    for file, diagnosis in made.diagnoses.items():
-        yield f"{file}, verdict **{diagnosis.verdict}**, {diagnosis.seconds:.0f} s:\n\n{findings_text(diagnosis)}"
 
 
-def _errors(made: Study) -> Iterator[str]:
-    yield "## Errors of the force"
+def _errors(made: Study) -> str:
+    """Errors of the force at every tension, by model."""
     rows = []
     for file, diagnosis in made.diagnoses.items():
         before, _, _, size = diagnosis.errors["damper"].force
@@ -78,72 +55,14 @@ def _errors(made: Study) -> Iterator[str]:
             ours = [found[file].get(key) for key in KEYS]
             rows.append([f"{file}, {words}", *("-" if x is None else f"{100.0 * x:.1f}" for x in ours)])
         rows.append([f"{file}, LuGre", *("-" if x is None else f"{x}" for x in LUGRE[file])])
-    yield markdown_table(["relative force error [%]", "cycles from 2 to 5 s", *KEYS[1:]], rows)
-    yield (
-        "The motion is given, so the force is all that is simulated: what the spring carries to the drum that moves "
-        "behind it. No measured force is read but the first, which says how far the spring is wound."
-    )
-    yield (
-        f"*The bench's mass.* Above 15 Hz the force follows the acceleration of the actuator with {made.mass:.0f} kg "
-        "(least squares over the cycles from 2 to 5 s of the three 1 Hz files; the correlation is 0.7 to 0.8, above "
-        "30 Hz 0.9). There is no such force at 0.5 or 1 Hz. A force that was corrected for the inertia of the "
-        "commanded sine alone would look like this. It is taken off before the diagnosis and added to what the models "
-        "compute. "
-        "An accelerometer on the actuator would tell it by itself."
-    )
-    yield "![measured and computed force](force.png)"
+    return markdown_table(["relative force error [%]", "cycles from 2 to 5 s", *KEYS[1:]], rows)
 
 
-def _compared(made: Study) -> Iterator[str]:
-    yield "## Over the tensions"
-    found = made.compared
-    numbers, effects = found.heads
-    yield markdown_table(numbers, found.number_rows())
-    yield markdown_table(effects, found.effect_rows())
-    ratios = {each.name.partition(" of ")[0]: each.ratio for each in found.numbers}
-    yield (
-        "By `fd.compare_models` of the three corrected models: a number moved where the values differ by more than "
-        "their standard errors, and stayed where they do not and a quarter would have been seen; 'by chance' is how "
-        "often equal numbers with these errors differ so much. The largest levels of friction are "
-        f"{ratios['level positive']:.1f} and {ratios['level negative']:.1f} times the smallest ones, and rise with the "
-        f"tension. The largest gap is {ratios['half gap']:.2f} times the smallest: 20 and 80 lb have the same one, and "
-        "35 lb a wider one, which no tension explains. The standard errors hold the model error that each diagnosis "
-        "leaves, and not that it is another one at 35 lb, where most is left while the band seats. At 512 samples a "
-        "second they are larger, and there the gap is said to stay."
-    )
-
-
-def _left(made: Study) -> Iterator[str]:
-    yield "## What is left"
-    yield "![what the corrected models leave](left.png)"
-    yield (
-        "Most of it lies within 12 mm of a reversal, where the band seats after the gap: the measured force hesitates "
-        "there and then jumps, at 35 lb by up to 6 kN for some 10 ms when it moves down, alike in every cycle. The "
-        "presliding friction that an earlier fit of all numbers put in its place took 15 mm to reach its level, which "
-        "the smaller cycles later do not show: at 35 lb that fit left 13.2 % of the later cycles. No law of the "
-        "catalogue describes how a band seats."
-    )
-    yield _drift_table(made)
-    yield (
-        "While the brake slides, what is left at 35 lb drifts upwards from cycle to cycle, by 1.4 kN where it moves up "
-        "and by 0.6 kN where it moves down: the one force grows and the other falls. Warming or wear would change both "
-        "alike. The published force at the pulling end of the band, which no diagnosis reads, grows as well where it "
-        "moves up, from 5.2 to 5.9 kN; at 20 and 80 lb it has no such course. The levels of every law of friction in "
-        "the catalogue are constant in time, and cannot follow. With the seating, that is why the bound of 12 % is "
-        "missed at 35 lb."
-    )
+def _left(made: Study) -> str:
+    """The force that is left of the later cycles, by where it is left."""
     rows = [[file, *_shares(made.records[file], made.forces[file])] for file in made.forces]
-    yield markdown_table(
-        [
-            "force that is left, later cycles [kN]",
-            "mean",
-            "within 12 mm of a reversal",
-            "beyond",
-            "moving up",
-            "moving down",
-        ],
-        rows,
-    )
+    places = ["mean", "within 12 mm of a reversal", "beyond", "moving up", "moving down"]
+    return markdown_table(["force that is left, later cycles [kN]", *places], rows)
 
 
 def _drift_table(made: Study) -> str:
@@ -181,20 +100,6 @@ def _shares(record: fd.Recording, force: Array) -> list[str]:
     parts = (since < 0.012, since >= 0.012, u > 0.0, u < 0.0)
     sizes = [float(np.sqrt((left[rows & part] ** 2).mean())) for part in parts]
     return [f"{x:.2f}" for x in (float(left[rows].mean()), *sizes)]
-
-
-def _limits() -> Iterator[str]:
-    yield "## What the data do not tell"
-    yield (
-        "- A wide gap and a spring that hardens look alike while the band seats: where nothing is known of the spring, "
-        "either explains the curves. The slope after a reversal decides for the gap.\n"
-        "- The widths of the priors (10, 20 and 50 %) and the start at 0.75 s were chosen while this study was made, "
-        "with all errors in sight. With wider ones, with an unknown damping, or read from 0 s on, at 20 lb nothing "
-        "was named, or a half gap of 1.0 mm; at 35 and 80 lb backlash was named in most of these.\n"
-        "- The radius of the drum is not published, so the drum's mass is an inertia over the square of that radius.\n"
-        "- Friction and speed: all files of one tension but one have one frequency. The files at 0.05 and 0.1 Hz "
-        "would tell. Other amplitudes at one tension, down to less than the gap, would tell the gap from the spring."
-    )
 
 
 def _draw(made: Study, file: Path) -> None:

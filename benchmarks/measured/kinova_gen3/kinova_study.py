@@ -25,7 +25,7 @@ import flexdyn as fd
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from along import Inverse, along
-from command import Outcome, command
+from command import Parts, command
 from measure import Bound
 from task import Task
 
@@ -137,13 +137,7 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     }
 
 
-def outcome(folder: Path) -> Outcome:
-    """The study with its bounds and its page."""
-    made = study(folder)
-    held = bounds(made)
-    return Outcome(held, results(made, held), lambda place: write_page(made, held, place))
-
-
 if __name__ == "__main__":
+    parts = Parts(study, bounds, results, write_page)
     needs = [*(f"joint_{j}_trapez.csv" for j in SWEPT), "trajectory1.csv", "gen3.urdf"]
-    sys.exit(command(__file__, __doc__, "kinova_gen3", needs, outcome))
+    sys.exit(command(__file__, __doc__, "kinova_gen3", needs, parts))

@@ -23,7 +23,7 @@ import flexdyn as fd
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from command import Outcome, command
+from command import Parts, command
 from measure import Bound
 from task import Task
 
@@ -111,12 +111,14 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     }
 
 
-def outcome(folder: Path) -> Outcome:
-    """The study with its bounds and its page."""
-    made = study(folder)
-    held = bounds(made)
-    return Outcome(held, results(made, held), lambda place: write_page(made, held, place))
-
-
 if __name__ == "__main__":
-    sys.exit(command(__file__, __doc__, "kuka_kr300", tuple(f"recorded_{name}.mat" for name in RECORDS), outcome))
+    parts = Parts(study, bounds, results, write_page)
+    sys.exit(
+        command(
+            __file__,
+            __doc__,
+            "kuka_kr300",
+            tuple(f"recorded_{name}.mat" for name in RECORDS),
+            parts,
+        )
+    )

@@ -3,43 +3,31 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from pages import fill_page
+from result_tables import markdown_table
+
 if TYPE_CHECKING:
     from measure import Bound
     from screw_result import Studied
 
 RPM = 30.0 / math.pi
-NOTES = """What the data do not determine:
-
-- Coulomb friction and load in one direction: both are a level. Half the sum of the two levels is friction, half the
-  difference is load, gravity, an offset of the current, or asymmetric friction. Friction of these drives grows with the
-  load (self-locking), so one payload cannot separate them.
-- Whether a rise towards rest comes from the screw, its nut or its bearings: only the motor's side was measured.
-- The velocity of a rise that only the two slowest runs show, as for the worm: it is a few rpm.
-- Anything in the first instants of motion: the start-stop files have a sample in 40 ms, of an averaged torque. Where
-  the first 0.2 s do not stand out of what follows, a breakaway torque of another kind is not excluded.
-- `fd.diagnose` needs positions, and samples at 20 Hz or more; these files hold an averaged velocity at 8 to 156 Hz.
-  Runs at constant speed are judged by their means instead: `fd.steady_points`, `fd.steady_friction`."""
 
 
 def write_page(made: Sequence[Studied], held: Sequence[Bound], folder: Path) -> None:
     """Write page.md and curves.png into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     _draw(made, folder / "curves.png")
-    head = "# Screw drives: which show Stribeck friction, and in which direction"
-    checks = "\n".join(f"- {each}" for each in held)
-    parts = [head, checks, _verdicts(made), "![curves](curves.png)", _sentences(made), _starts(made), NOTES]
-    (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
-
-
-def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    parts = {"verdicts": _verdicts(made), "sentences": _sentences(made), "starts": _starts(made)}
+    fill_page(__file__, made, held, folder, **parts)
 
 
 def _verdicts(made: Sequence[Studied]) -> str:
@@ -63,13 +51,7 @@ def _verdicts(made: Sequence[Studied]) -> str:
         "start-stop",
         "speeds",
     ]
-    return _table(header, rows) + (
-        "\n"
-        "\n"
-        "*Other speeds*: decrease of the squared errors, in units of noise, at the half of the speeds that was "
-        "predicted from the other half, both ways; *start-stop*: the same at the runs that were not used in the "
-        "fit."
-    )
+    return markdown_table(header, rows, text=len(header))
 
 
 def _sentences(made: Sequence[Studied]) -> str:
@@ -92,7 +74,7 @@ def _sentences(made: Sequence[Studied]) -> str:
             scatter = f"means scatter by {curve.scatter:.1f} of their own standard deviations"
             lines.append(f"- {of.drive.words}, {direction:+d}: {'; '.join(said)}; {scatter}.")
         lines.append(f"  The authors' parameters for this drive: {of.drive.said}.")
-    return "All at the motor; intervals of 95 %.\n\n" + "\n".join(lines)
+    return "\n".join(lines)
 
 
 def _starts(made: Sequence[Studied]) -> str:
@@ -105,12 +87,7 @@ def _starts(made: Sequence[Studied]) -> str:
         for each in of.stretches
     ]  # fmt: skip
     header = ["drive", "start-stop file", "rpm", "torque [mN m]", "named laws say", "Coulomb, viscous say", "start"]
-    return _table(header, rows) + (
-        "\n"
-        "\n"
-        "*Start*: the largest sample of the first 0.2 s of motion above the mean, in standard deviations of single "
-        "samples; for the largest of five samples of pure noise it is about 1.2."
-    )
+    return markdown_table(header, rows, text=len(header))
 
 
 def _draw(made: Sequence[Studied], path: Path) -> None:

@@ -24,7 +24,7 @@ import flexdyn as fd
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from command import Outcome, command
+from command import Parts, command
 from measure import Bound
 from task import decimated
 
@@ -158,12 +158,19 @@ def asdict_of(trial: fd.LawTrial) -> dict[str, Any]:
     return vars(trial) | {"numbers": dict(trial.numbers), "intervals": dict(trial.intervals)}
 
 
-def outcome(folder: Path) -> Outcome:
-    """The study with its bounds and its page."""
-    made = tuple(studied(folder, drive) for drive in DRIVES)
-    held = bounds(made)
-    return Outcome(held, results(made, held), lambda place: write_page(made, held, place))
+def study(folder: Path) -> tuple[Studied, ...]:
+    """Every drive."""
+    return tuple(studied(folder, drive) for drive in DRIVES)
 
 
 if __name__ == "__main__":
-    sys.exit(command(__file__, __doc__, "screw_drives", ("driveNo1", "driveNo2", "driveNo3"), outcome))
+    parts = Parts(study, bounds, results, write_page)
+    sys.exit(
+        command(
+            __file__,
+            __doc__,
+            "screw_drives",
+            ("driveNo1", "driveNo2", "driveNo3"),
+            parts,
+        )
+    )

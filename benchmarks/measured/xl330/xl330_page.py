@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from pages import fill_page
 from result_tables import markdown_table
-from told import findings_text, gap_text
 
 if TYPE_CHECKING:
     from measure import Bound
@@ -27,53 +27,27 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     made.diagnosis.save(folder / "diagnosis")
     _draw(made, folder / "motions.png")
-    checks = "\n".join(f"- {each}" for each in held)
-    head = (
-        "# XL330: a hobby servo from its goal alone\n\nA Dynamixel XL330 swings 0.49 kg at 0.1 m, eight logs of 6 s "
-        "at four "
-        "gains of its firmware (BAM, ICRA 2025). Simulated from the goal and the first position alone, the "
-        "firmware's loop "
-        "closed on the simulated position, nothing reset."
-    )
-    parts = [head, checks, *_errors(made), *_named(made), *_numbers(made)]
-    (folder / "page.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    fill_page(__file__, made, held, folder, errors=_errors(made), published=_published(made), numbers=_numbers(made))
 
 
-def _errors(made: Study) -> Iterator[str]:
-    yield "## Errors of the position"
+def _errors(made: Study) -> str:
+    """Mean absolute error of every log by each model."""
     rows = [
         [name, *(f"{1e3 * each:.1f}" for each in errors), f"{1e3 * errors.mean():.1f}"]
         for name, errors in made.errors.items()
     ]
-    yield markdown_table(["mean absolute error [mrad]", *(log.name for log in made.logs), "mean"], rows)
+    return markdown_table(["mean absolute error [mrad]", *(log.name for log in made.logs), "mean"], rows)
+
+
+def _published(made: Study) -> str:
+    """The same beside the published models."""
     rows = [[name, f"{own:.1f}", f"{other:.1f}"] for name, (own, other) in PUBLISHED.items()]
     rows.append(["**this study**", f"{1e3 * made.mean('fitted'):.1f}", f"{1e3 * made.unseen():.1f}"])
-    yield markdown_table(["model", "these 8 logs [mrad]", "gains 200 and 800 by a fit to 100 and 400 [mrad]"], rows)
-    yield (
-        "For BAM's models the last column includes the other eight logs, for ours only these eight. 'Less' leaves "
-        "one effect out and keeps all other numbers. So it shows how much the model depends on the effect, not how "
-        "good a fitted model without it would be. While the motor is switched off (lift_and_drop, 2 s), the arm is "
-        "simulated without an actuator."
-    )
-    yield "![measured and simulated](motions.png)"
+    return markdown_table(["model", "these 8 logs [mrad]", "gains 200 and 800 by a fit to 100 and 400 [mrad]"], rows)
 
 
-def _named(made: Study) -> Iterator[str]:
-    yield "## What a diagnosis names"
-    yield f"{gap_text(made.diagnosis)}\n\n{findings_text(made.diagnosis)}"
-    for each in made.diagnosis.findings:
-        if each.experiment:
-            yield f"What would separate {each.suspect.effect.replace('_', ' ')} from its rivals: {each.experiment}."
-    yield (
-        "Four logs at 190 Hz with one encoder, on the output: what happens at the rotor is seen through the gear "
-        "alone. The fitted model holds more than the diagnosis names. The loss of torque at high current and what "
-        "the gear holds at rest decide when the arm sticks and lets go, which equations along the motion hardly "
-        "see; they are fitted, not named, and carry no probability."
-    )
-
-
-def _numbers(made: Study) -> Iterator[str]:
-    yield "## The fitted model"
+def _numbers(made: Study) -> str:
+    """Numbers of the fitted model."""
     joint = made.fitted.joints["servo"]
     motor = joint.actuator.dc_motor if joint.actuator is not None else None
     rows = [["rotor inertia", f"{joint.rotor_inertia:.3g} kg m^2"], ["stiffness", f"{joint.stiffness:.3g} N m/rad"]]
@@ -84,8 +58,7 @@ def _numbers(made: Study) -> Iterator[str]:
     for effect in made.fitted.effects:
         numbers = (f"{f.name} {getattr(effect, f.name):.3g} {f.metadata['unit']}" for f in effect.parameters())
         rows.append([effect.name.replace("_", " "), ", ".join(numbers)])
-    yield markdown_table(["number", "value"], rows, text=2)
-    yield "All behind the gear. `python benchmarks/measured/xl330/xl330_fit.py` fits it."
+    return markdown_table(["number", "value"], rows, text=2)
 
 
 def _draw(made: Study, file: Path) -> None:

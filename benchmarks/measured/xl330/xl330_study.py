@@ -24,7 +24,7 @@ import flexdyn as fd
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from command import Outcome, command
+from command import Parts, command
 from measure import Bound
 from task import Task
 
@@ -91,12 +91,6 @@ def results(made: Study, held: list[Bound]) -> dict[str, Any]:
     }
 
 
-def outcome(folder: Path) -> Outcome:
-    """The study with its bounds and its page."""
-    made = study(folder)
-    held = bounds(made)
-    return Outcome(held, results(made, held), lambda place: write_page(made, held, place))
-
-
 if __name__ == "__main__":
-    sys.exit(command(__file__, __doc__, "bam_xl330", ("xl330_kp100_sin_sin.csv",), outcome))
+    parts = Parts(study, bounds, results, write_page)
+    sys.exit(command(__file__, __doc__, "bam_xl330", ("xl330_kp100_sin_sin.csv",), parts))
