@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 
 from flexdyn.effects.base import JointEffect, parameter, spaced
+from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent, wave
 
 
 class TorqueOffset(JointEffect):
@@ -24,6 +26,7 @@ class TorqueOffset(JointEffect):
     shown = {"offset": 0.3}
     order = 2
     linear = ("offset",)
+    is_constant = True
 
     offset: float = parameter("N m")
 
@@ -68,11 +71,28 @@ class TorqueRipple(JointEffect):
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.3, "harmonic": 2.0, "phase": 0.0}
     periodic = True
+    linear_bounds = (-math.inf, -math.inf)
+    axes = ("harmonic",)
     order = 3
 
     amplitude: float = parameter("N m")
     harmonic: float = parameter("1")
     phase: float = parameter("rad")
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """See the base class."""
+        return extent.waves(SLOW_HARMONICS if extent.turns else (), (1.0, 2.0, 3.0, 6.0))
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """From its sine and cosine parts."""
+        return wave(point, x)
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return extent.torque
 
 
 class TorqueSpeedLimit(JointEffect):
@@ -150,6 +170,7 @@ class CommandDelay(JointEffect):
     shown = {"delay": 0.005}
     order = -1
     grids = {"delay": ("one", (0.0005, 0.001, 0.002, 0.004, 0.008))}
+    shifts_time = True
     prevalence = "often"
 
     delay: float = parameter("s", lower=0.0)

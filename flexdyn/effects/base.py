@@ -10,9 +10,10 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
+import itertools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar, Literal, Self, dataclass_transform
 
 import numpy as np
@@ -20,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
 from flexdyn.checks import as_number
+from flexdyn.effects.extent import MotionExtent
 from flexdyn.errors import InputError, did_you_mean
 
 Array = NDArray[np.float64]
@@ -78,13 +80,15 @@ class Effect:
         order: place among the effects on the motor's torque, or on the deflection; the least acts first, users' own
             last.
 
-    A diagnosis proposes every class that names `linear` or `grids`.
+    A diagnosis proposes every class that names `linear`, `linear_bounds` or `axes`.
 
     Class attributes for a diagnosis:
         linear: parameters in which the torque is linear, all together: it is nothing where they are 0.
-        grids: values to try of the others, in units of what the joint does: the greatest torque that its motor must
-            have ``given``, its greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of
-            the parameter's own unit.
+        linear_bounds: where it is linear in something else than its parameters: the lower bound of each, see `numbers_of`.
+        axes: the other parameters, of which a grid of values is tried, see `tried`.
+        grids: that grid, in units of what the joint does: the greatest torque that its motor must have ``given``, its
+            greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of the parameter's own
+            unit.
         contains: names of effects that it becomes in a limit of its numbers; they never stand beside it.
         plainer: those of them that are the same law without its further numbers: only what these add speaks for it.
         natural_size: prior standard deviation of its size where that has nothing to do with the drive's torque.
@@ -95,6 +99,10 @@ class Effect:
         periodic: it comes again with position, `harmonic` times a turn.
         position_error: of an effect on positions, the parameter that says how large it is [rad or m].
         bends_spring: with it, the transmission is no linear spring.
+        makes_elastic: a joint that the model takes for rigid becomes elastic.
+        shifts_time: it shifts a signal in time, by its ``delay``.
+        is_constant: a torque that neither the motion nor the command changes; a force sensor may have it too.
+        undiagnosed: parameters that a diagnosis does not know where they are above 0: what that is, and the remedy.
     """
 
     name: ClassVar[str]
@@ -107,6 +115,8 @@ class Effect:
     takes_load: ClassVar[bool] = False
     order: ClassVar[int] = 100
     linear: ClassVar[tuple[str, ...]] = ()
+    linear_bounds: ClassVar[tuple[float, ...]] = ()
+    axes: ClassVar[tuple[str, ...]] = ()
     grids: ClassVar[Mapping[str, tuple[Scale, tuple[float, ...]]]] = {}
     contains: ClassVar[tuple[str, ...]] = ()
     plainer: ClassVar[tuple[str, ...]] = ()
@@ -117,10 +127,16 @@ class Effect:
     periodic: ClassVar[bool] = False
     position_error: ClassVar[str] = ""
     bends_spring: ClassVar[bool] = False
+    makes_elastic: ClassVar[bool] = False
+    shifts_time: ClassVar[bool] = False
+    is_constant: ClassVar[bool] = False
+    undiagnosed: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
     def __init_subclass__(cls, abstract: bool = False) -> None:
         """Make the subclass a frozen dataclass and register it in the catalogue under its name."""
         dataclasses.dataclass(frozen=True, kw_only=True)(cls)
+        if cls.grids:
+            cls.axes = tuple(cls.grids)
         if abstract:
             return
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
@@ -208,6 +224,30 @@ class Effect:
                 unit = field.metadata.get("unit")
                 raise InputError(f"{cls.name} needs it", key=key, remedy=f"give it in {unit}" if unit else "name it")
         return cls(**entry)
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """Values of its `axes` that a diagnosis tries (points, axes); none where the joint cannot show the effect.
+
+        Args:
+            extent: what the joint does in the recordings.
+        """
+        sizes = [[share * extent.size(scale) for share in shares] for scale, shares in cls.grids.values()]
+        return itertools.product(*sizes)
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """Its parameters from values of its `axes` and of what it is linear in; None: there is no such effect."""
+        return dict(zip(cls.axes, point, strict=True)) | dict(zip(cls.linear, x, strict=True))
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """Size of what it is linear in at which a diagnosis computes what it does."""
+        return 1.0
+
+    def largest(self, name: str) -> float:
+        """Largest value that a fit gives a parameter."""
+        return math.inf
 
     @classmethod
     def example(cls, joint: str = "joint", other: str = "other_joint") -> Self:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.effects.base import Effect, Side, Stage, parameter
+from flexdyn.effects.extent import POSITION_STEP, MotionExtent, wave
 from flexdyn.errors import InputError
 
 Array = NDArray[np.float64]
@@ -101,6 +103,7 @@ class ChannelLag(SensorEffect):
     neutral = {"delay": 0.0}
     shown = {"delay": 0.005}
     prevalence = "often"
+    shifts_time = True
 
     delay: float = parameter("s", lower=0.0)
 
@@ -130,6 +133,8 @@ class EncoderEccentricity(SensorEffect):
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.002, "harmonic": 1.0, "phase": 0.0}
     periodic = True
+    linear_bounds = (-math.inf, -math.inf)
+    axes = ("harmonic",)
     position_error = "amplitude"
     natural_size = 0.01
     signals = POSITIONS
@@ -137,6 +142,21 @@ class EncoderEccentricity(SensorEffect):
     amplitude: float = parameter("rad")
     harmonic: float = parameter("1", default=1.0)
     phase: float = parameter("rad")
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """See the base class."""
+        return extent.waves((1.0, 2.0), (1.0, 2.0) if extent.signal == "theta" else ())
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """From its sine and cosine parts."""
+        return wave(point, x)
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return POSITION_STEP
 
     def error(self, x: Array) -> Array:
         """Over the true position [rad]."""
@@ -157,9 +177,15 @@ class SensorOffset(SensorEffect):
     neutral = {"offset": 0.0}
     shown = {"offset": 0.01}
     natural_size = 0.01
+    linear = ("offset",)
     position_error = "offset"
 
     offset: float = parameter("unit of the channel")
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return 1e-4 if extent.signal == "tau_s" else 1e-5
 
     def error(self, x: Array) -> Array:
         """A constant."""
@@ -180,8 +206,14 @@ class SensorGain(SensorEffect):
     neutral = {"gain": 0.0}
     shown = {"gain": 0.05}
     natural_size = 0.03
+    linear = ("gain",)
 
     gain: float = parameter("1")
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return 1e-4
 
     def error(self, x: Array) -> Array:
         """Proportional to the value."""

@@ -24,7 +24,7 @@ from flexdyn.diagnose.report.result import (
     Structure,
     Suspect,
 )
-from flexdyn.diagnose.report.trajectory import MeasuredCurve, Trajectory
+from flexdyn.diagnose.report.trace import MeasuredCurve, Trajectory
 
 STRIBECK = Suspect(
     "stribeck_friction",

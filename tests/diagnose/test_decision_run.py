@@ -16,9 +16,9 @@ import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import converged
 from flexdyn.diagnose.decision.held_out import held_out
-from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.notes import stopped
 from flexdyn.diagnose.decision.run import STAGES, diagnose
+from flexdyn.diagnose.decision.verdict import left
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted

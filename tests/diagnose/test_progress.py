@@ -101,7 +101,7 @@ def _deaf(free: threading.Event) -> None:
 
 SHOWN = """
 import sys, time
-from flexdyn.diagnose.decision.bar import shown
+from flexdyn.diagnose.decision.background import shown
 with shown({progress}) as show:
     show("comparing structures (2 of 5)", 0.4)
     time.sleep(1.6)

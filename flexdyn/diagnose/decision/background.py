@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextvars
+import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from queue import Empty
 from typing import Generic, TypeVar
 
@@ -80,3 +82,71 @@ def _wait(thread: threading.Thread) -> None:
             thread.join(0.02)
     except KeyboardInterrupt:
         return
+
+
+STOPPING = "flexdyn: stopping; what is known by now follows"
+GUESSED = 0.1
+"""Share of the work from which the time that is left can be guessed [1]."""
+
+
+@contextmanager
+def shown(progress: Progress | bool | None) -> Iterator[Progress]:
+    """What shows progress: a function of the user's, a bar where a terminal or notebook is there, or nothing.
+
+    Args:
+        progress: the function; False: nothing, not even a line at Ctrl-C; None or True: the bar.
+    """
+    if progress is False:
+        yield _nothing
+        return
+    from rich.console import Console
+
+    console = Console(stderr=True, markup=False, highlight=False, emoji=False)
+    if callable(progress) or not (console.is_terminal or console.is_jupyter):
+        with _acknowledged(lambda text: console.print(text, soft_wrap=True)):
+            yield progress if callable(progress) else _nothing
+        return
+    from rich.progress import BarColumn, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bars
+
+    left = TextColumn("{task.fields[left]}")
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(12), TaskProgressColumn())
+    with Bars(*columns, TimeElapsedColumn(), left, console=console, transient=True) as bars:
+        task, began = bars.add_task("starting", total=1.0, left=""), time.monotonic()
+
+        def show(stage: str, share: float) -> None:
+            bars.update(task, description=stage, completed=share, left=_left(share, time.monotonic() - began))
+
+        with _acknowledged(bars.console.print):
+            yield show
+
+
+def _left(share: float, spent: float) -> str:
+    """About how long it will take, once that can be guessed."""
+    return f"{max(1.0, spent * (1.0 - share) / share):.0f} s left" if share >= GUESSED and spent > 1.0 else ""
+
+
+@contextmanager
+def _acknowledged(say: Callable[[str], None]) -> Iterator[None]:
+    """Ctrl-C is answered by a line before anything else, in the thread that takes signals.
+
+    Only where Python's own handler stands: whoever has put another one there knows why.
+    """
+    ours = threading.current_thread() is threading.main_thread()
+    if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+
+    def heard(number: int, frame: object) -> None:
+        say(STOPPING)
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, heard)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _nothing(stage: str, share: float) -> None:
+    """Where nobody looks."""

@@ -15,9 +15,8 @@ from flexdyn.diagnose.decision.figures import OnFit, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, names_told
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.decision.notes import notes, stopped
+from flexdyn.diagnose.decision.notes import notes, statistics, stopped
 from flexdyn.diagnose.decision.split import DataPart
-from flexdyn.diagnose.decision.statistics import statistics
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import SampleNoise

@@ -14,9 +14,9 @@ from flexdyn.diagnose.decision.forces import Forces, are_prescribed, errors_of, 
 from flexdyn.diagnose.decision.gains import gains, shares
 from flexdyn.diagnose.decision.gaps import FIT_WINDOWS, Shots, shots, windows_of
 from flexdyn.diagnose.decision.held_out import HeldOut, held_out, rms
-from flexdyn.diagnose.decision.left import dependence, left
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import DataPart
+from flexdyn.diagnose.decision.verdict import dependence, left
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import localise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace

@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
-from flexdyn.diagnose.decision.background import Progress, beside
-from flexdyn.diagnose.decision.bar import shown
+from flexdyn.diagnose.decision.background import Progress, beside, shown
 from flexdyn.diagnose.decision.blocks import checked_blocks, without_blocks
 from flexdyn.diagnose.decision.held_out import recorded_noise
 from flexdyn.diagnose.decision.refused import check_diagnosable

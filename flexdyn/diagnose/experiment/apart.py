@@ -18,6 +18,8 @@ from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import linearised
+from flexdyn.diagnose.shooting.gap import Shot, shoot
+from flexdyn.diagnose.simulated.slopes import slopes
 from flexdyn.effects import Payload, SensorOffset
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -148,3 +150,37 @@ def _distance(first: Hypothesis, now: Hypothesis, scales: Array) -> Array:
     factors = [now.factors[number] - factor for number, factor in first.factors.items()]
     pairs = zip(first.unknowns(), now.unknowns(), scales, strict=True)
     return np.array([*factors, *((getattr(b, m) - getattr(a, k)) / s for (a, k), (b, m), s in pairs)])
+
+
+def as_made(shot: Shot) -> Refit:
+    """The residuals of the hypothesis that made the motion."""
+    white = shot.whitened().ravel()
+    return Refit(np.zeros((len(white), 1)), white, len(white))
+
+
+def windowed(known: Known, shot: Shot, load: Payload | None, worth: float) -> Refit:
+    """Fit another hypothesis to the windows of a motion, with the previous information about its numbers.
+
+    Args:
+        known: the hypothesis.
+        shot: the windows, with the hypothesis that made the motion.
+        load: payload of the arm.
+        worth: sum of squares below which neither its first states nor its numbers are fitted.
+    """
+    first = laden(known.fitted.hypothesis, load)
+    scales = known.fitted.scales
+    white = shot.whitened(first.seen()).ravel()
+    if white @ white < worth:
+        return Refit(np.zeros((len(white), 1)), white, len(white))
+    shot = shoot(first.seen(), shot.windows)
+    white = shot.whitened().ravel()
+    J = slopes(first, shot, scales)
+    root = known.marginal(J.shape[1])
+    return Refit(np.vstack([J, root]), np.concatenate([white, np.zeros(len(root))]), len(white))
+
+
+def bent(known: Known, refit: Refit, load: Payload | None) -> Hypothesis:
+    """The hypothesis with the numbers that a refit over windows gives it."""
+    first = laden(known.fitted.hypothesis, load)
+    count = len(first.factors) + len(known.fitted.scales)
+    return moved(first, refit.step(), known.fitted.scales) if refit.X.shape[1] == count else first

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.experiment.apart import bent
 from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
-from flexdyn.diagnose.experiment.windowed import bent
 from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.shooting.gap import shoot
 

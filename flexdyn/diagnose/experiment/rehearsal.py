@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.covariance import SampleNoise as Rows
-from flexdyn.diagnose.experiment.apart import Known, Refit, laden, loaded, refitted, space_along
+from flexdyn.diagnose.experiment.apart import Known, Refit, as_made, laden, loaded, refitted, space_along, windowed
 from flexdyn.diagnose.experiment.moves import PlannedMotion
 from flexdyn.diagnose.experiment.reach import Reach
-from flexdyn.diagnose.experiment.windowed import as_made, windowed
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import WindowNoise, Windows

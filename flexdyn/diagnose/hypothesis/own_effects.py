@@ -12,8 +12,9 @@ import numpy as np
 
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.law_along import Law
-from flexdyn.diagnose.hypothesis.proposal import MotionExtent, Point, Proposal, Unit
+from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, extent_of
 from flexdyn.effects import Effect, JointEffect, catalogue
+from flexdyn.effects.extent import MotionExtent
 from flexdyn.errors import InputError
 from flexdyn.simulation.plant import PYTHON_STAGES
 
@@ -72,7 +73,7 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
         InputError: its law raises an error with all numbers that were tried.
     """
     law = Law(kind, place, equations, j)
-    extent = MotionExtent.of(equations, j)
+    extent = extent_of(equations, j)
     grids = {entry.name: _values(entry, extent) for entry in kind.parameters()}
     points = [dict(zip(grids, numbers, strict=True)) for numbers in _thinned(grids.values(), MOST_GRID_POINTS)]
     base = law.first_that_works(points)
@@ -82,25 +83,15 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
         p for p in _thinned([grids[name] for name in others], MOST_GRID_POINTS) if law.works(base | _named(others, p))
     ]
 
-    def make(point: Point, x: Sequence[float]) -> Effect | None:
+    def build(point: Point, x: Sequence[float]) -> Effect | None:
         try:
             return law.effect(_named(others, point) | _named(linear, x))
         except InputError:  # out of its bounds
             return None
 
-    def units(point: Point) -> list[Unit]:
-        alone = dict.fromkeys(linear, 0.0) | _named(others, point)
-        return [(law.effect(alone | {name: base[name]}), base[name]) for name in linear] or [(law.effect(alone), 1.0)]
-
     lower = {entry.name: entry.metadata["lower"] for entry in kind.parameters()}
-    return Proposal(
-        place,
-        make=lambda point, x: make(point, [float(value) for value in x] if linear else []),
-        units=units,
-        grid=tuple(grid),
-        positive=tuple(lower[name] >= 0.0 for name in linear),
-        fixed=not linear,
-    )
+    positive, sizes = tuple(lower[name] >= 0.0 for name in linear), tuple(base[name] for name in linear)
+    return Proposal(place, build, tuple(grid), positive, sizes)
 
 
 def _named(names: Sequence[str], numbers: Sequence[float]) -> dict[str, float]:

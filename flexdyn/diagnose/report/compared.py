@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from flexdyn.diagnose.report.ranks import beyond
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import Structure, Suspect
+from flexdyn.diagnose.report.suspects import Structure, Suspect, beyond
 from flexdyn.diagnose.report.words import grouped_phrases, plain_phrase
 
 STRUCTURES_OPEN = 8

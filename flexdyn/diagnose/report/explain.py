@@ -7,9 +7,8 @@ from collections.abc import Iterator
 
 from flexdyn.diagnose.report.digits import evidence_text, likely, log_text, percent, probability_text
 from flexdyn.diagnose.report.measures import Calibration
-from flexdyn.diagnose.report.ranks import ranks
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Suspect
+from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Suspect, ranks
 from flexdyn.diagnose.report.targets import resolved
 from flexdyn.diagnose.report.words import is_number, joined, suspect_phrase, title_phrase
 

@@ -14,9 +14,8 @@ from flexdyn.diagnose.report.digits import (
     unit_text,
     value_text,
 )
-from flexdyn.diagnose.report.ranks import Ranks, beyond, ranks
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
+from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Ranks, Suspect, beyond, ranks
 from flexdyn.diagnose.report.words import (
     capital,
     effect_name,

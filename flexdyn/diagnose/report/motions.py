@@ -7,7 +7,7 @@ from typing import Any
 
 from flexdyn.diagnose.report.pictures import AFTER, AXIS, BEFORE, CONFIG, page_layout, titled
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.trajectory import MODELS, MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
+from flexdyn.diagnose.report.trace import MODELS, MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
 from flexdyn.plots.palette import INK
 
 BETWEEN = "#9CA3AF"

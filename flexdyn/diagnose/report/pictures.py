@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.report.trace import ResidualTrace
-from flexdyn.diagnose.report.trajectory import packed
+from flexdyn.diagnose.report.trace import ResidualTrace, packed
 from flexdyn.plots.palette import INK, RULE
 
 Array = NDArray[np.float64]

@@ -12,8 +12,7 @@ from flexdyn.diagnose.report.force import ForceLoop
 from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, RecordingSpan, ResidualPlace, Role
 from flexdyn.diagnose.report.record import Record, Shares, Statistics, record
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
-from flexdyn.diagnose.report.trace import ResidualTrace
-from flexdyn.diagnose.report.trajectory import Trajectory
+from flexdyn.diagnose.report.trace import ResidualTrace, Trajectory
 from flexdyn.io.notebook import Public
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
