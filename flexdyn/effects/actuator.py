@@ -170,7 +170,11 @@ class CommandDelay(JointEffect):
     shown = {"delay": 0.005}
     order = -1
     grids = {"delay": ("one", (0.0005, 0.001, 0.002, 0.004, 0.008))}
-    shifts_time = True
     prevalence = "often"
 
     delay: float = parameter("s", lower=0.0)
+
+    @property
+    def lateness(self) -> float:
+        """See the base class."""
+        return self.delay

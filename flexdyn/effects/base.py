@@ -84,7 +84,8 @@ class Effect:
 
     Class attributes for a diagnosis:
         linear: parameters in which the torque is linear, all together: it is nothing where they are 0.
-        linear_bounds: where it is linear in something else than its parameters: the lower bound of each, see `numbers_of`.
+        linear_bounds: lower bounds of what it is linear in, where that is something else than its parameters: see
+            `numbers_of`.
         axes: the other parameters, of which a grid of values is tried, see `tried`.
         grids: that grid, in units of what the joint does: the greatest torque that its motor must have ``given``, its
             greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of the parameter's own
@@ -100,7 +101,6 @@ class Effect:
         position_error: of an effect on positions, the parameter that says how large it is [rad or m].
         bends_spring: with it, the transmission is no linear spring.
         makes_elastic: a joint that the model takes for rigid becomes elastic.
-        shifts_time: it shifts a signal in time, by its ``delay``.
         is_constant: a torque that neither the motion nor the command changes; a force sensor may have it too.
         undiagnosed: parameters that a diagnosis does not know where they are above 0: what that is, and the remedy.
     """
@@ -128,7 +128,6 @@ class Effect:
     position_error: ClassVar[str] = ""
     bends_spring: ClassVar[bool] = False
     makes_elastic: ClassVar[bool] = False
-    shifts_time: ClassVar[bool] = False
     is_constant: ClassVar[bool] = False
     undiagnosed: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
@@ -170,6 +169,16 @@ class Effect:
     def is_neutral(self) -> bool:
         """Whether it changes nothing: every parameter named in `neutral` has its neutral value."""
         return bool(self.neutral) and all(getattr(self, key) == value for key, value in self.neutral.items())
+
+    @property
+    def lateness(self) -> float:
+        """Time by which it shifts a signal [s]; 0: it shifts none."""
+        return 0.0
+
+    @property
+    def in_numbers(self) -> bool:
+        """Whether a resolved model has it in its numbers and no more as an effect."""
+        return self.stage == "model" or self.makes_elastic
 
     @property
     def is_python(self) -> bool:

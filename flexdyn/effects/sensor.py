@@ -103,9 +103,13 @@ class ChannelLag(SensorEffect):
     neutral = {"delay": 0.0}
     shown = {"delay": 0.005}
     prevalence = "often"
-    shifts_time = True
 
     delay: float = parameter("s", lower=0.0)
+
+    @property
+    def lateness(self) -> float:
+        """See the base class."""
+        return self.delay
 
     def measured(self, x: ArrayLike, t: ArrayLike) -> Array:
         """What the sensor reports: see the base class."""

@@ -14,7 +14,7 @@ from flexdyn.diagnose.report.calibrated import FACTOR, given_number
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
 from flexdyn.diagnose.report.words import effect_name, number_phrase, place_phrase
-from flexdyn.effects import Effect, JointElasticity, ParameterError, SensorEffect
+from flexdyn.effects import Effect, ParameterError, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
@@ -140,8 +140,7 @@ def _word(parameter: str) -> str:
 
 def _acting(model: FlexibleJointModel) -> list[Effect]:
     """Effects that stand for something of the arm or its sensors, not for a wrong number of the file."""
-    folded = (ParameterError, JointElasticity)
-    return [each for each in model.effects if not each.is_neutral and not isinstance(each, folded)]
+    return [each for each in model.effects if not each.is_neutral and not each.in_numbers]
 
 
 def _place(effect: Effect) -> str:

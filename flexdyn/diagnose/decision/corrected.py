@@ -25,7 +25,7 @@ from flexdyn.diagnose.inference.passes import Posterior, identity
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.effects import Effect, JointEffect, JointElasticity
+from flexdyn.effects import Effect, JointEffect
 
 Array = NDArray[np.float64]
 Share = Callable[[int], float]
@@ -193,13 +193,13 @@ def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
 def needed(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
     """Effects with the elasticities that those among them need which take the load."""
     loaded = {each.joint for each in effects if isinstance(each, JointEffect) and each.takes_load}
-    soft = [each for each in here.effects if isinstance(each, JointElasticity) and each.joint in loaded]
+    soft = [each for each in here.effects if each.makes_elastic and getattr(each, "joint", "") in loaded]
     return (*effects, *(each for each in soft if each not in effects))
 
 
 def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
     """Effects without friction that depends on what a joint carries which is rigid without one that is gone."""
-    soft = {each.joint for each in effects if isinstance(each, JointElasticity)}
+    soft = {getattr(each, "joint", "") for each in effects if each.makes_elastic}
     true = here.given.resolved()
     soft |= {name for name, elastic in zip(true.joint_names, true.elastic, strict=True) if elastic}
     return tuple(each for each in effects if not each.takes_load or getattr(each, "joint", "") in soft)

@@ -16,7 +16,6 @@ from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import Finding
-from flexdyn.effects import JointElasticity
 
 RIVAL_STEPS = 4
 """Gauss-Newton steps of a rival's fit, with a warm start at the linear estimate; the motion is tried with it anyway."""
@@ -64,8 +63,6 @@ def _in_place(found: Corrected, rival: int, of: int) -> Hypothesis | None:
     effect = effect_of(found.candidates[rival], structure)
     if effect is None:
         return None
-    soft = {each.joint for each in rest.effects if isinstance(each, JointElasticity)}
-    more = [
-        each for each in needed(structure, [effect]) if not isinstance(each, JointElasticity) or each.joint not in soft
-    ]
+    soft = {getattr(each, "joint", "") for each in rest.effects if each.makes_elastic}
+    more = [e for e in needed(structure, [effect]) if not e.makes_elastic or getattr(e, "joint", "") not in soft]
     return dataclasses.replace(rest, effects=(*rest.effects, *more))

@@ -15,7 +15,7 @@ from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
-from flexdyn.effects import ChannelLag, Effect
+from flexdyn.effects import Effect, SensorEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
 
@@ -56,16 +56,15 @@ def names_told(found: Corrected) -> list[Name]:
     return own
 
 
-def lags_within_a_sample(found: Corrected) -> list[ChannelLag]:
+def lags_within_a_sample(found: Corrected) -> list[SensorEffect]:
     """Lags of torques by at most one sample: the time within the sample at which a torque was read is unknown."""
     effects = found.hypothesis.effects
-    return [each for each in effects if isinstance(each, ChannelLag) and _is_within_a_sample(found, each)]
+    return [each for each in effects if isinstance(each, SensorEffect) and _is_within_a_sample(found, each)]
 
 
 def _is_within_a_sample(found: Corrected, effect: Effect | None) -> bool:
-    if not isinstance(effect, ChannelLag) or not effect.channel.startswith("tau."):
-        return False
-    return effect.delay <= found.fitted.equations.data[0].dt
+    late_torque = isinstance(effect, SensorEffect) and effect.signal == "tau" and effect.lateness > 0.0
+    return effect is not None and late_torque and effect.lateness <= found.fitted.equations.data[0].dt
 
 
 def _beyond(found: Corrected, number: FileNumber) -> bool:

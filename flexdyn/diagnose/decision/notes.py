@@ -67,7 +67,7 @@ def _of_priors(found: Corrected) -> Iterator[str]:
 
 def _of_torques(found: Corrected) -> Iterator[str]:
     for each in lags_within_a_sample(found):
-        late = f"{each.channel} comes {1e3 * each.delay:.3g} ms late, by less than a sample"
+        late = f"{each.channel} comes {1e3 * each.lateness:.3g} ms late, by less than a sample"
         yield f"{late}: it was sampled rather than held, or read late in its sample; that is no finding"
 
 

@@ -18,7 +18,7 @@ from flexdyn.diagnose.experiment.reach import Reach
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
-from flexdyn.effects import JointEffect, MemoryEffect, Payload, TorqueOffset
+from flexdyn.effects import JointEffect, MemoryEffect, Payload
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
@@ -203,8 +203,8 @@ class RehearsalBench:
             if not isinstance(effect, JointEffect) or isinstance(effect, MemoryEffect) or effect.is_python:
                 continue
             j = self.space.equations.true.index(effect.joint)
-            if isinstance(effect, TorqueOffset):
-                total[:, j] -= effect.offset
+            if effect.is_constant:
+                total[:, j] -= effect.torque(path[:, j], v[:, j])
             elif effect.stage in ("friction", "dry") and not effect.takes_load:
                 total[:, j] += effect.torque(path[:, j], v[:, j])
         return total

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, stands_alone
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.effects import JointEffect, JointElasticity, ParameterError
+from flexdyn.effects import JointEffect
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import OF_LINK, OF_MOTOR, FileNumber
@@ -19,8 +19,6 @@ from flexdyn.simulation.plant import LinkSide
 Array = NDArray[np.float64]
 RELATIVE_NUMBER_STEP = 1e-3
 """Relative step of the differences."""
-FOLDED = (ParameterError, JointElasticity)
-"""Effects that a resolved model does not have any more."""
 
 
 def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
@@ -94,5 +92,5 @@ def _true_effect(equations: Equations, number: FileNumber) -> JointEffect | None
     if place is None:
         return None
     given, true = equations.model, equations.true
-    folded = 0 if given is true else sum(isinstance(e, FOLDED) for e in given.effects[:place])
+    folded = 0 if given is true else sum(e.in_numbers for e in given.effects[:place])
     return on_joint(true.effects[place - folded])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 
 from flexdyn.diagnose.report.result import Diagnosis
@@ -72,7 +73,7 @@ def check_target(model: FlexibleJointModel, target: str) -> None:
     places = list(model.joint_names)
     if issubclass(catalogue()[effect], SensorEffect):
         where = where.removesuffix(".sensor").partition(".")[2]
-    elif effect == "payload":
+    elif any(field.name == "frame" for field in dataclasses.fields(catalogue()[effect])):  # type: ignore[arg-type]
         places += model.robot.frame_names
     if where not in places and not any(where == f"{joint}.{side}" for joint in model.joint_names for side in SIDES):
         raise InputError("no such place", key=KEY, value=target, remedy=did_you_mean(where, places))

@@ -12,7 +12,7 @@ from typing import Any, TypeGuard
 from flexdyn.diagnose.report.document import report_json
 from flexdyn.diagnose.report.page import page
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.effects import Effect, JointElasticity, ParameterError
+from flexdyn.effects import Effect, ParameterError
 from flexdyn.errors import InputError
 from flexdyn.io.files import replacing
 from flexdyn.io.yaml import dump_yaml
@@ -148,7 +148,7 @@ def _tolerance(model: FlexibleJointModel) -> Any:
     """With effects counted as they stand once those that are folded are gone."""
     if not isinstance(model.tolerance, Mapping):
         return model.tolerance
-    kept = [i for i, effect in enumerate(model.effects) if not isinstance(effect, ParameterError | JointElasticity)]
+    kept = [i for i, effect in enumerate(model.effects) if not effect.in_numbers]
     places = {old: new for new, old in enumerate(kept)}
     found = {}
     for path, value in model.tolerance.items():

@@ -17,7 +17,7 @@ from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
 from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.effects import CommandDelay, MemoryEffect, recovered
+from flexdyn.effects import MemoryEffect, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.at_time import at_time, is_timed
 from flexdyn.simulation.inputs_and_signals import SIGNALS
@@ -75,7 +75,7 @@ class Shooter:
 
     def __init__(self, model: FlexibleJointModel, windows: Windows, extra: Array | None = None) -> None:
         self.given = model
-        self.model = without(model.resolved(), lambda effect: isinstance(effect, CommandDelay))
+        self.model = without(model.resolved(), lambda effect: effect.stage == "actuator" and effect.lateness > 0.0)
         self.windows = windows
         self.elastic = np.flatnonzero(self.model.elastic)
         self.memory = [effect for effect in acting_effects(self.model) if isinstance(effect, MemoryEffect)]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.diagnose.shooting.sensing import lag, sensors
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.effects import DeflectionEffect, SpringHysteresis, recovered
+from flexdyn.effects import DeflectionEffect, recovered
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -244,7 +244,7 @@ def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
 
     q, theta = position("q"), position("theta")
     path: Array | None
-    if isinstance(effect, SpringHysteresis):
+    if getattr(effect, "side", "") == "transmission":
         if q is None or theta is None:
             return None
         path = theta - q
