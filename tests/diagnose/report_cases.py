@@ -8,23 +8,19 @@ import math
 import numpy as np
 
 import flexdyn as fd
-from flexdyn.diagnose.report.record import File, Record, Shares, Statistics
-from flexdyn.diagnose.report.result import (
+from flexdyn.diagnose.report.measures import (
     Calibration,
-    Considered,
-    Diagnosis,
-    Finding,
     Gap,
     JointError,
     Left,
-    Number,
     RecordingSpan,
     ResidualPlace,
-    ResidualTrace,
-    Structure,
-    Suspect,
+    SignalError,
 )
-from flexdyn.diagnose.report.trace import MeasuredCurve, Trajectory
+from flexdyn.diagnose.report.record import File, Record, Shares, Statistics
+from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Structure, Suspect
+from flexdyn.diagnose.report.trace import MeasuredCurve, ResidualTrace, Trajectory
 
 STRIBECK = Suspect(
     "stribeck_friction",
@@ -68,9 +64,13 @@ def explained(model: fd.FlexibleJointModel | None = None) -> Diagnosis:
         Gap(11.83, 10.2, 1.04, 1.0),
         Gap(12.41, 10.9, 1.07, 1.0),
         {
-            "shoulder": JointError(4.1, 0.62, "N m", 0.11, 0.0166, 0.0102, 0.00038, "rad", 3.9, 0.01, (9.1, 8.9, 1.02)),
+            "shoulder": JointError(
+                SignalError(4.1, 0.62, "N m", 3.9, 37.3), SignalError(0.0102, 0.00038, "rad", 0.01), (9.1, 8.9, 1.02)
+            ),
             "elbow": JointError(
-                1.73, 0.081, "N m", 0.31, 0.0145, 0.0231, 0.00041, "rad", 1.7, 0.022, (15.0, 14.1, 1.1)
+                SignalError(1.73, 0.081, "N m", 1.7, 5.58),
+                SignalError(0.0231, 0.00041, "rad", 0.022),
+                (15.0, 14.1, 1.1),
             ),
         },
         (
@@ -185,7 +185,9 @@ def partly() -> Diagnosis:
         findings=(Finding(unknown, 0.97, math.nan, math.nan),),
         gap_fit=gap,
         gap_test=gap,
-        errors={"shoulder": JointError(2.0, math.nan, "N m", 0.3, math.nan, 0.02, math.inf, "rad")},
+        errors={
+            "shoulder": JointError(SignalError(2.0, math.nan, "N m", size=6.7), SignalError(0.02, math.inf, "rad"))
+        },
         left=(Left("shoulder", 0.02, 0.011), Left("elbow", 0.043, 0.083, ("q", "omega"))),
     )
 
@@ -249,7 +251,9 @@ def robot() -> Diagnosis:
         gap,
         gap,
         {
-            joint: JointError(40.0 / (k + 1), 4.1 / (k + 1), "N m", 0.8 - 0.1 * k, 0.1 - 0.01 * k, 0.05, 0.004, "rad")
+            joint: JointError(
+                SignalError(40.0 / (k + 1), 4.1 / (k + 1), "N m", size=50.0), SignalError(0.05, 0.004, "rad")
+            )
             for k, joint in enumerate(model.joint_names)
         },
         tuple(ResidualPlace(joint, "total", 0.4 / (k + 1), "") for k, joint in enumerate(model.joint_names)),

@@ -66,10 +66,10 @@ def test_missing_friction_is_named_and_explains_the_test_data(answer: Diagnosis)
     assert answer.gap_test.before > 50.0
     assert answer.gap_test.after < 1.3
     error = answer.errors["lift"]
-    assert error.torque_before == pytest.approx(LEVEL, rel=0.05)
-    assert error.torque_after < 0.02
-    assert (error.torque_unit, error.position_unit) == ("N", "m")
-    assert error.position_after < 0.01 * error.position_before
+    assert error.torque.before == pytest.approx(LEVEL, rel=0.05)
+    assert error.torque.after < 0.02
+    assert (error.torque.unit, error.position.unit) == ("N", "m")
+    assert error.position.after < 0.01 * error.position.before
     assert not answer.left
 
 

@@ -13,7 +13,8 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.report.law import effect_of, law_picture
 from flexdyn.diagnose.report.pictures import residual_figure
-from flexdyn.diagnose.report.result import Number, ResidualTrace, Suspect
+from flexdyn.diagnose.report.suspects import Number, Suspect
+from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.plots.laws import law_figure
 from tests.arms import SLIDER, repickled
 from tests.diagnose import report_cases as cases

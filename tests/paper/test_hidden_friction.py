@@ -11,7 +11,9 @@ import matplotlib.figure
 import numpy as np
 import pytest
 
-from flexdyn.diagnose.report.result import Diagnosis, Finding, Gap, Number, Suspect
+from flexdyn.diagnose.report.measures import Gap
+from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.suspects import Finding, Number, Suspect
 from flexdyn.paper import bench, hidden_friction, run_study, study
 from flexdyn.paper.bench import Bench
 from flexdyn.paper.cases import PaperCases

@@ -21,7 +21,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import localise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.report.measures import Gap, JointError, Left, ResidualPlace
+from flexdyn.diagnose.report.measures import Gap, JointError, Left, ResidualPlace, SignalError
 from flexdyn.diagnose.report.record import Shares
 
 Array = NDArray[np.float64]
@@ -189,28 +189,14 @@ def _errors(rows: HeldOut, over: Shots | None, calibrated: Hypothesis) -> dict[s
     found, robot = {}, rows.given.true.robot
     between = dataclasses.replace(rows, after=rows.given.of(calibrated.seen()))
     for j, joint in enumerate(rows.given.true.joint_names):
-        before, after, recorded = (rms(x) for x in rows.torque(j))
-        size = max(recorded, 1e-12)
+        before, after, recorded_torque = (rms(x) for x in rows.torque(j))
         apart = (float("nan"),) * 3 if over is None else over.position(joint)
-        found[joint] = JointError(
-            before,
-            after,
-            robot.torque_unit(joint),
-            before / size,
-            after / size,
-            apart[0],
-            apart[2],
-            robot.angle_unit(joint),
-            rms(between.torque(j)[1]),
-            apart[1],
-            () if over is None else over.scaled(joint),
-            _force(rows.given, between.after, rows.after, j),
-        )
+        torque_unit, size = robot.torque_unit(joint), max(recorded_torque, 1e-12)
+        torque = SignalError(before, after, torque_unit, rms(between.torque(j)[1]), size)
+        position = SignalError(apart[0], apart[2], robot.angle_unit(joint), apart[1])
+        force = None
+        if rows.given.data[0].forced[j]:
+            off = errors_of((rows.given, between.after, rows.after), j)
+            force = SignalError(off[0], off[2], torque_unit, off[1], recorded(rows.given, j))
+        found[joint] = JointError(torque, position, () if over is None else over.scaled(joint), force)
     return found
-
-
-def _force(given: Equations, calibrated: Equations, after: Equations, j: int) -> tuple[float, ...]:
-    """Errors of a joint's force where its motion is prescribed, and the recorded force; else nothing."""
-    if not given.data[0].forced[j]:
-        return ()
-    return (*errors_of((given, calibrated, after), j), recorded(given, j))

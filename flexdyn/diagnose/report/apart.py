@@ -52,7 +52,7 @@ def largest_gap(diagnosis: Diagnosis) -> float:
 
 def largest_share(diagnosis: Diagnosis) -> float:
     """Scale of the bars of the joints' errors."""
-    return largest(x for e in diagnosis.errors.values() for x in (e.torque_share_before, e.torque_share_after))
+    return largest(x for e in diagnosis.errors.values() for x in (e.torque.share_before, e.torque.share_after))
 
 
 def left_ordered(diagnosis: Diagnosis) -> list[Left]:

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.report.digits import percent
-from flexdyn.diagnose.report.measures import JointError, Role
+from flexdyn.diagnose.report.measures import Role
 from flexdyn.diagnose.report.pictures import AFTER, AXIS, BEFORE, CONFIG, curve, in_columns, page_layout, titled
 from flexdyn.plots.palette import INK
-
-if TYPE_CHECKING:
-    from flexdyn.diagnose.report.result import Diagnosis
 
 Array = NDArray[np.float64]
 MOST_POINTS = 4000
 """Points of a loop that are drawn."""
-ROLES = {"test": "test data", "fit": "data of the fit"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,22 +42,6 @@ class ForceLoop:
         kept = np.array(columns[:, ::every])
         kept.setflags(write=False)
         return cls(joint, file, role, units, kept)
-
-
-def forced(diagnosis: Diagnosis) -> list[tuple[str, JointError]]:
-    """Joints whose motion a test rig prescribes, with their errors."""
-    return [(joint, entry) for joint, entry in diagnosis.errors.items() if entry.force]
-
-
-def share_of_force(entry: JointError) -> str:
-    """Force error of the corrected model over the recorded force."""
-    _, _, after, size = entry.force
-    return percent(after / size) if size > 0.0 else "-"
-
-
-def role_of(loop: ForceLoop) -> str:
-    """What its span was used for, in words."""
-    return ROLES[loop.role]
 
 
 def force_figure(loop: ForceLoop) -> dict[str, Any]:

@@ -71,38 +71,50 @@ class ResidualPlace:
 
 
 @dataclass(frozen=True)
-class JointError:
-    """Errors of one joint on the test data, root mean square.
+class SignalError:
+    """Root mean square error of a signal on the test data by three models.
 
     Attributes:
-        torque_before: torque that the inverse dynamics of the given model does not explain, in `torque_unit`.
-        torque_after: that of the corrected model.
-        torque_unit: ``N m`` or ``N``.
-        torque_share_before: `torque_before` over the root mean square of the torque [1].
-        torque_share_after: `torque_after` over the same.
-        position_before: error of the position simulated over windows of 0.5 s, open loop, in `position_unit`.
-        position_after: that of the corrected model.
-        position_unit: ``rad`` or ``m``.
-        torque_calibrated: torque error of the calibrated model.
-        position_calibrated: position error of the calibrated model.
-        gap: the same positions in units of what noise alone makes there, as the gap has them: of the model as given,
-            calibrated and corrected [1]; empty where nothing was simulated.
-        force: where a test rig prescribes the motion: error of the simulated force of the model as given, calibrated
-            and corrected, and the recorded force itself, in `torque_unit`; empty elsewhere.
+        before: of the given model, in `unit`.
+        after: of the corrected model.
+        unit: ``N m`` or ``N``, ``rad`` or ``m``.
+        calibrated: of the calibrated model.
+        size: root mean square of the recorded signal itself, in `unit`; 0 where no share of it is told.
     """
 
-    torque_before: float
-    torque_after: float
-    torque_unit: str
-    torque_share_before: float
-    torque_share_after: float
-    position_before: float
-    position_after: float
-    position_unit: str
-    torque_calibrated: float = math.nan
-    position_calibrated: float = math.nan
+    before: float
+    after: float
+    unit: str
+    calibrated: float = math.nan
+    size: float = 0.0
+
+    @property
+    def share_before(self) -> float:
+        """Error of the given model over the size of the signal [1]."""
+        return self.before / self.size if self.size else math.nan
+
+    @property
+    def share_after(self) -> float:
+        """The same of the corrected model [1]."""
+        return self.after / self.size if self.size else math.nan
+
+
+@dataclass(frozen=True)
+class JointError:
+    """Errors of one joint on the test data.
+
+    Attributes:
+        torque: that the inverse dynamics of a model does not explain.
+        position: simulated over windows of 0.5 s, open loop.
+        gap: the same positions in units of what noise alone makes there, as the gap has them: of the model as given,
+            calibrated and corrected [1]; empty where nothing was simulated.
+        force: simulated where a test rig prescribes the motion; None elsewhere.
+    """
+
+    torque: SignalError
+    position: SignalError
     gap: tuple[float, ...] = ()
-    force: tuple[float, ...] = ()
+    force: SignalError | None = None
 
 
 @dataclass(frozen=True)

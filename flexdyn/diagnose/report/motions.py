@@ -42,7 +42,7 @@ def controls(diagnosis: Diagnosis) -> Controls:
     given = diagnosis.trajectories
     longest = max(last - first for first, last in map(_reach, given))
     # The joint whose torque the given model explains worst is shown first.
-    shares = {joint: entry.torque_share_before for joint, entry in diagnosis.errors.items()}
+    shares = {joint: entry.torque.share_before for joint, entry in diagnosis.errors.items()}
     ordered = sorted(given, key=lambda each: -shares.get(each.joint, 0.0))
     return Controls(
         [(name, name) for name in dict.fromkeys(each.joint for each in ordered)],

@@ -7,37 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.force import ForceLoop
-from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, RecordingSpan, ResidualPlace, Role
+from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, RecordingSpan, ResidualPlace
 from flexdyn.diagnose.report.record import Record, Shares, Statistics, record
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
+from flexdyn.diagnose.report.suspects import Considered, Finding, Structure
 from flexdyn.diagnose.report.trace import ResidualTrace, Trajectory
 from flexdyn.io.notebook import Public
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-
-__all__ = [
-    "ESTABLISHED",
-    "VERDICTS",
-    "Calibration",
-    "Considered",
-    "Diagnosis",
-    "Experiment",
-    "Finding",
-    "Gap",
-    "Interrupted",
-    "JointError",
-    "Left",
-    "Number",
-    "RecordingSpan",
-    "ResidualPlace",
-    "ResidualTrace",
-    "Role",
-    "Structure",
-    "Suspect",
-    "Trajectory",
-    "Verdict",
-]
 
 Verdict = Literal["no_discrepancy", "explained", "partly_explained", "unexplained", "not_converged", "interrupted"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
