@@ -60,10 +60,10 @@ def explained(model: fd.FlexibleJointModel | None = None) -> Diagnosis:
             Finding(WRONG, 0.97, 4.1, 0.08),
             Finding(OFFSET, 0.991, 27.5, 0.05),
         ),
-        _numbers(),
-        Gap(11.83, 10.2, 1.04, 1.0),
-        Gap(12.41, 10.9, 1.07, 1.0),
-        {
+        calibration=_numbers(),
+        gap_fit=Gap(11.83, 10.2, 1.04, 1.0),
+        gap_test=Gap(12.41, 10.9, 1.07, 1.0),
+        errors={
             "shoulder": JointError(
                 SignalError(4.1, 0.62, "N m", 3.9, 37.3), SignalError(0.0102, 0.00038, "rad", 0.01), (9.1, 8.9, 1.02)
             ),
@@ -73,23 +73,22 @@ def explained(model: fd.FlexibleJointModel | None = None) -> Diagnosis:
                 (15.0, 14.1, 1.1),
             ),
         },
-        (
+        where=(
             ResidualPlace("elbow", "motor", 0.82, "abs(omega) < 0.1 rad/s"),
             ResidualPlace("elbow", "link", 0.09, ""),
             ResidualPlace("shoulder", "transmission", 0.06, "abs(tau_s) > 12 N m"),
         ),
-        (),
-        ranked(),
-        sources(),
-        model or fd.load_model("scara_two_link"),
-        (
+        left=(),
+        structures=ranked(),
+        data=sources(),
+        model=model or fd.load_model("scara_two_link"),
+        notes=(
             "Nothing was measured in the transmission: load-dependent friction is told by the deflection alone.",
             "The elbow moved from 0.2 to 1.1 rad: torques that repeat every turn are not seen.",
         ),
-        41.3,
-        residuals("elbow, motor side") + residuals("shoulder, motor side"),
-        {"search": "3 seeds and 5212 structures; none was found after structure 1880 that changed a name."},
-        compared(),
+        seconds=41.3,
+        residuals=residuals("elbow, motor side") + residuals("shoulder, motor side"),
+        considered=compared(),
         trajectories=(motion("elbow"), motion("shoulder")),
         record=Record(
             "0.1.0",
@@ -199,7 +198,7 @@ def not_converged() -> Diagnosis:
         findings=(Finding(PAYLOAD, 0.998, 55.0, math.nan), Finding(COULOMB, 0.6, 0.4, math.nan)),
         gap_fit=Gap(4.0, 3.5, 4.4, 1.0),
         stopped=("stiffness of elbow", "damping of elbow"),
-        write_model=False,
+        no_model="on the data of the fit the corrected model is worse than the model as it was given",
     )
 
 
@@ -220,7 +219,7 @@ def interrupted_early() -> Diagnosis:
         "interrupted",
         structures=(Structure((COULOMB,), 0.7, -310.0), Structure((), 0.3, -310.8)),
         data=sources()[:1],
-        write_model=False,
+        no_model="there was no corrected model yet",
         stopped_at="comparing structures: pass 2 of at most 5",
     )
 
@@ -247,30 +246,30 @@ def robot() -> Diagnosis:
     return Diagnosis(
         "partly_explained",
         tuple(found),
-        tuple(numbers),
-        gap,
-        gap,
-        {
+        calibration=tuple(numbers),
+        gap_fit=gap,
+        gap_test=gap,
+        errors={
             joint: JointError(
                 SignalError(40.0 / (k + 1), 4.1 / (k + 1), "N m", size=50.0), SignalError(0.05, 0.004, "rad")
             )
             for k, joint in enumerate(model.joint_names)
         },
-        tuple(ResidualPlace(joint, "total", 0.4 / (k + 1), "") for k, joint in enumerate(model.joint_names)),
-        tuple(Left(joint, 0.1 - 0.01 * k, 0.12, ("q", "t")[: k % 3]) for k, joint in enumerate(model.joint_names)),
-        tuple(
+        where=tuple(ResidualPlace(joint, "total", 0.4 / (k + 1), "") for k, joint in enumerate(model.joint_names)),
+        left=tuple(Left(joint, 0.1 - 0.01 * k, 0.12, ("q", "t")[: k % 3]) for k, joint in enumerate(model.joint_names)),
+        structures=tuple(
             Structure(base if k % 2 == 0 else (*base[k:], extra), 0.6 / 2.0 ** (k + 1), -9000.0 - 3.2 * k)
             for k in range(12)
         ),
-        (
+        data=(
             RecordingSpan("monday.csv", "fit", 0.0, 48.0, 125.0, noise),
             RecordingSpan("tuesday_with_a_long_name_of_a_file.csv", "fit", 0.0, 48.0, 125.0, noise),
             RecordingSpan("wednesday.csv", "test", 0.0, 30.0, 125.0, noise),
         ),
-        model,
-        ("Motor encoders only: an elastic joint is told by what it does to the rotor.",),
-        28.4,
-        tuple(trace for joint in model.joint_names for trace in residuals(joint)),
+        model=model,
+        notes=("Motor encoders only: an elastic joint is told by what it does to the rotor.",),
+        seconds=28.4,
+        residuals=tuple(trace for joint in model.joint_names for trace in residuals(joint)),
         considered=tuple(Considered(each.suspect, each.probability, each.log_bayes_factor) for each in found),
     )
 
@@ -300,13 +299,4 @@ def _numbers() -> tuple[Calibration, ...]:
 
 def _diagnosis(verdict: str, **given: object) -> Diagnosis:
     """With nothing in it but what is given."""
-    empty: dict[str, object] = {
-        "findings": (),
-        "calibration": (),
-        "gap_fit": None,
-        "gap_test": None,
-        "errors": {},
-        "where": (),
-    }
-    empty |= {"left": (), "structures": (), "data": (), "model": fd.load_model("scara_two_link")}
-    return Diagnosis(verdict, **{**empty, **given})  # type: ignore[arg-type]
+    return Diagnosis(verdict, **{"findings": (), "model": fd.load_model("scara_two_link"), **given})  # type: ignore[arg-type]

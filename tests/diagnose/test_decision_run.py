@@ -77,7 +77,7 @@ def test_the_corrected_model_holds_what_is_named_and_no_more(answer: Diagnosis) 
     """One friction beside the calibrated numbers."""
     found = [each for each in answer.model.effects if not isinstance(each, fd.effects.ParameterError)]
     assert [type(each) for each in found] == [fd.effects.CoulombFriction]
-    assert answer.write_model
+    assert not answer.no_model
     assert {each.of for each in answer.calibration} == {"mass"}
 
 
@@ -160,7 +160,7 @@ def test_nothing_is_known_before_structures_were_compared(tmp_path: Path) -> Non
     assert (known.verdict, known.findings, known.structures) == ("interrupted", (), ())
     assert known.stopped_at == "comparing structures (2 of 5)"
     assert [each.role for each in known.data] == ["fit"]
-    assert not known.write_model
+    assert known.no_model
 
 
 def test_structures_that_were_compared_are_told_without_a_name(tmp_path: Path) -> None:

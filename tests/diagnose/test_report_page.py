@@ -169,7 +169,6 @@ def test_names_of_any_origin_do_no_harm(evil: str, tmp_path: Path) -> None:
         data=(RecordingSpan(evil, "fit", 0.0, 1.0, 100.0, {evil: 0.1}),),
         notes=(evil,),
         residuals=(ResidualTrace(evil, evil, evil, np.arange(3.0), np.arange(3.0), np.arange(3.0)),),
-        decisions={evil: evil},
         considered=(Considered(suspect, 0.9, 1.0, evil),),
         stopped=(evil,),
     )

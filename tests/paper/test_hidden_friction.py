@@ -38,7 +38,7 @@ def answer(cases: PaperCases, *, leave_out: int = 0, wrong: float = 1.0) -> Diag
         }
         findings.append(Finding(Suspect(effect.name, effect.joint, effect.side, numbers), 0.999, 5e3, 0.3))  # type: ignore[attr-defined]
     gap = Gap(300.0, 200.0, 1.02, 1.0)
-    return Diagnosis("explained", tuple(findings), (), gap, gap, {}, (), (), (), (), cases.model)
+    return Diagnosis("explained", tuple(findings), cases.model, gap_fit=gap, gap_test=gap)
 
 
 def test_the_motion_rests_at_every_corner() -> None:

@@ -31,6 +31,7 @@ from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
+WORSE = "on the data of the fit the corrected model is worse than the model as it was given"
 
 
 def concluded(
@@ -82,7 +83,7 @@ def concluded(
         shares=last.shares,
         trajectories=motions(plain, first, last, parts),
         loops=force_loops(plain, first, last, parts),
-        write_model=not first.worse,
+        no_model=WORSE if first.worse else "",
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )
 
@@ -116,11 +117,6 @@ def known(
         verdict="interrupted",
         findings=findings(model, found, named, gains),
         calibration=calibration(found, named),
-        gap_fit=None,
-        gap_test=None,
-        errors={},
-        where=(),
-        left=(),
         structures=structures(model, found.candidates, found.masses),
         data=tuple(each.source(found.joints, noise) for each in fitted),
         model=found.hypothesis.model(),
@@ -144,14 +140,8 @@ def interrupted(model: FlexibleJointModel, so_far: Mapping[str, Any]) -> Diagnos
     return Diagnosis(
         verdict="interrupted",
         findings=(),
-        calibration=(),
-        gap_fit=None,
-        gap_test=None,
-        errors={},
-        where=(),
-        left=(),
         structures=() if space is None or masses is None else structures(model, space.candidates, masses),
         data=tuple(each.source(tuple(model.joint_names), noise) for each in fitted),
         model=model,
-        write_model=False,
+        no_model="there was no corrected model yet",
     )

@@ -28,8 +28,6 @@ def explanation(diagnosis: Diagnosis, target: str) -> str:
     """
     found = resolved(diagnosis, target)
     parts = [_paragraph(diagnosis, each) for each in found] or [_not_compared(diagnosis, target)]
-    if target in diagnosis.decisions:
-        parts.append(diagnosis.decisions[target])
     if diagnosis.verdict == "interrupted":
         parts.append("The diagnosis was interrupted: this is what was known then.")
     return "\n\n".join(parts)

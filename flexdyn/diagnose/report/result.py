@@ -26,6 +26,7 @@ class Diagnosis(Public):
     Attributes:
         verdict: about the test data (contract, section 8).
         findings: in the order of their share of the gap.
+        model: the corrected model.
         calibration: numbers that moved within three sigma of their tolerance.
         gap_fit: on the data of the fit; None where it could not be simulated.
         gap_test: on the test data; None where they were not opened or could not be simulated.
@@ -34,7 +35,6 @@ class Diagnosis(Public):
         left: what the corrected model leaves unexplained, the largest share of the torque first.
         structures: sets of effects that were compared, the most probable first.
         data: what was read, and what for.
-        model: the corrected model.
         notes: numbers that the data do not determine, and assumptions; one sentence each.
         seconds: that it took [s].
         record: version, date, command line and files.
@@ -44,10 +44,8 @@ class Diagnosis(Public):
         trajectories: measured and simulated motion of every joint, over the test data and the data of the fit.
         loops: recorded and simulated force of joints whose motion a test rig prescribes.
         residuals: pictures of what the model left unexplained, before and after, the most telling first.
-        decisions: further reasons, by what was decided: a target of `explain` or a few words.
         considered: every candidate that the search compared, the most probable first.
-        write_model: False where the corrected model is worse than the given one on the data of the fit: then
-            model.yaml is not written.
+        no_model: why model.yaml is not written; empty where it is.
         stopped: estimates that stopped short of a stationary point, in words such as "damping of elbow".
 
     Example:
@@ -69,21 +67,20 @@ class Diagnosis(Public):
 
     verdict: Verdict
     findings: tuple[Finding, ...]
-    calibration: tuple[Calibration, ...]
-    gap_fit: Gap | None
-    gap_test: Gap | None
-    errors: Mapping[str, JointError]
-    where: tuple[ResidualPlace, ...]
-    left: tuple[Left, ...]
-    structures: tuple[Structure, ...]
-    data: tuple[RecordingSpan, ...]
     model: FlexibleJointModel
+    calibration: tuple[Calibration, ...] = ()
+    gap_fit: Gap | None = None
+    gap_test: Gap | None = None
+    errors: Mapping[str, JointError] = field(default_factory=dict)
+    where: tuple[ResidualPlace, ...] = ()
+    left: tuple[Left, ...] = ()
+    structures: tuple[Structure, ...] = ()
+    data: tuple[RecordingSpan, ...] = ()
     notes: tuple[str, ...] = ()
     seconds: float = 0.0
     residuals: tuple[ResidualTrace, ...] = ()
-    decisions: Mapping[str, str] = field(default_factory=dict)
     considered: tuple[Considered, ...] = ()
-    write_model: bool = True
+    no_model: str = ""
     stopped: tuple[str, ...] = ()
     trajectories: tuple[Trajectory, ...] = ()
     stopped_at: str = ""
@@ -109,7 +106,7 @@ class Diagnosis(Public):
 
         model.yaml is the corrected model, ready to be simulated: calibration, parameter errors and elasticities are
         folded into its numbers. Where numbers of links changed, a corrected URDF lies beside it. It is left out where
-        `write_model` says so, and one of an earlier report is then removed.
+        `no_model` says why, and one of an earlier report is then removed.
 
         Args:
             folder: is created if it does not exist; files of an earlier report in it are replaced.

@@ -78,12 +78,7 @@ def stopped_sentence(diagnosis: Diagnosis) -> str:
 
 def model_sentence(diagnosis: Diagnosis) -> str:
     """Why there is no corrected model; empty where there is one."""
-    if diagnosis.write_model:
-        return ""
-    if diagnosis.verdict == "interrupted":
-        return "model.yaml was not written: there was no corrected model yet."
-    worse = "on the data of the fit the corrected model is worse than the model as it was given"
-    return diagnosis.decisions.get("model.yaml", f"model.yaml was not written: {worse}.")
+    return f"model.yaml was not written: {diagnosis.no_model}." if diagnosis.no_model else ""
 
 
 def next_measurements(diagnosis: Diagnosis) -> list[str]:

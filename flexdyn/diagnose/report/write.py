@@ -48,13 +48,12 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> None:
 
 def _model_files(diagnosis: Diagnosis, folder: Path) -> tuple[dict[str, str], Diagnosis]:
     """Texts of the corrected model, and the diagnosis that says so where there can be none."""
-    if not diagnosis.write_model:
+    if diagnosis.no_model:
         return {}, diagnosis
     try:
         return corrected_files(diagnosis.model, folder), diagnosis
     except InputError as problem:
-        decisions = {**diagnosis.decisions, MODEL: f"{MODEL} was not written: {problem.problem}."}
-        return {}, replace(diagnosis, write_model=False, decisions=decisions)
+        return {}, replace(diagnosis, no_model=problem.problem)
 
 
 def _remove_earlier(path: Path) -> None:
