@@ -6,7 +6,6 @@ import dataclasses
 from collections.abc import Sequence
 
 from flexdyn.diagnose.decision.corrected import Corrected, effect_of, needed
-from flexdyn.diagnose.decision.gaps import window_noise
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import suspect_of
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -34,13 +33,13 @@ def with_experiments(
     """
     if found.space.library.equations.data[0].forced.any():  # motions of an arm by its own motors are no test of a rig
         return tuple(findings)
-    model, levels = found.hypothesis.given, window_noise(noise)
+    model = found.hypothesis.given
     names = {suspect_of(model, found.candidates[each.candidate]).key: each for each in named}
     made = []
     for finding in findings:
         fits = _rivals(found, names[finding.suspect.key]) if finding.rivals else []
         whole = len(fits) == len(finding.rivals)
-        made.append(with_experiment(finding, found.fitted, fits, found.fitted.space, levels) if whole else finding)
+        made.append(with_experiment(finding, found.fitted, fits, found.fitted.space, noise) if whole else finding)
     return tuple(made)
 
 

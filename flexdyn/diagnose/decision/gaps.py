@@ -15,7 +15,6 @@ from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.report.measures import Gap
-from flexdyn.diagnose.shooting import windows as cutting
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.errors import InputError
@@ -100,15 +99,10 @@ def windows_of(
     if are_prescribed(parts):
         return None
     try:
-        cut = Windows.of(model, [each.recording for each in parts], window_noise(noise))
+        cut = Windows.of(model, [each.recording for each in parts], noise)
     except InputError:
         return None
     return cut if most is None else cut.thinned(most)
-
-
-def window_noise(noise: SampleNoise) -> cutting.WindowNoise:
-    """The same levels, as windows take them."""
-    return cutting.WindowNoise(np.maximum(noise.q, 1e-12), np.maximum(noise.theta, 1e-12), noise.tau)
 
 
 def shots(models: Sequence[FlexibleJointModel], windows: Windows) -> list[Shot]:

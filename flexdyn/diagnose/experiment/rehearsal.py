@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.equations.covariance import SampleNoise as Rows
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.experiment.apart import Known, Refit, as_made, laden, loaded, refitted, space_along, windowed
 from flexdyn.diagnose.experiment.moves import PlannedMotion
 from flexdyn.diagnose.experiment.reach import Reach
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.shooting.gap import shoot
-from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
+from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.effects import JointEffect, MemoryEffect, Payload
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -108,13 +108,13 @@ class RehearsalBench:
 
     Attributes:
         space: of the recordings.
-        levels: noise of their channels.
+        noise: of their channels.
         known: the named hypothesis, then its rivals.
         reach: of the arm.
     """
 
     space: Workspace
-    levels: WindowNoise
+    noise: SampleNoise
     known: tuple[Known, ...]
     reach: Reach
 
@@ -154,7 +154,7 @@ class RehearsalBench:
 
     def windows(self, recording: Recording) -> Windows:
         """A few windows of a simulated motion."""
-        return Windows.of(self.space.equations.true, [recording], self.levels, most=WINDOWS)
+        return Windows.of(self.space.equations.true, [recording], self.noise, most=WINDOWS)
 
     def load(self, move: PlannedMotion) -> Payload | None:
         """The payload in a motion."""
@@ -167,10 +167,8 @@ class RehearsalBench:
     def _side(self, truth: int, move: PlannedMotion, command: PD) -> Side:
         load = self.load(move)
         run, recording = self._made(truth, move, command)
-        levels, true = self.levels, self.space.equations.true
-        noise = Rows(levels.q, levels.theta, levels.tau, np.zeros(true.n))
         numbers = self.known[0].fitted.hypothesis.factors
-        space = space_along(self.space, numbers, measured(true, recording), noise, load)
+        space = space_along(self.space, numbers, measured(self.space.equations.true, recording), self.noise, load)
         own = refitted(self.known[truth], space, load, steps=1)
         pairs = tuple((own, refitted(other, space, load)) for other in self.others(truth))
         return Side(truth, run, recording, space, pairs)

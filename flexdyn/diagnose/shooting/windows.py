@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -23,40 +23,9 @@ MOST_WINDOWS = 400
 """Largest number of windows; of more, evenly spaced ones are used: 200 s are enough, and memory stays bounded."""
 WINDOW_GAP_STEPS = 1.5
 """A time step longer than this multiple of the usual one is a gap [1]."""
+LEAST_NOISE = 1e-12
+"""Least standard deviation of a sensor [rad or m]: residuals are divided by it."""
 POSITIONS = ("q", "theta")
-
-
-@dataclass(frozen=True, eq=False)
-class WindowNoise:
-    """Standard deviations by joint, in the order of the model's q; those of unmeasured channels are not used.
-
-    Attributes:
-        q: of the link encoders, quantisation included (n,) [rad or m].
-        theta: of the motor encoders, reflected (n,).
-        tau: white noise of the torque, independent from one sample to the next (n,) [N m or N].
-    """
-
-    q: Array
-    theta: Array
-    tau: Array
-
-    def __post_init__(self) -> None:
-        """Copy the arrays and make them read-only.
-
-        Raises:
-            InputError: a torque without a level, or a level below 0.
-        """
-        for name in ("q", "theta", "tau"):
-            array = np.array(getattr(self, name), dtype=float)
-            if (array < 0.0).any() or (name == "tau" and not np.isfinite(array).all()):
-                raise InputError("a finite level of at least 0 is needed", key=f"noise.{name}", value=array)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
-
-    @classmethod
-    def of(cls, q: ArrayLike, theta: ArrayLike, tau: ArrayLike, n: int) -> WindowNoise:
-        """Convert one number for all joints, or n numbers."""
-        return cls(*(np.broadcast_to(np.asarray(level, dtype=float), (n,)) for level in (q, theta, tau)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +45,7 @@ class Windows:
     recordings: tuple[Recording, ...]
     joints: tuple[str, ...]
     channels: tuple[str, ...]
-    noise: WindowNoise
+    noise: SampleNoise
     places: NDArray[np.int64]
     rows: int
     block: int
@@ -86,7 +55,7 @@ class Windows:
         cls,
         model: FlexibleJointModel,
         recordings: Sequence[Recording],
-        noise: WindowNoise,
+        noise: SampleNoise,
         seconds: float = WINDOW_LENGTH,
         most: int = MOST_WINDOWS,
     ) -> Windows:
@@ -107,11 +76,6 @@ class Windows:
         channels = tuple(name for name in names if any(name in recording for recording in recordings))
         if not channels:
             raise InputError("no position was measured", key="channels", remedy="q.JOINT or theta.JOINT is needed")
-        for name in channels:
-            signal, _, joint = name.partition(".")
-            level = float(getattr(noise, signal)[joints.index(joint)])
-            if not 0.0 < level < math.inf:
-                raise InputError("a finite level above 0 is needed", key=f"noise.{name}", value=level)
         periods = [float(np.median(np.diff(recording.t))) for recording in recordings]
         period = float(np.median(periods))
         for own in periods:
@@ -159,9 +123,10 @@ class Windows:
 
     @property
     def sensor_noise(self) -> Array:
-        """Standard deviation of every channel (channels,)."""
+        """Standard deviation of every channel (channels,); of one without noise, next to nothing."""
         parts = (name.partition(".") for name in self.channels)
-        return np.array([getattr(self.noise, signal)[self.joints.index(joint)] for signal, _, joint in parts])
+        levels = [getattr(self.noise, signal)[self.joints.index(joint)] for signal, _, joint in parts]
+        return np.maximum(levels, LEAST_NOISE)
 
     @property
     def blocks(self) -> int:
