@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +43,6 @@ class Corrected:
         fitted: the corrected model.
         names: established ones, effects and numbers of the file, in the order of their candidates.
         masses: of all sets of candidates.
-        candidates: that were compared.
         space: that compared them.
         explained: whether the equations of the fit leave no more than noise.
         genuine: by candidate, probability that it is no imitation of something that the catalogue lacks [1].
@@ -52,7 +51,6 @@ class Corrected:
     fitted: Fit
     names: tuple[Name, ...]
     masses: Masses
-    candidates: tuple[Candidate, ...]
     space: Space
     explained: bool
     genuine: dict[int, float]
@@ -71,13 +69,25 @@ class Corrected:
         """The corrected model's effect of a candidate; None: it has none."""
         return effect_of(self.candidates[candidate], self.hypothesis)
 
-    def without(self, candidate: int) -> Hypothesis:
-        """The corrected model without one of its names, all other numbers as they are."""
-        here, number = self.hypothesis, self.candidates[candidate].number
-        if number is not None:
-            return dataclasses.replace(here, factors={**here.factors, number: 1.0}, freed=here.freed - {number})
-        gone = self.effect(candidate)
-        return dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not gone]))
+    def without(self, *candidates: int) -> Hypothesis:
+        """The corrected model without some of its names, all other numbers as they are."""
+        here, numbers = self.hypothesis, {self.candidates[c].number for c in candidates}
+        gone = [self.effect(c) for c in candidates]
+        kept = [each for each in here.effects if not any(each is other for other in gone)]
+        factors = {number: 1.0 if number in numbers else factor for number, factor in here.factors.items()}
+        return dataclasses.replace(here, factors=factors, freed=here.freed - numbers, effects=possible(here, kept))
+
+    def instead(self, rival: int, of: int) -> Hypothesis | None:
+        """The most probable structure with a rival in the place of a candidate, by the linear equations."""
+        place = self.masses.place([rival], [of])
+        if place is None:
+            return None
+        return hypothesis_of(self.space, self.masses.structures[place], self.space.library.start, whole=True)
+
+    @property
+    def candidates(self) -> Sequence[Candidate]:
+        """All that were compared."""
+        return self.space.candidates
 
     @property
     def converged(self) -> bool:
@@ -124,7 +134,7 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
-    return Corrected(made, kept, masses, tuple(space.candidates), space, explained, own)
+    return Corrected(made, kept, masses, space, explained, own)
 
 
 def _masses(found: Posterior) -> Masses:

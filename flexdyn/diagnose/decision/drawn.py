@@ -20,8 +20,7 @@ from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import traces
 from flexdyn.diagnose.hypothesis.fitted import Workspace
-from flexdyn.diagnose.report.force import ForceLoop
-from flexdyn.diagnose.report.trace import MeasuredCurve, ResidualTrace, Trajectory
+from flexdyn.diagnose.report.trace import ForceLoop, MeasuredCurve, ResidualTrace, Trajectory
 from flexdyn.diagnose.shooting.gap import Shot
 
 Array = NDArray[np.float64]

@@ -13,7 +13,6 @@ from flexdyn.diagnose.experiment.design import with_experiment
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import Finding
 
 RIVAL_STEPS = 4
@@ -51,10 +50,9 @@ def _rivals(found: Corrected, name: Name) -> list[Fit]:
 
 def _in_place(found: Corrected, rival: int, of: int) -> Hypothesis | None:
     """The corrected model with a rival in the place of a candidate, from the best structure that has it so."""
-    place = found.masses.place([rival], [of])
-    if place is None:
+    structure = found.instead(rival, of)
+    if structure is None:
         return None
-    structure = hypothesis_of(found.space, found.masses.structures[place], found.space.library.start, whole=True)
     rest, number = found.without(of), found.candidates[rival].number
     if number is not None:
         factors = {**rest.factors, number: structure.factors[number]}

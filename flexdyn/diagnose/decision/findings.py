@@ -11,8 +11,9 @@ from flexdyn.diagnose.decision.corrected import Corrected, effect_of
 from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
-from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE
-from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
 from flexdyn.effects import Effect, SensorEffect
@@ -79,43 +80,32 @@ def _surely_beyond(found: Corrected, number: FileNumber) -> float:
 
 
 def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float]) -> Finding:
-    masses, c = found.masses, name.candidate
+    masses, candidates, c = found.masses, found.candidates, name.candidate
     compared = c in masses.candidates
     alone = masses.of_any([c]) if name.rivals else name.probability
-    suspect = suspect_of(model, found.candidates[c], alone, _numbers(model, found, c))
+    suspect = suspect_of(model, candidates[c], alone, _numbers(model, candidates[c], found.hypothesis, found.fitted))
     rivals = tuple(
-        suspect_of(model, found.candidates[r], masses.of_any([r]), _rough_numbers(model, found, r, c))
+        suspect_of(model, candidates[r], masses.of_any([r]), _numbers(model, candidates[r], found.instead(r, c)))
         for r in name.rivals
     )
     factor = masses.log_bayes_factor(c) if compared else math.nan
     told = ""
     if rivals:
-        forced = bool(found.space.library.equations.data[0].forced.any())
-        told = _on_the_rig(suspect, rivals) if forced else _experiment(suspect, rivals)
+        told = _experiment(suspect, rivals, on_a_rig=bool(found.space.library.equations.data[0].forced.any()))
     return Finding(suspect, name.probability, factor, gains.get(c, math.nan), rivals, told)
 
 
-def _numbers(model: FlexibleJointModel, found: Corrected, c: int) -> dict[str, Number]:
-    """Of a candidate that the corrected model holds."""
-    number = found.candidates[c].number
-    if number is not None:
-        return {"factor": Number(found.hypothesis.factors[number], found.fitted.factor_std()[number], "1")}
-    effect = found.effect(c)
-    return {} if effect is None else numbers_of(model, effect, found.fitted.std())
-
-
-def _rough_numbers(model: FlexibleJointModel, found: Corrected, rival: int, instead_of: int) -> dict[str, Number]:
-    """Of a rival, in the best structure that has it in place of another, from the linear equations."""
-    masses = found.masses
-    place = masses.place([rival], [instead_of])
-    if place is None:
+def _numbers(
+    model: FlexibleJointModel, candidate: Candidate, here: Hypothesis | None, made: Fit | None = None
+) -> dict[str, Number]:
+    """Of a candidate in a hypothesis; their standard deviations are those of its fit, or not known."""
+    if here is None:
         return {}
-    here = hypothesis_of(found.space, masses.structures[place], found.space.library.start, whole=True)
-    number = found.candidates[rival].number
-    if number is not None:
-        return {"factor": Number(here.factors[number], math.nan, "1")}
-    effect = effect_of(found.candidates[rival], here)
-    return {} if effect is None else numbers_of(model, effect, None)
+    if candidate.number is not None:
+        std = math.nan if made is None else made.factor_std()[candidate.number]
+        return {"factor": Number(here.factors[candidate.number], std, "1")}
+    effect = effect_of(candidate, here)
+    return {} if effect is None else numbers_of(model, effect, None if made is None else made.std())
 
 
 def calibration(found: Corrected, named: Sequence[Name]) -> tuple[Calibration, ...]:
@@ -134,21 +124,17 @@ def calibration(found: Corrected, named: Sequence[Name]) -> tuple[Calibration, .
     )
 
 
-def _on_the_rig(suspect: Suspect, others: Sequence[Suspect]) -> str:
-    """The regimes of a test rig in which laws part: what can be set there is amplitude, speed and load."""
+def _experiment(suspect: Suspect, others: Sequence[Suspect], *, on_a_rig: bool) -> str:
+    """What would be seen differently: the regimes in which laws part; on a rig, those that can be set there."""
     names = " or ".join(dict.fromkeys(each.effect.replace("_", " ") for each in (suspect, *others)))
     joint = suspect.joint or "the arm"
-    return (
-        f"to tell {names} apart, record {joint} on the rig with amplitudes from a tenth of today's to the largest that "
-        "it allows, since laws that take up the motion before they slip differ most where it is small; at a tenth and "
-        "at twice the speed, since what depends on speed changes with it; and with another preload, if it can be set"
-    )
-
-
-def _experiment(suspect: Suspect, others: Sequence[Suspect]) -> str:
-    """What would be seen differently; the regimes in which laws part."""
-    names = " or ".join(dict.fromkeys(each.effect.replace("_", " ") for each in (suspect, *others)))
-    joint = suspect.joint or "the arm"
+    if on_a_rig:
+        return (
+            f"to tell {names} apart, record {joint} on the rig with amplitudes from a tenth of today's to the largest "
+            "that it allows, since laws that take up the motion before they slip differ most where it is small; at a "
+            "tenth and at twice the speed, since what depends on speed changes with it; and with another preload, if "
+            "it can be set"
+        )
     return (
         f"to tell {names} apart, move {joint} slowly through its range at several constant speeds in both directions, "
         "stop and reverse often, and repeat it with another load"

@@ -15,8 +15,8 @@ from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import joint_terms
-from flexdyn.diagnose.report.force import ForceLoop
 from flexdyn.diagnose.report.measures import Gap
+from flexdyn.diagnose.report.trace import ForceLoop
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording

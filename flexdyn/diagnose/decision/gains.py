@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from flexdyn.diagnose.decision.corrected import Corrected, possible
+from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.held_out import HeldOut
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -54,7 +53,7 @@ def shares(rows: HeldOut, found: Corrected, named: Sequence[Name], gain: Mapping
         None where no row says anything.
     """
     order = in_order([each.candidate for each in named], gain)
-    models = [found.hypothesis.given, *(_with(found, order, order[:k]).seen() for k in range(len(order) + 1))]
+    models = [found.hypothesis.given, *(found.without(*order[k:]).seen() for k in range(len(order) + 1))]
     power = []
     for model in models:
         white = rows.whiten(rows.given.of(model).residual).reshape(rows.seen.shape)[rows.seen]
@@ -70,14 +69,3 @@ def in_order(candidates: Sequence[int], gain: Mapping[int, float]) -> list[int]:
     """Candidates in the order in which findings are told: the one that explains most first."""
     known = {c: gain.get(c, math.nan) for c in candidates}
     return sorted(candidates, key=lambda c: -known[c] if math.isfinite(known[c]) else 0.0)
-
-
-def _with(found: Corrected, named: Sequence[int], kept: Collection[int]) -> Hypothesis:
-    """The corrected model with some of its names alone, all other numbers as they are."""
-    here = found.hypothesis
-    gone = [c for c in named if c not in kept]
-    numbers = {found.candidates[c].number for c in gone}
-    factors = {number: 1.0 if number in numbers else factor for number, factor in here.factors.items()}
-    effects = [each for c in gone if (each := found.effect(c)) is not None]
-    left = [each for each in here.effects if not any(each is other for other in effects)]
-    return dataclasses.replace(here, factors=factors, effects=possible(here, left))

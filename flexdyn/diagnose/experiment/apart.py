@@ -19,7 +19,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.shooting.gap import Shot, shoot
-from flexdyn.diagnose.simulated.slopes import slopes
+from flexdyn.diagnose.simulated.window_fit import slopes
 from flexdyn.effects import Payload, SensorOffset
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -75,20 +75,24 @@ class Refit:
         weight = np.ones(len(self.y))
         weight[: self.rows] = np.sqrt(passes)
         X, y = self.X * weight[:, None], self.y * weight
-        length = np.sqrt((X**2).sum(axis=0))
-        X = X / np.where(length > 0.0, length, 1.0)
-        return np.asarray(y - X @ np.linalg.lstsq(X, y, rcond=1e-10)[0])
+        scaled = X / _lengths(X)
+        return np.asarray(y - scaled @ np.linalg.lstsq(scaled, y, rcond=1e-10)[0])
 
     def step(self) -> Array:
         """Steps of all numbers (columns,)."""
-        length = np.sqrt((self.X**2).sum(axis=0))
-        scale = np.where(length > 0.0, length, 1.0)
+        scale = _lengths(self.X)
         return np.asarray(-np.linalg.lstsq(self.X / scale, self.y, rcond=1e-10)[0] / scale)
 
     def chi2(self, passes: float = 1.0) -> float:
         """Sum of squares of the residuals."""
         left = self.left(passes)
         return float(left @ left)
+
+
+def _lengths(X: Array) -> Array:
+    """Lengths of the columns (columns,); 1 of an empty one."""
+    length = np.sqrt((X**2).sum(axis=0))
+    return np.where(length > 0.0, length, 1.0)
 
 
 def loaded(model: FlexibleJointModel, load: Payload | None) -> FlexibleJointModel:

@@ -15,13 +15,14 @@ from flexdyn.diagnose.report.digits import (
     value_text,
 )
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Ranks, Suspect, beyond, ranks
+from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Ranks, Structure, Suspect, beyond, ranks
 from flexdyn.diagnose.report.words import (
     capital,
     effect_name,
     grouped_phrases,
     is_number,
     joined,
+    plain_phrase,
     suspect_phrase,
     where_phrase,
 )
@@ -134,3 +135,26 @@ def rival_text(model: FlexibleJointModel, rival: Suspect) -> str:
     numbers = f" ({estimates(rival)})" if rival.parameters else ""
     said = f": probability {probability_text(rival.probability)}" if math.isfinite(rival.probability) else ""
     return f"{suspect_phrase(model, rival)}{numbers}{said}"
+
+
+STRUCTURES_OPEN = 8
+"""Structures that stand open; the others are folded away."""
+
+
+def structure_lines(diagnosis: Diagnosis, rank: int, entry: Structure) -> list[str]:
+    """Its effects; of the second and those after it, what they have more and less than the first."""
+    first = diagnosis.structures[0]
+    if not entry.effects:
+        return ["No effect: the calibrated model alone"]
+    own = [plain_phrase(phrase) for phrase in grouped_phrases(diagnosis.model, entry.effects)]
+    more, less = (beyond(*pair) for pair in ((entry, first), (first, entry)))
+    if rank == 1 or len(more) + len(less) >= len(entry.effects):
+        return own
+    lines = [f"without {phrase}" for phrase in grouped_phrases(diagnosis.model, less)]
+    lines += [f"with {phrase}" for phrase in grouped_phrases(diagnosis.model, more)]
+    return ["As rank 1", *lines] if lines else ["The effects of rank 1, with other numbers"]
+
+
+def is_named(diagnosis: Diagnosis, suspect: Suspect) -> bool:
+    """Whether a finding names it, alone or as one of several."""
+    return any(suspect.key == each.key for finding in diagnosis.findings for each in finding.names)

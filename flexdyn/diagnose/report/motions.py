@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from flexdyn.diagnose.report.pictures import AFTER, AXIS, BEFORE, CONFIG, page_layout, titled
@@ -27,29 +26,19 @@ CLOCK = 1_000_000
 ROLES = {"test": "test data", "fit": "data of the fit"}
 
 
-@dataclass(frozen=True)
-class Controls:
+def controls(diagnosis: Diagnosis) -> dict[str, Any]:
     """What the reader chooses from: values and their texts, and which length is chosen at first."""
-
-    joints: list[tuple[str, str]]
-    spans: list[tuple[str, str]]
-    lengths: list[tuple[str, str]]
-    length: str
-
-
-def controls(diagnosis: Diagnosis) -> Controls:
-    """What the picture is moved with."""
     given = diagnosis.trajectories
     longest = max(last - first for first, last in map(_reach, given))
     # The joint whose torque the given model explains worst is shown first.
     shares = {joint: entry.torque.share_before for joint, entry in diagnosis.errors.items()}
     ordered = sorted(given, key=lambda each: -shares.get(each.joint, 0.0))
-    return Controls(
-        [(name, name) for name in dict.fromkeys(each.joint for each in ordered)],
-        list({_span(each): _span_text(each) for each in given}.items()),
-        [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")],
-        f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all",
-    )
+    return {
+        "joints": [(name, name) for name in dict.fromkeys(each.joint for each in ordered)],
+        "spans": list({_span(each): _span_text(each) for each in given}.items()),
+        "lengths": [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")],
+        "length": f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all",
+    }
 
 
 def motion_figures(diagnosis: Diagnosis) -> list[dict[str, Any]]:

@@ -13,9 +13,7 @@ from typing import Any
 from flexdyn.diagnose.report import (
     apart,
     calibrated,
-    compared,
     digits,
-    force,
     found,
     motions,
     sentences,
@@ -23,10 +21,9 @@ from flexdyn.diagnose.report import (
     words,
 )
 from flexdyn.diagnose.report.document import CONSIDERED
-from flexdyn.diagnose.report.force import force_figure
 from flexdyn.diagnose.report.law import law_picture
 from flexdyn.diagnose.report.motions import motion_figures
-from flexdyn.diagnose.report.pictures import experiment_figure, residual_figure
+from flexdyn.diagnose.report.pictures import experiment_figure, force_figure, residual_figure
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.errors import needed
 from flexdyn.io import html
@@ -53,7 +50,7 @@ PARTS = (
 """Templates of the page's parts, in their order; each leaves itself out where there is nothing to say."""
 KNOWN = {
     name: value
-    for module in (apart, calibrated, compared, digits, force, found, motions, sentences, verdicts, words)
+    for module in (apart, calibrated, digits, found, motions, sentences, verdicts, words)
     for name, value in vars(module).items()
     if not name.startswith("_")
 }

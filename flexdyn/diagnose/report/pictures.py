@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.report.trace import ResidualTrace, packed
+from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, packed
 from flexdyn.plots.palette import INK, RULE
 
 Array = NDArray[np.float64]
@@ -139,3 +139,21 @@ def in_columns(data: list[dict[str, Any]]) -> dict[str, Any]:
                 columns.append(packed(column, LEVELS[key == "y"]))
             trace[key] = places[id(column)]
     return {"columns": columns, "data": data}
+
+
+def force_figure(loop: ForceLoop) -> dict[str, Any]:
+    """Data and layout for Plotly in the page: force over position to the left, over speed to the right."""
+    length, unit = loop.units
+    word = "force" if unit == "N" else "torque"
+    data = []
+    for k, axes in enumerate(({}, {"xaxis": "x2", "yaxis": "y2"})):
+        for row, name, colour in ((2, "recorded", INK), (3, "as given", BEFORE), (4, "corrected", AFTER)):
+            data.append(curve(loop.columns[k], loop.columns[row], name, colour, lines=True) | axes)
+    layout = page_layout(330, {"l": 62, "r": 10, "t": 8, "b": 44}) | {
+        "xaxis": {**AXIS, "domain": [0.0, 0.47], "title": titled(f"position [{length}]")},
+        "xaxis2": {**AXIS, "domain": [0.53, 1.0], "anchor": "y2", "title": titled(f"speed [{length}/s]")},
+        "yaxis": {**AXIS, "title": titled(f"{word} [{unit}]")},
+        "yaxis2": {**AXIS, "anchor": "x2", "matches": "y", "showticklabels": False},
+        "showlegend": False,
+    }
+    return {**in_columns(data), "layout": layout, "config": CONFIG}

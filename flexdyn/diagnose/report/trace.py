@@ -89,6 +89,8 @@ class ResidualTrace(Locked):
 
 MODELS = ("as given", "calibrated", "corrected")
 """Models whose errors a curve holds."""
+MOST_LOOP_POINTS = 4000
+"""Points of a loop of force that are drawn."""
 MOST_TRAJECTORY_POINTS = 6000
 """Points of one joint's curves in a whole page, so that six joints over a minute stay below a megabyte."""
 
@@ -178,3 +180,30 @@ def packed(column: ArrayLike, levels: int = 4000) -> dict[str, Any]:
     for place, step in zip(np.flatnonzero(there).tolist(), np.diff(whole, prepend=0).tolist(), strict=True):
         steps[place] = step
     return {"unit": float(f"{unit:.9g}"), "steps": steps}
+
+
+@dataclass(frozen=True, eq=False)
+class ForceLoop:
+    """Recorded and simulated force of a joint over one span, where a test rig prescribes its motion.
+
+    Attributes:
+        joint: its name.
+        file: name of the recording.
+        role: what the span was used for.
+        units: of position and force.
+        columns: position, speed, recorded force, that of the model as given, that of the corrected one (5, points).
+    """
+
+    joint: str
+    file: str
+    role: Role
+    units: tuple[str, str]
+    columns: Array
+
+    @classmethod
+    def thinned(cls, joint: str, file: str, role: Role, units: tuple[str, str], columns: Array) -> ForceLoop:
+        """Of long columns as many points as the eye needs, evenly."""
+        every = max(1, -(-columns.shape[1] // MOST_LOOP_POINTS))
+        kept = np.array(columns[:, ::every])
+        kept.setflags(write=False)
+        return cls(joint, file, role, units, kept)

@@ -6,6 +6,7 @@ import dataclasses
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64] | NDArray[np.bool_]
 WINDOW_LENGTH = 0.5
 """Length of a window [s]: contract, section 8."""
 MOST_WINDOWS = 400
@@ -26,6 +28,26 @@ WINDOW_GAP_STEPS = 1.5
 LEAST_NOISE = 1e-12
 """Least standard deviation of a sensor [rad or m]: residuals are divided by it."""
 POSITIONS = ("q", "theta")
+
+
+@dataclass(frozen=True, eq=False)
+class PerWindow:
+    """Base of what has one entry per window in each of its arrays."""
+
+    def part(self, which: Index) -> Self:
+        """A selection of the windows."""
+        return dataclasses.replace(self, **{name: array[which] for name, array in self._arrays().items()})
+
+    def replaced(self, which: Index, other: Self) -> Self:
+        """A copy in which some windows come from another object, which has only these."""
+        arrays = {name: array.copy() for name, array in self._arrays().items()}
+        for name, array in arrays.items():
+            array[which] = getattr(other, name)
+        return dataclasses.replace(self, **arrays)
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +78,6 @@ class Windows:
         model: FlexibleJointModel,
         recordings: Sequence[Recording],
         noise: SampleNoise,
-        seconds: float = WINDOW_LENGTH,
         most: int = MOST_WINDOWS,
     ) -> Windows:
         """Cut recordings into windows; a window never crosses a gap in time, and the last partial one is dropped.
@@ -65,7 +86,6 @@ class Windows:
             model: that names the joints.
             recordings: of one rate; each with tau and a measured position.
             noise: of the channels.
-            seconds: length of a window [s].
             most: largest number of windows; of more, evenly spaced ones are used.
 
         Raises:
@@ -83,12 +103,12 @@ class Windows:
                 remedy = "resample it, or diagnose it by itself"
                 raise InputError("recordings of different rates", key="rate", value=1.0 / own, remedy=remedy)
         block = max(1, round((0.005 if model.n <= 3 else 0.01) / period))
-        rows = block * int(seconds / (period * block) + 1e-6)
+        rows = block * int(WINDOW_LENGTH / (period * block) + 1e-6)
         places = (
             [(k, row) for k, each in enumerate(recordings) for row in _starts(each.t, period, rows)] if rows else []
         )
         if not places:
-            remedy = f"windows of {seconds:g} s without a gap are needed"
+            remedy = f"windows of {WINDOW_LENGTH:g} s without a gap are needed"
             raise InputError("the recordings are too short", key="t", remedy=remedy)
         return cls(tuple(recordings), joints, channels, noise, np.array(places, np.int64), rows, block).thinned(most)
 
