@@ -17,6 +17,9 @@ Progress = Callable[[str, float], None]
 Answer = TypeVar("Answer")
 STOPPING_TIME = 0.5
 """Time to wait for the end of stopped work [s]; after it the known results are reported without it."""
+STOPPING = "flexdyn: stopping; what is known by now follows"
+GUESSED = 0.1
+"""Share of the work from which the time that is left can be guessed [1]."""
 
 
 class _Work(threading.Thread, Generic[Answer]):
@@ -82,11 +85,6 @@ def _wait(thread: threading.Thread) -> None:
             thread.join(0.02)
     except KeyboardInterrupt:
         return
-
-
-STOPPING = "flexdyn: stopping; what is known by now follows"
-GUESSED = 0.1
-"""Share of the work from which the time that is left can be guessed [1]."""
 
 
 @contextmanager

@@ -9,10 +9,11 @@ from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noise
-from flexdyn.diagnose.decision.drawn import drawn, force_loops, motions
+from flexdyn.diagnose.decision.drawn import drawn, trajectories
 from flexdyn.diagnose.decision.experiments import with_experiments
 from flexdyn.diagnose.decision.figures import OnFit, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, names_told
+from flexdyn.diagnose.decision.forces import are_prescribed, loops
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, statistics, stopped
@@ -81,8 +82,8 @@ def concluded(
         residuals=drawn(plain, first, found, named),
         fit=statistics(found.fitted),
         shares=last.shares,
-        trajectories=motions(plain, first, last, parts),
-        loops=force_loops(plain, first, last, parts),
+        trajectories=(*trajectories(last), *trajectories(first)),
+        loops=tuple(loop for on in (last, first) if are_prescribed(on.parts) for loop in loops(on.models, on.parts)),
         no_model=WORSE if first.worse else "",
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )

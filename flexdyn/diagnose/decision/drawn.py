@@ -9,22 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.figures import OnFit, OnTest
-from flexdyn.diagnose.decision.forces import are_prescribed, loops
+from flexdyn.diagnose.decision.figures import OnData, OnFit
 from flexdyn.diagnose.decision.gaps import Shots
 from flexdyn.diagnose.decision.held_out import summed
 from flexdyn.diagnose.decision.laws_seen import laws_seen
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import traces
 from flexdyn.diagnose.hypothesis.fitted import Workspace
-from flexdyn.diagnose.report.trace import ForceLoop, MeasuredCurve, ResidualTrace, Trajectory
+from flexdyn.diagnose.report.trace import MeasuredCurve, ResidualTrace, Trajectory
 from flexdyn.diagnose.shooting.gap import Shot
 
 Array = NDArray[np.float64]
-Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
+HIGHEST_DRAWN_RATE = 200.0
+"""Positions are drawn at most so often [Hz]; torques at the rate of the equations' rows."""
 
 
 def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
@@ -36,9 +35,9 @@ def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name
         found: the corrected model.
         named: what is told.
     """
-    laws = laws_seen(plain.equations, first.after, plain.whiten, found, named)
+    laws = laws_seen(plain.equations, first.models[2], plain.whiten, found, named)
     ordered = sorted(laws, key=lambda each: -each.explains)
-    return (*ordered, *of_equations(plain.equations, first.after, plain.whiten, explained=bool(laws)))
+    return (*ordered, *of_equations(plain.equations, first.models[2], plain.whiten, explained=bool(laws)))
 
 
 def of_equations(
@@ -73,81 +72,30 @@ def _dependence(cloud: ResidualTrace) -> float:
     return spread if np.isfinite(spread) else 0.0
 
 
-def motions(plain: Workspace, first: OnFit, last: OnTest, parts: Parts) -> tuple[Trajectory, ...]:
-    """Measured and simulated motion over the test data, then over the data of the fit.
-
-    Args:
-        plain: equations of the model as given over the data of the fit.
-        first: figures on these.
-        last: figures on the test data.
-        parts: of the fit, and the test data.
-    """
-    tested, fitted = _models(plain, first, last)
-    rows = last.rows
-    seen = ~plain.whiten.mask.reshape(-1, len(plain.equations.kinds))
-    return (
-        *trajectories(tested, rows.seen, last.shots, parts[1]),
-        *trajectories(fitted, seen, first.shots, parts[0]),
-    )
-
-
-def force_loops(plain: Workspace, first: OnFit, last: OnTest, parts: Parts) -> tuple[ForceLoop, ...]:
-    """Force over position and speed where a rig prescribes the motion, as `motions` takes its arguments."""
-    tested, fitted = _models(plain, first, last)
-    return tuple(
-        loop
-        for models, spans in ((tested, parts[1]), (fitted, parts[0]))
-        if are_prescribed(spans)
-        for loop in loops(models, spans)
-    )
-
-
-def _models(plain: Workspace, first: OnFit, last: OnTest) -> tuple[tuple[Equations, ...], tuple[Equations, ...]]:
-    """Equations of the model as given, calibrated and corrected, over the test data and over the data of the fit."""
-    calibrated, rows = first.calibrated.seen(), last.rows
-    tested = (rows.given, rows.given.of(calibrated), rows.after)
-    return tested, (plain.equations, plain.equations.of(calibrated), first.after)
-
-
-HIGHEST_DRAWN_RATE = 200.0
-"""Positions are drawn at most so often [Hz]; torques at the rate of the equations' rows."""
-
-
-def trajectories(
-    models: Sequence[Equations], seen: NDArray[np.bool_], shots: Shots | None, parts: Sequence[DataPart]
-) -> tuple[Trajectory, ...]:
-    """Every joint over every span.
-
-    Args:
-        models: equations over the spans of the model as given, calibrated and corrected.
-        seen: rows that say something (rows of an equation, equations).
-        shots: windows in the same spans; None: there are none.
-        parts: the spans.
-    """
+def trajectories(on: OnData) -> tuple[Trajectory, ...]:
+    """Measured and simulated motion of every joint over every span of some data."""
     found = []
-    robot = models[0].true.robot
-    for j, joint in enumerate(models[0].true.joint_names):
-        torques = _torques(models, seen, parts, j, f"torque [{robot.torque_unit(joint)}]")
-        for k, part in enumerate(parts):
+    robot = on.models[0].true.robot
+    for j, joint in enumerate(on.models[0].true.joint_names):
+        torques = _torques(on, j, f"torque [{robot.torque_unit(joint)}]")
+        for k, part in enumerate(on.parts):
             if len(torques[k].t) < 2:
                 continue
-            position = None if shots is None else _position(shots, k, joint, robot.angle_unit(joint))
+            position = None if on.shots is None else _position(on.shots, k, joint, robot.angle_unit(joint))
             found.append(Trajectory(joint, part.recording.name, part.role, position, torques[k]))
     return tuple(found)
 
 
-def _torques(
-    models: Sequence[Equations], seen: NDArray[np.bool_], parts: Sequence[DataPart], j: int, label: str
-) -> list[MeasuredCurve]:
+def _torques(on: OnData, j: int, label: str) -> list[MeasuredCurve]:
     """Recorded torque of a joint behind the equations' filters, and what each model needs less that (a curve a span).
 
     A row in which an equation says nothing leaves the lines open: there a joint may rest, and friction holds anything.
     """
-    left = [summed(at, j) for at in models]
-    clear: NDArray[np.bool_] = np.asarray(seen[:, left[0][1]].all(axis=1))
+    left = [summed(at, j) for at in on.models]
+    clear: NDArray[np.bool_] = np.asarray(on.seen[:, left[0][1]].all(axis=1))
     curves, first = [], 0
-    for along, part in zip(models[-1].motions, parts, strict=True):
-        filters = models[-1].filters
+    for along, part in zip(on.models[-1].motions, on.parts, strict=True):
+        filters = on.models[-1].filters
         rows = slice(first, first + filters.count(len(along.t)))
         first = rows.stop
         begin = float(part.recording.t[0] - part.data.t[0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,6 +40,12 @@ class Forces:
     calibrated: Array
     after: Array
     errors: tuple[float, float, float]
+
+    @classmethod
+    def of(cls, models: Sequence[Equations], white: Callable[[Array], Array]) -> Forces:
+        """Of equations of the three models, and how their residuals become white rows."""
+        before, calibrated, after = errors_of(models)
+        return cls(*(white(at.residual) for at in models), (before, calibrated, after))
 
     @property
     def gap(self) -> Gap:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,10 @@ class Shots:
         motion.
         """
         return nearer(self.before.residual, self.after.residual)
+
+    def alone(self) -> Shots:
+        """The same where the corrected model is the calibrated one."""
+        return replace(self, after=self.calibrated)
 
     def position(self, joint: str) -> tuple[float, ...]:
         """Error of a joint's measured positions, root mean square, of the three models."""

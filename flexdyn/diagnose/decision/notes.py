@@ -24,6 +24,9 @@ UNINFORMED_SHARE = 0.5
 """Share of its prior's standard deviation from which that of a number says that the data do not tell it [1]."""
 FARTHEST_NUMBERS_TOLD = 3
 """Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""
+CORRELATION_TOLD, MOST_CORRELATIONS = 0.1, 40
+"""Correlations that are told: none below, no more than so many."""
+METHOD = "Gauss-Newton, weighted by noise and model error, with the stated tolerances as priors"
 
 
 def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
@@ -104,11 +107,6 @@ def stopped(made: Fit) -> tuple[str, ...]:
     ]
     far = np.abs(made.step[: len(words)]) / np.maximum(spread, 1e-300)
     return tuple(words[k] for k in np.argsort(-far, kind="stable")[:FARTHEST_NUMBERS_TOLD])
-
-
-CORRELATION_TOLD, MOST_CORRELATIONS = 0.1, 40
-"""Correlations that are told: none below, no more than so many."""
-METHOD = "Gauss-Newton, weighted by noise and model error, with the stated tolerances as priors"
 
 
 def statistics(made: Fit) -> Statistics:

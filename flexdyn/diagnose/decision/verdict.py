@@ -17,6 +17,9 @@ from flexdyn.diagnose.report.measures import Left, ResidualPlace
 from flexdyn.diagnose.report.result import Verdict
 
 Array = NDArray[np.float64]
+LEFT_TORQUE_SHARE = 0.01
+"""Share of a joint's torque from which something is left [1]: no model of a robot is right to less."""
+QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(after a reversal)")
 
 
 def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
@@ -47,11 +50,6 @@ def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:
     if noise:
         return "explained" if named else "no_discrepancy"
     return "partly_explained" if named else "unexplained"
-
-
-LEFT_TORQUE_SHARE = 0.01
-"""Share of a joint's torque from which something is left [1]: no model of a robot is right to less."""
-QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(after a reversal)")
 
 
 def left(rows: HeldOut, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, ...]:

@@ -23,6 +23,7 @@ VARIED_MOTIONS = 4
 """Number of a joint's motions that are also tried at other poses and with a payload."""
 FADED_SINE_SHARE = 0.7
 """Share of speed and acceleration for a sine, which fades in and out [1]."""
+Made = tuple[str, Array, Array | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,9 +117,6 @@ class _Joint:
 
     def ends(self, half: float) -> str:
         return f"between {short(self.middle - half)} and {short(self.middle + half)} {self.unit}"
-
-
-Made = tuple[str, Array, Array | None]
 
 
 def _sweeps(joint: _Joint, shares: Sequence[float]) -> Made:

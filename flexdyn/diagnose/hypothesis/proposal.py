@@ -16,6 +16,13 @@ from flexdyn.effects.extent import MotionExtent
 Array = NDArray[np.float64]
 Point = tuple[float, ...]
 Unit = tuple[Effect, float]
+HALF_GAP_POINTS = 10
+"""Number of points of the grid of half gaps."""
+NARROWEST_PLAY, WIDEST_PLAY, WIDEST_MADE_UP_PLAY = 0.003, 0.8, 3.0
+"""Ends of the grid in units of the joint's deflection; the last one if the deflection was computed without a gap [1].
+"""
+SMALLEST_HALF_GAP = 0.05
+"""Half gap that is always tried, in the same unit [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,15 +136,6 @@ def given(place: Mapping[str, str], names: Sequence[str], grid: Sequence[Point])
         tuple(grid),
         axes=tuple(names),
     )
-
-
-HALF_GAP_POINTS = 10
-"""Number of points of the grid of half gaps."""
-NARROWEST_PLAY, WIDEST_PLAY, WIDEST_MADE_UP_PLAY = 0.003, 0.8, 3.0
-"""Ends of the grid in units of the joint's deflection; the last one if the deflection was computed without a gap [1].
-"""
-SMALLEST_HALF_GAP = 0.05
-"""Half gap that is always tried, in the same unit [1]."""
 
 
 def half_gaps(equations: Equations, j: int, deflection: float) -> list[float]:

@@ -31,6 +31,8 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 FINDINGS_OPEN = 4
 """Findings that are told in full at once; of more there is a table, and the others are folded away."""
+STRUCTURES_OPEN = 8
+"""Structures that stand open; the others are folded away."""
 
 
 def finding_title(model: FlexibleJointModel, finding: Finding) -> str:
@@ -135,10 +137,6 @@ def rival_text(model: FlexibleJointModel, rival: Suspect) -> str:
     numbers = f" ({estimates(rival)})" if rival.parameters else ""
     said = f": probability {probability_text(rival.probability)}" if math.isfinite(rival.probability) else ""
     return f"{suspect_phrase(model, rival)}{numbers}{said}"
-
-
-STRUCTURES_OPEN = 8
-"""Structures that stand open; the others are folded away."""
 
 
 def structure_lines(diagnosis: Diagnosis, rank: int, entry: Structure) -> list[str]:

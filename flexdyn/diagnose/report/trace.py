@@ -16,6 +16,12 @@ from flexdyn.io.locked import Locked, locked_copy
 Array = NDArray[np.float64]
 NARROW = 500
 """Slices of time whose extremes are drawn: such a picture is half as wide as the page."""
+MODELS = ("as given", "calibrated", "corrected")
+"""Models whose errors a curve holds."""
+MOST_LOOP_POINTS = 4000
+"""Points of a loop of force that are drawn."""
+MOST_TRAJECTORY_POINTS = 6000
+"""Points of one joint's curves in a whole page, so that six joints over a minute stay below a megabyte."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,14 +91,6 @@ class ResidualTrace(Locked):
             means = averages(np.stack(columns, axis=1))
         across, *up = (column[kept] for column in columns)
         return cls(title, x_label, y_label, across, up[0], up[1], means)
-
-
-MODELS = ("as given", "calibrated", "corrected")
-"""Models whose errors a curve holds."""
-MOST_LOOP_POINTS = 4000
-"""Points of a loop of force that are drawn."""
-MOST_TRAJECTORY_POINTS = 6000
-"""Points of one joint's curves in a whole page, so that six joints over a minute stay below a megabyte."""
 
 
 @dataclass(frozen=True, eq=False)

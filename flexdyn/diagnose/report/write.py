@@ -22,6 +22,11 @@ from flexdyn.model.resolved_parameters import OF_LINK, OF_URDF
 from flexdyn.robot.rewrite import corrected_urdf
 
 PAGE, JSON = "report.html", "report.json"
+MODEL = "model.yaml"
+MARK = "corrected by flexdyn diagnose"
+"""Text in the first line of every model file that a diagnosis wrote."""
+HEAD = f"# {{}}, {MARK}. SI units; rotor_inertia on the motor side, everything else reflected.\n"
+EFFECT_PATH = re.compile(r"effects\[(\d+)\](\..*)")
 
 
 def write_report(diagnosis: Diagnosis, folder: Path) -> None:
@@ -65,13 +70,6 @@ def _remove_earlier(path: Path) -> None:
             path.unlink()
     except (OSError, UnicodeDecodeError):
         return
-
-
-MODEL = "model.yaml"
-MARK = "corrected by flexdyn diagnose"
-"""Text in the first line of every model file that a diagnosis wrote."""
-HEAD = f"# {{}}, {MARK}. SI units; rotor_inertia on the motor side, everything else reflected.\n"
-EFFECT_PATH = re.compile(r"effects\[(\d+)\](\..*)")
 
 
 def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:

@@ -18,6 +18,12 @@ from flexdyn.diagnose.shooting.windows import Windows
 Array = NDArray[np.float64]
 SCALED_STEP = 0.1
 """Step of the differences, in scales of the fit; a factor's in the part of its tolerance that this is."""
+WINDOW_FIT_STEPS = 8
+"""Gauss-Newton steps at most."""
+STEP_SHARES = (1.0, 0.3, 0.1)
+"""Shares of a step that are tried."""
+WORTHWHILE_GAIN = 5.0
+"""Log posterior that a step must gain for another one [1]."""
 
 
 def slopes(here: Hypothesis, shot: Shot, scales: tuple[float, ...]) -> Array:
@@ -47,14 +53,6 @@ def _with_a_step(here: Hypothesis, k: int, scales: tuple[float, ...]) -> tuple[H
     changed = effect.replace(**{name: getattr(effect, name) + SCALED_STEP * scales[k - numbers]})
     effects = tuple(changed if each is effect else each for each in here.effects)
     return dataclasses.replace(here, effects=effects), SCALED_STEP
-
-
-WINDOW_FIT_STEPS = 8
-"""Gauss-Newton steps at most."""
-STEP_SHARES = (1.0, 0.3, 0.1)
-"""Shares of a step that are tried."""
-WORTHWHILE_GAIN = 5.0
-"""Log posterior that a step must gain for another one [1]."""
 
 
 @dataclass(frozen=True, eq=False)
