@@ -19,8 +19,7 @@ from flexdyn.diagnose.experiment.reach import Reach
 from flexdyn.diagnose.experiment.rehearsal import RehearsalBench
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.report.suspects import Finding, Suspect
+from flexdyn.diagnose.report.suspects import Experiment, Finding, Suspect
 from flexdyn.errors import SimulationError
 from tests.arms import repickled
 from tests.diagnose.truths import Levels, slider_model, slider_recording

@@ -14,12 +14,11 @@ import flexdyn as fd
 from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.report.apart import PICTURES
 from flexdyn.diagnose.report.digits import percent, probability_text, rounded, times
-from flexdyn.diagnose.report.experiment import Experiment
 from flexdyn.diagnose.report.found import FINDINGS_OPEN
 from flexdyn.diagnose.report.measures import Gap, JointError, Left, RecordingSpan, ResidualPlace, SignalError
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import next_measurements
-from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Structure, Suspect
+from flexdyn.diagnose.report.suspects import Considered, Experiment, Finding, Number, Structure, Suspect
 from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.verdicts import verdict_sentence
 from tests.browser import open_page

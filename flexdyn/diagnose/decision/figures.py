@@ -21,8 +21,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import localise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.report.measures import Gap, JointError, Left, ResidualPlace, SignalError
-from flexdyn.diagnose.report.record import Shares
+from flexdyn.diagnose.report.measures import Gap, JointError, Left, ResidualPlace, Shares, SignalError
 
 Array = NDArray[np.float64]
 

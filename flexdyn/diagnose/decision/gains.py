@@ -12,7 +12,7 @@ from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.held_out import HeldOut
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.report.record import Shares
+from flexdyn.diagnose.report.measures import Shares
 
 
 def gains(rows: HeldOut, calibrated: Hypothesis, found: Corrected, named: Sequence[Name]) -> dict[int, float]:

@@ -16,8 +16,7 @@ from flexdyn.diagnose.hypothesis.own_effects import own_effects
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.report.calibrated import estimate
 from flexdyn.diagnose.report.digits import estimate_text
-from flexdyn.diagnose.report.measures import Calibration
-from flexdyn.diagnose.report.record import Statistics
+from flexdyn.diagnose.report.measures import Calibration, Statistics
 from flexdyn.diagnose.report.words import capital, effect_name, number_phrase, suspect_phrase
 
 UNINFORMED_SHARE = 0.5

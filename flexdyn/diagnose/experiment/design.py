@@ -19,8 +19,7 @@ from flexdyn.diagnose.experiment.plan import planned
 from flexdyn.diagnose.experiment.reach import Reach, load_mass
 from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
-from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.report.suspects import Finding
+from flexdyn.diagnose.report.suspects import Experiment, Finding
 from flexdyn.diagnose.report.words import effect_name, is_number, suspect_phrase
 from flexdyn.errors import FlexdynError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel

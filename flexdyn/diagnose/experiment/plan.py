@@ -11,7 +11,7 @@ from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.experiment.apart import bent
 from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
-from flexdyn.diagnose.report.experiment import Experiment
+from flexdyn.diagnose.report.suspects import Experiment
 from flexdyn.diagnose.shooting.gap import shoot
 
 Array = NDArray[np.float64]

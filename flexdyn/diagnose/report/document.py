@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.diagnose.report.calibrated import estimate
-from flexdyn.diagnose.report.measures import JointError, RecordingSpan, SignalError
-from flexdyn.diagnose.report.record import Statistics
+from flexdyn.diagnose.report.measures import JointError, RecordingSpan, SignalError, Statistics
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import model_sentence, stopped_sentence
 from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Suspect

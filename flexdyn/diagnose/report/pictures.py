@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.report.experiment import Experiment
+from flexdyn.diagnose.report.suspects import Experiment
 from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, packed
 from flexdyn.plots.palette import INK, RULE
 

@@ -7,8 +7,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, RecordingSpan, ResidualPlace
-from flexdyn.diagnose.report.record import Record, Shares, Statistics, record
+from flexdyn.diagnose.report.measures import (
+    Calibration,
+    Gap,
+    JointError,
+    Left,
+    Record,
+    RecordingSpan,
+    ResidualPlace,
+    Shares,
+    Statistics,
+    record,
+)
 from flexdyn.diagnose.report.suspects import Considered, Finding, Structure
 from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, Trajectory
 from flexdyn.io.notebook import Public
