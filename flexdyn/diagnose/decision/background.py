@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import contextvars
 import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from queue import Empty
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 from flexdyn.diagnose.progress import Course, following
 
@@ -20,28 +22,6 @@ STOPPING_TIME = 0.5
 STOPPING = "flexdyn: stopping; what is known by now follows"
 GUESSED = 0.1
 """Share of the work from which the time that is left can be guessed [1]."""
-
-
-class _Work(threading.Thread, Generic[Answer]):
-    """The work and what came of it."""
-
-    def __init__(self, work: Callable[[], Answer], course: Course) -> None:
-        super().__init__(name="flexdyn-diagnosis")
-        self.answer: list[Answer] = []
-        self.error: BaseException | None = None
-        self._work, self._course = work, course
-        self._around = contextvars.copy_context()
-
-    def run(self) -> None:
-        """Do it, in the context of the thread that asked."""
-        self._around.run(self._inside)
-
-    def _inside(self) -> None:
-        with following(self._course):
-            try:
-                self.answer.append(self._work())
-            except BaseException as error:
-                self.error = error
 
 
 def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> Answer:
@@ -57,34 +37,33 @@ def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> An
     Raises:
         KeyboardInterrupt: Ctrl-C; what is known is in the course. The work ends at its next check.
     """
-    thread = _Work(work, course)
+    over = threading.Event()
+
+    def inside() -> Answer:
+        try:
+            with following(course):
+                return work()
+        finally:
+            over.set()
+
+    pool = ThreadPoolExecutor(1, thread_name_prefix="flexdyn-diagnosis")
     try:
-        thread.start()
-        while thread.is_alive() or not course.told.empty():
+        doing = pool.submit(contextvars.copy_context().run, inside)
+        while not doing.done() or not course.told.empty():
             try:
                 stage, share, shown = course.told.get(timeout=0.05)
             except Empty:
                 continue
             progress(stage, share)
             shown.set()
-        thread.join()
     except BaseException:
         course.stop.set()
-        _wait(thread)
+        with contextlib.suppress(KeyboardInterrupt):  # another Ctrl-C ends the wait
+            over.wait(STOPPING_TIME)
         raise
-    if thread.error is not None:
-        raise thread.error
-    return thread.answer[0]
-
-
-def _wait(thread: threading.Thread) -> None:
-    """A moment for the work to come to its end; another Ctrl-C ends that."""
-    end = time.monotonic() + STOPPING_TIME
-    try:
-        while thread.is_alive() and time.monotonic() < end:
-            thread.join(0.02)
-    except KeyboardInterrupt:
-        return
+    finally:
+        pool.shutdown(wait=False)  # its thread ends with the work
+    return doing.result()
 
 
 @contextmanager
