@@ -49,6 +49,11 @@ class Known:
         whole = np.vstack([rows.X, np.diag(1.0 / rows.sigma)])
         return cls(fitted, np.asarray(np.linalg.qr(whole, mode="r")) / np.sqrt(max(1.0, fitted.reduced)))
 
+    def laden(self, load: Payload | None) -> Hypothesis:
+        """The hypothesis for an arm with a known payload."""
+        here = self.fitted.hypothesis
+        return dataclasses.replace(here, given=loaded(here.given, load))
+
     def marginal(self, count: int) -> Array:
         """The root for the first numbers (count, count), with the others free."""
         others = self.root.shape[1] - count
@@ -100,11 +105,6 @@ def loaded(model: FlexibleJointModel, load: Payload | None) -> FlexibleJointMode
     return model if load is None else model.replace(effects=[*model.effects, load])
 
 
-def laden(hypothesis: Hypothesis, load: Payload | None) -> Hypothesis:
-    """The same hypothesis for an arm with a known payload."""
-    return dataclasses.replace(hypothesis, given=loaded(hypothesis.given, load))
-
-
 def space_along(
     space: Workspace, numbers: Iterable[FileNumber], run: Measured, noise: SampleNoise, load: Payload | None = None
 ) -> Workspace:
@@ -129,7 +129,7 @@ def refitted(known: Known, space: Workspace, load: Payload | None = None, steps:
 
     The offsets of its encoders start at their values in the present recordings.
     """
-    first = laden(known.fitted.hypothesis, load)
+    first = known.laden(load)
     offsets = {effect.channel: effect.offset for effect in first.counts}
     counted = space.nuisance @ np.array([offsets.get(name, 0.0) for name in space.channels])
     numbers, old = len(first.factors), np.array(known.fitted.scales)
@@ -171,7 +171,7 @@ def windowed(known: Known, shot: Shot, load: Payload | None, worth: float) -> Re
         load: payload of the arm.
         worth: sum of squares below which neither its first states nor its numbers are fitted.
     """
-    first = laden(known.fitted.hypothesis, load)
+    first = known.laden(load)
     scales = known.fitted.scales
     white = shot.whitened(first.seen()).ravel()
     if white @ white < worth:
@@ -185,6 +185,6 @@ def windowed(known: Known, shot: Shot, load: Payload | None, worth: float) -> Re
 
 def bent(known: Known, refit: Refit, load: Payload | None) -> Hypothesis:
     """The hypothesis with the numbers that a refit over windows gives it."""
-    first = laden(known.fitted.hypothesis, load)
+    first = known.laden(load)
     count = len(first.factors) + len(known.fitted.scales)
     return moved(first, refit.step(), known.fitted.scales) if refit.X.shape[1] == count else first

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.experiment.apart import Known, Refit, as_made, laden, loaded, refitted, space_along, windowed
+from flexdyn.diagnose.experiment.apart import Known, Refit, as_made, loaded, refitted, space_along, windowed
 from flexdyn.diagnose.experiment.moves import PlannedMotion
 from flexdyn.diagnose.experiment.reach import Reach
 from flexdyn.diagnose.hypothesis.fitted import Workspace
@@ -175,7 +175,7 @@ class RehearsalBench:
 
     def _windowed(self, side: Side, move: PlannedMotion, worth: float) -> Side:
         load = self.load(move)
-        model = laden(self.known[side.truth].fitted.hypothesis, load).seen()
+        model = self.known[side.truth].laden(load).seen()
         shot = shoot(model, self.windows(side.recording))
         own = as_made(shot)
         pairs = tuple((own, windowed(other, shot, load, own.chi2() + worth)) for other in self.others(side.truth))
@@ -209,7 +209,7 @@ class RehearsalBench:
 
     def _made(self, truth: int, move: PlannedMotion, command: PD) -> tuple[Run, Recording]:
         """The run and its recording."""
-        model = laden(self.known[truth].fitted.hypothesis, self.load(move)).seen()
+        model = self.known[truth].laden(self.load(move)).seen()
         seconds, rate, start = command.reference.duration, 1.0 / self.reach.dt, move.path[0]
         end = time.process_time() + RUNAWAY_TIME
 

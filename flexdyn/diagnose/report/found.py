@@ -20,6 +20,7 @@ from flexdyn.diagnose.report.words import (
     capital,
     effect_name,
     grouped_phrases,
+    in_one_place,
     is_number,
     joined,
     plain_phrase,
@@ -39,23 +40,15 @@ def finding_title(model: FlexibleJointModel, finding: Finding) -> str:
     """Names of what it may be in one place."""
     suspect = finding.suspect
     first = f"wrong {where_phrase(model, suspect)}" if is_number(suspect) else effect_name(suspect.effect)
-    names = [first, *(effect_name(each.effect) for each in _in_one_place(model, finding))]
+    names = [first, *(effect_name(each.effect) for each in in_one_place(model, finding))]
     return capital(" or ".join(dict.fromkeys(names)))
 
 
 def finding_places(model: FlexibleJointModel, finding: Finding) -> str:
     """Where it acts, and what else it may be elsewhere; nothing where the title says it all."""
     here = [] if is_number(finding.suspect) else [where_phrase(model, finding.suspect)]
-    alike = _in_one_place(model, finding)
+    alike = in_one_place(model, finding)
     return ", ".join([*here, *(f"or {suspect_phrase(model, rival)}" for rival in finding.rivals if rival not in alike)])
-
-
-def _in_one_place(model: FlexibleJointModel, finding: Finding) -> list[Suspect]:
-    """Rivals that act where the finding acts; none of a wrong number."""
-    if is_number(finding.suspect):
-        return []
-    here = where_phrase(model, finding.suspect)
-    return [rival for rival in finding.rivals if where_phrase(model, rival) == here]
 
 
 def law_text(suspect: Suspect) -> str:
@@ -81,7 +74,8 @@ def evidence(diagnosis: Diagnosis, finding: Finding) -> list[str]:
     said, told = probability_text(finding.probability), []
     if math.isfinite(finding.probability):
         one_of = " that one of these names is right" if finding.rivals else ""
-        told.append(f"Posterior probability {said}{one_of}: {likely(finding.probability)}{_short(finding)}.")
+        short = "" if finding.established else f", not established: {ESTABLISHED} is required"
+        told.append(f"Posterior probability {said}{one_of}: {likely(finding.probability)}{short}.")
     if not math.isnan(finding.log_bayes_factor):
         told.append(
             "The best structure with it against the best without it: log Bayes factor"
@@ -97,11 +91,6 @@ def _missed(gain: float) -> str:
     if gain < 0.0:
         return f"If it alone is left out, the improvement on the test data grows by {percent(-gain)}."
     return f"If it alone is left out, {percent(gain)} of the improvement on the test data is lost."
-
-
-def _short(finding: Finding) -> str:
-    """What is said of a finding that is not probable enough."""
-    return "" if finding.established else f", not established: {ESTABLISHED} is required"
 
 
 def _compared(diagnosis: Diagnosis, finding: Finding) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.control.commands import PD
-from flexdyn.io.locked import Locked, locked_copy
+from flexdyn.io.locked import Locked
 
 ESTABLISHED = 0.95
 """Posterior probability from which an effect, or an "A or B", counts as established [1] (contract, section 8)."""
@@ -50,11 +50,6 @@ class Experiment(Locked):
     left: NDArray[np.float64]
     noise: NDArray[np.float64]
     labels: tuple[str, str]
-
-    def __post_init__(self) -> None:
-        """Copy the arrays and make them read-only."""
-        for name in ("t", "position", "left", "noise"):
-            object.__setattr__(self, name, locked_copy(getattr(self, name)))
 
     @property
     def apart(self) -> float:
@@ -211,8 +206,8 @@ def ranks(structures: Sequence[Structure], suspects: Sequence[Suspect]) -> Ranks
         len(structures),
         tuple(place for place, it_is in enumerate(held, start=1) if it_is),
         sum(each.probability for each in within),
-        max(within, key=_evidence, default=None),
-        max(without, key=_evidence, default=None),
+        max(within, key=lambda each: each.log_evidence, default=None),
+        max(without, key=lambda each: each.log_evidence, default=None),
     )
 
 
@@ -220,7 +215,3 @@ def beyond(structure: Structure, other: Structure) -> list[Suspect]:
     """Effects that one structure holds and the other does not."""
     keys = {each.key for each in other.effects}
     return [each for each in structure.effects if each.key not in keys]
-
-
-def _evidence(structure: Structure) -> float:
-    return structure.log_evidence

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.diagnose.report.measures import Role
-from flexdyn.errors import InputError
-from flexdyn.io.locked import Locked, locked_copy
+from flexdyn.io.locked import Locked
 
 Array = NDArray[np.float64]
 NARROW = 500
@@ -53,22 +52,6 @@ class ResidualTrace(Locked):
     note: str = ""
     explains: float = math.nan
 
-    def __post_init__(self) -> None:
-        """Copy and lock.
-
-        Raises:
-            InputError: the columns are of different lengths, or x is not finite.
-        """
-        for name in ("x", "before", "after"):
-            column = locked_copy(getattr(self, name))
-            if column.ndim != 1 or len(column) != np.size(self.x):
-                raise InputError("columns of one length are needed", key=f"trace.{name}", value=column.shape)
-            object.__setattr__(self, name, column)
-        for name in ("means", "law"):
-            object.__setattr__(self, name, locked_copy(getattr(self, name)))
-        if not np.isfinite(self.x).all():
-            raise InputError("finite numbers are needed", key="trace.x", value=self.title)
-
     @classmethod
     def thinned(
         cls, title: str, x_label: str, y_label: str, x: ArrayLike, before: ArrayLike, after: ArrayLike
@@ -108,11 +91,6 @@ class MeasuredCurve(Locked):
     t: Array
     measured: Array
     errors: Array
-
-    def __post_init__(self) -> None:
-        """Copy and lock."""
-        for name in ("t", "measured", "errors"):
-            object.__setattr__(self, name, locked_copy(getattr(self, name)))
 
     def thinned(self, most: int) -> MeasuredCurve:
         """At most so many points: of every slice of time the first one, and the extremes of what is drawn.
@@ -181,7 +159,7 @@ def packed(column: ArrayLike, levels: int = 4000) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, eq=False)
-class ForceLoop:
+class ForceLoop(Locked):
     """Recorded and simulated force of a joint over one span, where a test rig prescribes its motion.
 
     Attributes:
@@ -202,6 +180,4 @@ class ForceLoop:
     def thinned(cls, joint: str, file: str, role: Role, units: tuple[str, str], columns: Array) -> ForceLoop:
         """Of long columns as many points as the eye needs, evenly."""
         every = max(1, -(-columns.shape[1] // MOST_LOOP_POINTS))
-        kept = np.array(columns[:, ::every])
-        kept.setflags(write=False)
-        return cls(joint, file, role, units, kept)
+        return cls(joint, file, role, units, columns[:, ::every].copy())
