@@ -29,8 +29,8 @@ class ComparedModel:
     """One of the models.
 
     Attributes:
-        label: that it goes by.
-        joints: names of its joints, by which arms are told apart.
+        label: its name in the tables.
+        joints: names of its joints, which identify the arm.
         numbers: by what they are of, in words.
         effects: probability of each by what it is and where, in words; 1 where the file gives it.
         absent: probability of effects that were compared and are not in the model.
@@ -49,7 +49,7 @@ def compared_model(given: Given, label: str) -> ComparedModel:
     Args:
         given: a model file, a folder that a diagnosis was saved in, or what they hold. With a report.json beside it,
             a model.yaml that a diagnosis wrote has the standard deviations of that diagnosis.
-        label: that it goes by.
+        label: its name in the tables.
 
     Raises:
         InputError: there is no such file or folder, or it holds no model or report.
@@ -88,13 +88,13 @@ def _read(report: Path) -> dict[str, Any]:
 
 
 def _of_model(model: FlexibleJointModel, label: str) -> ComparedModel:
-    """A model by itself: its numbers are as uncertain as its tolerance says."""
+    """A model without a report: its tolerances are the uncertainties of its numbers."""
     relative = {number_phrase(model, n.of, n.parameter): n.tolerance for n in file_numbers(model)}
     return ComparedModel(label, tuple(model.joint_names), _numbers(model, relative, {}), _acting(model), {})
 
 
 def _of_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
-    """A corrected model with what the report of its diagnosis says."""
+    """A corrected model with the uncertainties and probabilities in the report of its diagnosis."""
     relative, factors = {}, {}
     for entry in report["calibration"]:
         phrase = number_phrase(model, entry["of"], entry["parameter"])

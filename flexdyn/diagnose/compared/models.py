@@ -158,7 +158,7 @@ def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> Model
 
     Args:
         models: two or more, each a `Diagnosis`, a model, a model file, or a folder that a diagnosis was saved in.
-        labels: that they go by; none: names of the files, or A, B, C.
+        labels: their names in the tables; none: names of the files, or A, B, C.
 
     Raises:
         InputError: less than two models, models of different arms, or labels that are not one a model.

@@ -1,4 +1,4 @@
-"""Work in a second thread, while this one shows the progress, so that Ctrl-C is always answered."""
+"""Work in a second thread while this one shows the progress, so that Ctrl-C always works."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STOPPING_TIME = 0.5
 """Time to wait for the end of stopped work [s]; after it the known results are reported without it."""
 STOPPING = "flexdyn: stopping; what is known by now follows"
 GUESSED = 0.1
-"""Share of the work from which the time that is left can be guessed [1]."""
+"""Share of the work from which the remaining time is estimated [1]."""
 
 
 def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> Answer:
@@ -68,7 +68,7 @@ def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> An
 
 @contextmanager
 def shown(progress: Progress | bool | None) -> Iterator[Progress]:
-    """What shows progress: a function of the user's, a bar where a terminal or notebook is there, or nothing.
+    """How progress is shown: by a function of the user, by a bar in a terminal or notebook, or not at all.
 
     Args:
         progress: the function; False: nothing, not even a line at Ctrl-C; None or True: the bar.
@@ -99,15 +99,15 @@ def shown(progress: Progress | bool | None) -> Iterator[Progress]:
 
 
 def _left(share: float, spent: float) -> str:
-    """About how long it will take, once that can be guessed."""
+    """Estimate of the remaining time, if enough of the work is done for one."""
     return f"{max(1.0, spent * (1.0 - share) / share):.0f} s left" if share >= GUESSED and spent > 1.0 else ""
 
 
 @contextmanager
 def _acknowledged(say: Callable[[str], None]) -> Iterator[None]:
-    """Ctrl-C is answered by a line before anything else, in the thread that takes signals.
+    """Print a line as soon as Ctrl-C is pressed, in the thread that receives signals.
 
-    Only where Python's own handler stands: whoever has put another one there knows why.
+    Only if Python's own handler is installed: another one was installed on purpose.
     """
     ours = threading.current_thread() is threading.main_thread()
     if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
@@ -126,4 +126,4 @@ def _acknowledged(say: Callable[[str], None]) -> Iterator[None]:
 
 
 def _nothing(stage: str, share: float) -> None:
-    """Where nobody looks."""
+    """Progress that is not shown."""

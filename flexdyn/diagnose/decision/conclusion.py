@@ -12,7 +12,7 @@ from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noi
 from flexdyn.diagnose.decision.drawn import drawn, trajectories
 from flexdyn.diagnose.decision.experiments import with_experiments
 from flexdyn.diagnose.decision.figures import OnFit, on_fit, on_test
-from flexdyn.diagnose.decision.findings import calibration, findings, names_told
+from flexdyn.diagnose.decision.findings import calibration, findings, reported_names
 from flexdyn.diagnose.decision.forces import are_prescribed, loops
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
@@ -93,7 +93,7 @@ def _on_fit(
     plain: Workspace, made: Fit, found: Corrected, fitted: Sequence[DataPart]
 ) -> tuple[Corrected, list[Name], OnFit]:
     """The corrected model, its names and its figures; without names the numbers of the file alone are corrected."""
-    named, first = names_told(found), on_fit(plain, made, found, fitted)
+    named, first = reported_names(found), on_fit(plain, made, found, fitted)
     if not found.converged and (first.worse or first.farther):
         named, first = [], dataclasses.replace(first, stalled=found.fitted)
     # A gap without an established effect displaces numbers for no good reason.
@@ -112,7 +112,7 @@ def _contradicting(first: OnFit) -> Windows | None:
 def known(
     found: Corrected, named: Sequence[Name], noise: SampleNoise, fitted: Sequence[DataPart], gains: dict[int, float]
 ) -> Diagnosis:
-    """What the data of the fit tell; the verdict is `interrupted` until the test data have been opened."""
+    """The answer from the fit data alone; the verdict is `interrupted` until the test data have been opened."""
     model = found.hypothesis.given
     return Diagnosis(
         verdict="interrupted",
@@ -135,7 +135,7 @@ def interrupted(model: FlexibleJointModel, so_far: Mapping[str, Any]) -> Diagnos
     """
     fitted, noise = so_far["fitted"], so_far["noise"]
     if "found" in so_far:
-        return known(so_far["found"], names_told(so_far["found"]), noise, fitted, {})
+        return known(so_far["found"], reported_names(so_far["found"]), noise, fitted, {})
     space: Space | None = so_far.get("space")
     masses = Masses.of(dict(space.known)) if space is not None and space.known else None
     return Diagnosis(

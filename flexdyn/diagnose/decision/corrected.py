@@ -91,7 +91,7 @@ class Corrected:
 
     @property
     def converged(self) -> bool:
-        """Whether the fit stands at a stationary point."""
+        """Whether the fit has converged to a stationary point."""
         return converged(self.fitted)
 
 
@@ -179,7 +179,7 @@ def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
 
 
 def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
-    """Whether a candidate may be told as a rival: no number that stays in its tolerance."""
+    """Whether a candidate may be reported as a rival: not a number that stays in its tolerance."""
     candidate = space.candidates[c]
     if candidate.number is None:
         return True
@@ -201,14 +201,14 @@ def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
 
 
 def needed(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
-    """Effects with the elasticities that those among them need which take the load."""
+    """Effects, and the elasticity of each joint whose friction takes the load."""
     loaded = {each.joint for each in effects if isinstance(each, JointEffect) and each.takes_load}
     soft = [each for each in here.effects if each.makes_elastic and getattr(each, "joint", "") in loaded]
     return (*effects, *(each for each in soft if each not in effects))
 
 
 def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
-    """Effects without friction that depends on what a joint carries which is rigid without one that is gone."""
+    """Effects that the model can hold: friction that takes the load needs an elastic joint."""
     soft = {getattr(each, "joint", "") for each in effects if each.makes_elastic}
     true = here.given.resolved()
     soft |= {name for name, elastic in zip(true.joint_names, true.elastic, strict=True) if elastic}

@@ -1,4 +1,4 @@
-"""Pictures of what the model left unexplained, before and after: those that tell most."""
+"""Pictures of the residuals before and after the correction, the most informative first."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name
         plain: equations of the model as given over the data of the fit.
         first: figures on these.
         found: the corrected model.
-        named: what is told.
+        named: the names that are reported.
     """
     laws = laws_seen(plain.equations, first.models[2], plain.whiten, found, named)
     ordered = sorted(laws, key=lambda each: -each.explains)
@@ -89,7 +89,7 @@ def trajectories(on: OnData) -> tuple[Trajectory, ...]:
 def _torques(on: OnData, j: int, label: str) -> list[MeasuredCurve]:
     """Recorded torque of a joint behind the equations' filters, and what each model needs less that (a curve a span).
 
-    A row in which an equation says nothing leaves the lines open: there a joint may rest, and friction holds anything.
+    The lines are open at masked rows: a joint may rest there, and friction may then have any value.
     """
     left = [summed(at, j) for at in on.models]
     clear: NDArray[np.bool_] = np.asarray(on.seen[:, left[0][1]].all(axis=1))

@@ -25,7 +25,7 @@ def with_experiments(
     """Findings with rivals, each with the motion that separates them in simulation.
 
     Args:
-        findings: what is told.
+        findings: those that are reported.
         found: the corrected model.
         named: what the findings are of, in any order.
         noise: of the channels.

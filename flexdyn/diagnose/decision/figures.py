@@ -36,7 +36,7 @@ class OnData:
     Attributes:
         parts: the data.
         models: equations of the three models.
-        seen: rows that say something (rows of an equation, equations).
+        seen: rows that are not masked (rows of an equation, equations).
         off: simulated windows; forces where a rig prescribes the motion; None: the data are too short for a window.
     """
 
@@ -137,8 +137,8 @@ class OnTest(OnData):
         rows: of the equations.
         errors: by joint.
         left: what the corrected model leaves.
-        gains: share of the gap that goes with each named candidate.
-        shares: of the gap, which add up; None: no row says anything.
+        gains: share of the gap that each named candidate removes.
+        shares: of the gap, which add up; None: all rows are masked.
     """
 
     rows: HeldOut
@@ -157,7 +157,7 @@ def on_test(
         plain: the equations of the model as given over the data of the fit.
         first: figures on these.
         found: the corrected model.
-        named: what is told.
+        named: the names that are reported.
         parts: the test data.
     """
     here, calibrated = found.hypothesis, first.calibrated.seen()

@@ -29,15 +29,15 @@ def findings(
     Args:
         model: as given.
         found: the corrected model.
-        named: what is told, see `names_told`.
-        gains: by candidate, share of the gap on the test data that goes with it.
+        named: the names that are reported, see `reported_names`.
+        gains: by candidate, share of the gap on the test data that it removes.
     """
     made = [_finding(model, found, each, gains) for each in named]
     of = {each.candidate: entry for each, entry in zip(named, made, strict=True)}
     return tuple(of[c] for c in in_order(list(of), gains))
 
 
-def names_told(found: Corrected) -> list[Name]:
+def reported_names(found: Corrected) -> list[Name]:
     """Names without what is no finding, and with numbers that are surely beyond their tolerance unnamed.
 
     No findings are numbers that came back into their tolerance, and lags of torques within one sample. Numbers without
@@ -113,7 +113,7 @@ def calibration(found: Corrected, named: Sequence[Name]) -> tuple[Calibration, .
 
     Args:
         found: the corrected model.
-        named: what is told as a finding.
+        named: the names that are reported as findings.
     """
     told = {found.candidates[each.candidate].number for each in named}
     std = found.fitted.factor_std()

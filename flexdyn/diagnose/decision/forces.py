@@ -30,7 +30,7 @@ class Forces:
     """White rows of the equations by the model as given, calibrated and corrected, and how far their forces are off.
 
     Attributes:
-        before: of the model as given, rows that say something [1].
+        before: of the model as given, rows that are not masked [1].
         calibrated: of the numbers alone.
         after: of the corrected model.
         errors: of the forces of all prescribed joints, root mean square, of the three models.
@@ -49,7 +49,7 @@ class Forces:
 
     @property
     def gap(self) -> Gap:
-        """Root mean square of the rows, in units of what noise alone makes of them."""
+        """Root mean square of the rows, in units of noise."""
         return Gap(rms(self.before), rms(self.calibrated), rms(self.after), 1.0)
 
     @property
@@ -115,12 +115,12 @@ def loops(models: Sequence[Equations], parts: Sequence[DataPart]) -> tuple[Force
 def prescribed_forces(model: FlexibleJointModel, recording: Recording) -> Recording:
     """The force or torque that a model needs where a test rig prescribes the motion, along the recorded motion.
 
-    Laws with a state, and links behind a spring, are simulated from the start of the recording on; no recorded force is
-    read but the first, which says how far a spring is wound there.
+    Laws with a state, and links behind a spring, are simulated from the start of the recording on; only the first
+    recorded force is read; it gives the deflection of a spring there.
 
     Args:
         model: with any effects.
-        recording: that says which joints are prescribed: ``prescribed`` in its channel map, or in its meta.
+        recording: with the names of prescribed joints: ``prescribed`` in its channel map, or in its meta.
 
     Returns:
         ``tau`` of these joints [N m or N] at the recording's times, some 20 ms at either end left out, which the

@@ -22,8 +22,8 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 FIT_WINDOWS = 40
-"""Windows of the fit's data that are simulated, spread evenly: 20 s tell the gap within some percent. All of the test
-data's are."""
+"""Number of windows of the fit data that are simulated, evenly spaced: 20 s give the gap within some percent.
+Of the test data all windows are simulated."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,7 +41,7 @@ def laws_seen(
         after: of the corrected model, over the same recordings.
         whiten: by the sensors' noise.
         found: the corrected model.
-        named: what is told.
+        named: the names that are reported.
     """
     whole = float((whiten(before.residual) ** 2).sum())
     pictures = []

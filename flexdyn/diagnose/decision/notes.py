@@ -20,16 +20,17 @@ from flexdyn.diagnose.report.measures import Calibration, Statistics
 from flexdyn.diagnose.report.words import capital, effect_name, number_phrase, suspect_phrase
 
 UNINFORMED_SHARE = 0.5
-"""Share of its prior's standard deviation from which that of a number says that the data do not tell it [1]."""
+"""The data do not determine a number whose posterior is wider than this share of its prior [1]."""
 FARTHEST_NUMBERS_TOLD = 3
-"""Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""
+"""Number of estimates that are reported where a fit has not converged: those that its next step would change most, in
+their standard deviations."""
 CORRELATION_TOLD, MOST_CORRELATIONS = 0.1, 40
-"""Correlations that are told: none below, no more than so many."""
+"""Correlations that are reported: not below the first number [1], and at most the second one."""
 METHOD = "Gauss-Newton, weighted by noise and model error, with the stated tolerances as priors"
 
 
 def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
-    """A sentence each, of what the data cannot tell, what the prior decided, and what stopped short."""
+    """One sentence for each thing that the data do not determine, that the prior decided, or that has not converged."""
     failed = own_effects(compared.space.library.equations)[1]
     return (
         *_of_channels(compared),

@@ -29,7 +29,7 @@ def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
     The median is used because a single window with wrong sticking has little meaning.
 
     Args:
-        shots: windows; None: the data are too short for one, and the equations alone tell.
+        shots: windows; None: the data are too short for one, and the equations alone decide.
         left: what the equations of the corrected model leave, joints with 1 % of their torque or more.
     """
     if shots is None:
@@ -43,7 +43,7 @@ def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:
     Args:
         named: whether there are findings; all of them are established.
         noise: whether what is left is noise.
-        converged: whether the final fit stands at a stationary point.
+        converged: whether the final fit has converged to a stationary point.
     """
     if not converged:
         return "not_converged"
@@ -55,7 +55,7 @@ def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:
 def left(rows: HeldOut, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, ...]:
     """Of every joint that leaves more than noise and 1 % of its torque, the largest share first.
 
-    The mean square of the rows in torque, less what noise makes of it; of a joint with two equations that one which
+    The mean square of the rows in torque, less that of noise; of a joint with two equations that one which
     leaves more. It counts only where the white rows are beyond chance, and beyond what is unknown of the noise.
 
     Args:
@@ -96,10 +96,10 @@ def _alike(white: Array, clear: NDArray[np.bool_]) -> int:
 
 
 def dependence(places: Sequence[ResidualPlace]) -> dict[str, tuple[str, ...]]:
-    """Quantities that the rest of every joint changes with: those in whose range the residual stands out.
+    """Quantities that the residual of every joint depends on: those of the regimes in which it is largest.
 
     Args:
-        places: where the residual of the corrected model stands out.
+        places: where the residual of the corrected model is largest.
     """
     return {place.joint: tuple(dict.fromkeys(quantities(place.regime))) for place in reversed(places)}
 

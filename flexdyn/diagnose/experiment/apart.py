@@ -49,7 +49,7 @@ class Known:
         whole = np.vstack([rows.X, np.diag(1.0 / rows.sigma)])
         return cls(fitted, np.asarray(np.linalg.qr(whole, mode="r")) / np.sqrt(max(1.0, fitted.reduced)))
 
-    def laden(self, load: Payload | None) -> Hypothesis:
+    def with_load(self, load: Payload | None) -> Hypothesis:
         """The hypothesis for an arm with a known payload."""
         here = self.fitted.hypothesis
         return dataclasses.replace(here, given=loaded(here.given, load))
@@ -129,7 +129,7 @@ def refitted(known: Known, space: Workspace, load: Payload | None = None, steps:
 
     The offsets of its encoders start at their values in the present recordings.
     """
-    first = known.laden(load)
+    first = known.with_load(load)
     offsets = {effect.channel: effect.offset for effect in first.counts}
     counted = space.nuisance @ np.array([offsets.get(name, 0.0) for name in space.channels])
     numbers, old = len(first.factors), np.array(known.fitted.scales)
@@ -145,7 +145,7 @@ def refitted(known: Known, space: Workspace, load: Payload | None = None, steps:
             np.vstack([rows.X, known.root * ratio]), np.concatenate([rows.y + counted, known.root @ gone]), len(rows.y)
         )
         found.append(bent)
-        current = moved(current, bent.step(), made.scales)
+        current = moved(current, hypothesis_of_refit.step(), made.scales)
     return min(found, key=Refit.chi2)
 
 
@@ -171,7 +171,7 @@ def windowed(known: Known, shot: Shot, load: Payload | None, worth: float) -> Re
         load: payload of the arm.
         worth: sum of squares below which neither its first states nor its numbers are fitted.
     """
-    first = known.laden(load)
+    first = known.with_load(load)
     scales = known.fitted.scales
     white = shot.whitened(first.seen()).ravel()
     if white @ white < worth:
@@ -183,8 +183,8 @@ def windowed(known: Known, shot: Shot, load: Payload | None, worth: float) -> Re
     return Refit(np.vstack([J, root]), np.concatenate([white, np.zeros(len(root))]), len(white))
 
 
-def bent(known: Known, refit: Refit, load: Payload | None) -> Hypothesis:
+def hypothesis_of_refit(known: Known, refit: Refit, load: Payload | None) -> Hypothesis:
     """The hypothesis with the numbers that a refit over windows gives it."""
-    first = known.laden(load)
+    first = known.with_load(load)
     count = len(first.factors) + len(known.fitted.scales)
     return moved(first, refit.step(), known.fitted.scales) if refit.X.shape[1] == count else first

@@ -175,7 +175,7 @@ class RehearsalBench:
 
     def _windowed(self, side: Side, move: PlannedMotion, worth: float) -> Side:
         load = self.load(move)
-        model = self.known[side.truth].laden(load).seen()
+        model = self.known[side.truth].with_load(load).seen()
         shot = shoot(model, self.windows(side.recording))
         own = as_made(shot)
         pairs = tuple((own, windowed(other, shot, load, own.chi2() + worth)) for other in self.others(side.truth))
@@ -209,7 +209,7 @@ class RehearsalBench:
 
     def _made(self, truth: int, move: PlannedMotion, command: PD) -> tuple[Run, Recording]:
         """The run and its recording."""
-        model = self.known[truth].laden(self.load(move)).seen()
+        model = self.known[truth].with_load(self.load(move)).seen()
         seconds, rate, start = command.reference.duration, 1.0 / self.reach.dt, move.path[0]
         end = time.process_time() + RUNAWAY_TIME
 

@@ -55,8 +55,7 @@ def _has(kind: type[Effect], field: str) -> bool:
 def _may_be(equations: Equations, proposal: Proposal) -> bool:
     """Whether an effect can be where a test rig prescribes the motion.
 
-    Nothing is asked of a motor there: the force is what a sensor says, which may have an offset, and no actuator stands
-    between the two.
+    A motor does nothing there. A sensor measures the force; it may have an offset, but no actuator's effect.
     """
     true, kind = equations.true, catalogue()[proposal.place["effect"]]
     if proposal.joint not in true.joint_names or not equations.data[0].forced[true.index(proposal.joint)]:
@@ -82,7 +81,7 @@ def _sensors(
 ) -> Iterator[Proposal]:
     """Errors of the measured channels that can show them.
 
-    With one encoder alone only the shape of gravity tells a gain or an offset: inertias would hide it.
+    With one encoder only gravity shows a gain or an offset: otherwise the inertias could explain it.
     """
     model, data = equations.true, equations.data[0]
     told = bool(data.both[j]) or any(model.gravity)

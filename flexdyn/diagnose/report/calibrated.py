@@ -17,11 +17,11 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import OF_MOTOR
 
 CALIBRATED_ROWS_OPEN = 12
-"""Rows that stand open; the others are folded away."""
+"""Number of rows that are shown at once; the others open on a click."""
 LIMIT = 3.0
 """Tolerances by which a number may move and be calibrated (contract, section 8)."""
 FACTOR = "1"
-"""Unit of a number that is told by its factor alone."""
+"""Unit of a number of which only the factor is known."""
 UNITS = {
     "rotor_inertia": ("kg m^2", "kg"),
     "stiffness": ("N m/rad", "N/m"),
@@ -126,5 +126,5 @@ def _drift(entry: Calibration) -> dict[str, Any] | None:
 
 
 def _place(tolerances: float) -> str:
-    """Where a change stands in the picture."""
+    """Place of a change in the picture."""
     return f"{100.0 + 100.0 / EDGE * min(max(tolerances, -EDGE), EDGE):.1f}"

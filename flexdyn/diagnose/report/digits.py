@@ -129,7 +129,7 @@ def interval_text(number: Number) -> str:
 
 
 def unit_text(unit: str) -> str:
-    """A unit as it stands behind a number; none where it is 1."""
+    """A unit as it is written behind a number; empty if it is 1."""
     return "" if unit == "1" else unit
 
 

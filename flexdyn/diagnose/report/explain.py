@@ -13,7 +13,7 @@ from flexdyn.diagnose.report.targets import resolved
 from flexdyn.diagnose.report.words import is_number, joined, suspect_phrase, title_phrase
 
 RANKS_LISTED = 5
-"""Ranks of structures that are told one by one."""
+"""Largest number of ranks that are listed."""
 
 
 def explanation(diagnosis: Diagnosis, target: str) -> str:
@@ -72,7 +72,7 @@ def _marginal(diagnosis: Diagnosis, suspect: Suspect, entry: Considered | None) 
 
 
 def _ranks(diagnosis: Diagnosis, suspect: Suspect, entry: Considered | None) -> Iterator[str]:
-    """In which of the ranked structures it stands, and its Bayes factor."""
+    """Which of the ranked structures hold it, and its Bayes factor."""
     found = ranks(diagnosis.structures, [suspect])
     if found.among and not found.holding:
         yield f"It stands in none of the {found.among} ranked structures."
@@ -110,7 +110,7 @@ def _own(suspect: Suspect) -> str:
 
 
 def _calibrated(diagnosis: Diagnosis, suspect: Suspect) -> Calibration | None:
-    """The number that it says is wrong, where it moved within its tolerance."""
+    """The number of a parameter error, if it was calibrated within its tolerance."""
     if not is_number(suspect):
         return None
     whose = (suspect.place.get("of"), suspect.place.get("parameter"))
@@ -118,6 +118,6 @@ def _calibrated(diagnosis: Diagnosis, suspect: Suspect) -> Calibration | None:
 
 
 def _not_compared(diagnosis: Diagnosis, target: str) -> str:
-    """What is said of an effect and a joint that there are, but not as a candidate."""
+    """The text for an effect and a joint that exist but were not a candidate."""
     stop = " before it was interrupted" if diagnosis.verdict == "interrupted" else ""
     return f"{target}\n  Not named: the search compared no such candidate{stop}."

@@ -1,4 +1,4 @@
-"""What the page says of a finding: its title, its numbers, and the evidence for its name."""
+"""Texts of the page about a finding: its title, its numbers, the evidence for its name; and about a structure."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from flexdyn.effects import catalogue
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 FINDINGS_OPEN = 4
-"""Findings that are told in full at once; of more there is a table, and the others are folded away."""
+"""Number of findings that are shown in full at once; the others open on a click."""
 STRUCTURES_OPEN = 8
-"""Structures that stand open; the others are folded away."""
+"""Number of structures that are shown at once; the others open on a click."""
 
 
 def finding_title(model: FlexibleJointModel, finding: Finding) -> str:
@@ -45,7 +45,7 @@ def finding_title(model: FlexibleJointModel, finding: Finding) -> str:
 
 
 def finding_places(model: FlexibleJointModel, finding: Finding) -> str:
-    """Where it acts, and what else it may be elsewhere; nothing where the title says it all."""
+    """Where it acts, and rivals at other places; empty if the title says that."""
     here = [] if is_number(finding.suspect) else [where_phrase(model, finding.suspect)]
     alike = in_one_place(model, finding)
     return ", ".join([*here, *(f"or {suspect_phrase(model, rival)}" for rival in finding.rivals if rival not in alike)])
@@ -94,7 +94,7 @@ def _missed(gain: float) -> str:
 
 
 def _compared(diagnosis: Diagnosis, finding: Finding) -> list[str]:
-    """What the structures say: how many hold it, and the best explanation that does without it."""
+    """How many structures hold it, and the best one without it."""
     found = ranks(diagnosis.structures, finding.names)
     if not found.among:
         return []
@@ -109,7 +109,7 @@ def _compared(diagnosis: Diagnosis, finding: Finding) -> list[str]:
 
 
 def _without(diagnosis: Diagnosis, found: Ranks, them: str) -> str:
-    """The best structure without it: what it has in its place, and how far its evidence is behind."""
+    """The best structure without it: what it has instead, and the difference of the log evidence."""
     best, other = found.best, found.other
     if best is None or other is None:
         return ""

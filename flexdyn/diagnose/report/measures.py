@@ -82,7 +82,7 @@ class SignalError:
         after: of the corrected model.
         unit: ``N m`` or ``N``, ``rad`` or ``m``.
         calibrated: of the calibrated model.
-        size: root mean square of the recorded signal itself, in `unit`; 0 where no share of it is told.
+        size: root mean square of the recorded signal itself, in `unit`; 0 if no share is reported.
     """
 
     before: float
@@ -220,7 +220,7 @@ class Statistics:
 
     Attributes:
         method: of the fit.
-        points: rows of the equations that say something.
+        points: rows of the equations that are not masked.
         variables: numbers that were fitted, offsets of the encoders included.
         chi_square: sum of squares of the weighted rows.
         reduced: chi-square over points less variables; 1 where weights are right and nothing is left.
@@ -246,10 +246,10 @@ class Shares:
     The gap is the sum of squares of what the equations leave, in units of noise, of the model as given.
 
     Attributes:
-        calibration: what goes when the file's numbers move to where the corrected model has them [1].
-        findings: what goes besides when a finding is added to those before it, in the order of the findings [1].
-        left: what the corrected model leaves [1].
-        noise: what noise alone leaves of the same, part of `left` where the model is right [1].
+        calibration: removed by changing the file's numbers to those of the corrected model [1].
+        findings: removed by each finding when it is added to those before it, in their order [1].
+        left: not removed by the corrected model [1].
+        noise: share of noise alone, a part of `left` if the model is right [1].
     """
 
     calibration: float

@@ -22,7 +22,7 @@ DRAWN_WINDOW_LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
 FIRST_LENGTH = 2.0
 """The length that is drawn at first [s]."""
 CLOCK = 1_000_000
-"""Levels of a packed time: within 60 s it is told to 0.06 ms."""
+"""Levels of a packed time: 60 s are resolved to 0.06 ms."""
 ROLES = {"test": "test data", "fit": "data of the fit"}
 
 
@@ -72,7 +72,7 @@ def _figure(trajectory: Trajectory) -> dict[str, Any]:
 
 
 def _lines(curve: MeasuredCurve, row: int, first: int) -> list[dict[str, Any]]:
-    """What was measured, the models beside it, and their errors below; the legend tells each once.
+    """What was measured, the models with it, and their errors below; each is in the legend once.
 
     Args:
         curve: to be drawn.

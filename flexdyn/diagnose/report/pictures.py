@@ -83,7 +83,7 @@ def _frame(trace: ResidualTrace) -> dict[str, Any]:
 
 
 def _stands_out(x: Array, y: Array, name: str, colour: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A line that stands out from dots of its own colour."""
+    """A line that can be seen among dots of its own colour."""
     line = curve(x, y, name, colour, lines=True)
     return (
         line | {"line": {"color": "white", "width": 5.0}, "hoverinfo": "skip", "hovertemplate": None},

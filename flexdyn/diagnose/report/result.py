@@ -52,7 +52,7 @@ class Diagnosis(Public):
         stopped_at: the stage in which the user stopped it; empty if it was not stopped.
         trajectories: measured and simulated motion of every joint, over the test data and the data of the fit.
         loops: recorded and simulated force of joints whose motion a test rig prescribes.
-        residuals: pictures of what the model left unexplained, before and after, the most telling first.
+        residuals: pictures of the residuals before and after the correction, the most informative first.
         considered: every candidate that the search compared, the most probable first.
         no_model: why model.yaml is not written; empty where it is.
         stopped: estimates that stopped short of a stationary point, in words such as "damping of elbow".
@@ -114,8 +114,8 @@ class Diagnosis(Public):
         """Write report.html, report.json and model.yaml; all of them, or nothing.
 
         model.yaml is the corrected model, ready to be simulated: calibration, parameter errors and elasticities are
-        folded into its numbers. Where numbers of links changed, a corrected URDF lies beside it. It is left out where
-        `no_model` says why, and one of an earlier report is then removed.
+        folded into its numbers. Where numbers of links changed, a corrected URDF lies beside it. It is not written if
+        `no_model` gives a reason, and one of an earlier report is then removed.
 
         Args:
             folder: is created if it does not exist; files of an earlier report in it are replaced.

@@ -21,7 +21,7 @@ Key = tuple[str, str | None, str | None, tuple[tuple[str, str], ...]]
 
 @dataclass(frozen=True, eq=False)
 class Experiment(Locked):
-    """A motion that was shown by simulation to tell a finding from its rivals.
+    """A motion that separates a finding from its rivals in simulation.
 
     Attributes:
         motion: what to do, in words.
@@ -197,7 +197,7 @@ class Ranks:
 
 
 def ranks(structures: Sequence[Structure], suspects: Sequence[Suspect]) -> Ranks:
-    """Of effects that stand for one finding: the structures that hold any of them."""
+    """The structures that hold any of the effects of a finding."""
     keys = {each.key for each in suspects}
     held = [bool(keys & {each.key for each in structure.effects}) for structure in structures]
     within = [structure for structure, it_is in zip(structures, held, strict=True) if it_is]

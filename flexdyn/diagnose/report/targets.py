@@ -1,4 +1,4 @@
-"""How a candidate is called where somebody asks about it: ``coulomb_friction@elbow``, ``channel_lag@q.elbow``."""
+"""Names of candidates for ``--explain``: ``coulomb_friction@elbow``, ``channel_lag@q.elbow``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SIDES = ("link", "motor", "transmission", "sensor")
 
 
 def target_of(suspect: Suspect) -> str:
-    """What a suspect is called: its effect, and after ``@`` where it acts, without the side."""
+    """The name of a suspect: its effect, and after ``@`` where it acts, without the side."""
     place = suspect.place
     if "channel" in place:
         where = place["channel"]
@@ -29,7 +29,7 @@ def target_of(suspect: Suspect) -> str:
 
 
 def known_suspects(diagnosis: Diagnosis) -> list[Suspect]:
-    """Every candidate that stands anywhere in a diagnosis, findings first, then the most probable."""
+    """Every candidate in a diagnosis, findings first, then the most probable."""
     found: dict[Key, Suspect] = {}
     for suspect in _mentioned(diagnosis):
         found.setdefault(suspect.key, suspect)

@@ -37,7 +37,7 @@ class ResidualTrace(Locked):
         means: of dots: x, before and after averaged over neighbours in x (averages, 3); none of a line.
         law: of a finding: x and what its law puts into the residual there, in the order of x (points, 2); else none.
         note: what else there is to know of the picture, a sentence or nothing.
-        explains: what goes of the squared residuals of all equations, in units of noise, from before to after, over
+        explains: decrease of the squared residuals of all equations, in units of noise, from before to after, over
             those of the model as given [1]; where nothing was found, the equation's share of what is left.
     """
 

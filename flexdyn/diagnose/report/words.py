@@ -30,8 +30,8 @@ def finding_phrase(model: FlexibleJointModel, finding: Finding, *, each: bool = 
 
     Args:
         model: whose numbers may be wrong.
-        finding: to be told.
-        each: with the probability of every name by itself, where there are several.
+        finding: to be named.
+        each: with the probability of each single name, if there are several.
     """
     several = each and bool(finding.rivals)
     here = where_phrase(model, finding.suspect)
@@ -70,7 +70,7 @@ def plain_phrase(phrase: str) -> str:
 
 
 def grouped_phrases(model: FlexibleJointModel, suspects: Iterable[Suspect]) -> list[str]:
-    """Effects in few words: one effect on one side of several joints is said once."""
+    """Effects in few words: one effect on one side of several joints is one phrase."""
     groups: dict[object, list[Suspect]] = {}
     for place, suspect in enumerate(suspects):
         groups.setdefault(kind_of(suspect) or place, []).append(suspect)

@@ -52,7 +52,7 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> None:
 
 
 def _model_files(diagnosis: Diagnosis, folder: Path) -> tuple[dict[str, str], Diagnosis]:
-    """Texts of the corrected model, and the diagnosis that says so where there can be none."""
+    """Texts of the corrected model, and the diagnosis, which has the reason if there can be none."""
     if diagnosis.no_model:
         return {}, diagnosis
     try:
@@ -108,7 +108,7 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
 
 
 def _links_folded(model: FlexibleJointModel) -> tuple[FlexibleJointModel, dict[str, Any]]:
-    """The model without inertias of links of its own, and these as they are true: its URDF does not have them."""
+    """The model without its own inertias of links, and the corrected values of these, which the URDF does not have."""
     errors = [e for e in model.effects if isinstance(e, ParameterError)]
     factors = _factors(errors, {"link_inertia": "inertia"})
     true = {
@@ -142,7 +142,7 @@ def _factors(errors: Sequence[ParameterError], words: Mapping[str, str]) -> dict
 
 
 def _tolerance(model: FlexibleJointModel) -> Any:
-    """With effects counted as they stand once those that are folded are gone."""
+    """The tolerances with the places of effects counted without those that are folded into numbers."""
     if not isinstance(model.tolerance, Mapping):
         return model.tolerance
     kept = [i for i, effect in enumerate(model.effects) if not effect.in_numbers]

@@ -143,7 +143,7 @@ class Windows:
 
     @property
     def sensor_noise(self) -> Array:
-        """Standard deviation of every channel (channels,); of one without noise, next to nothing."""
+        """Standard deviation of every channel (channels,); of a channel without noise, a tiny number."""
         parts = (name.partition(".") for name in self.channels)
         levels = [getattr(self.noise, signal)[self.joints.index(joint)] for signal, _, joint in parts]
         return np.maximum(levels, LEAST_NOISE)

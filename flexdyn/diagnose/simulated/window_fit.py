@@ -1,4 +1,4 @@
-"""A hypothesis fitted to simulated windows by Gauss-Newton: what equations cannot tell, as where a joint reverses."""
+"""A hypothesis fitted to simulated windows by Gauss-Newton; windows include reversals, which the equations mask."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class WindowFit:
 
 
 def fit_to_windows(start: WindowFit) -> WindowFit:
-    """Gauss-Newton from where a hypothesis stands; never worse than there.
+    """Fit by Gauss-Newton; the result is never worse than the start.
 
     ``max  sum_w log p(window w | numbers) + log p(numbers)``: the windows' first states are eliminated by a Kalman
     filter, and each window weighs by the error that it leaves beyond noise (iteratively reweighted least squares).
