@@ -44,8 +44,8 @@ class Forces:
     @classmethod
     def of(cls, models: Sequence[Equations], white: Callable[[Array], Array]) -> Forces:
         """Of equations of the three models, and how their residuals become white rows."""
-        before, calibrated, after = errors_of(models)
-        return cls(*(white(at.residual) for at in models), (before, calibrated, after))
+        (before, calibrated, after), off = (white(at.residual) for at in models), errors_of(models)
+        return cls(before, calibrated, after, (off[0], off[1], off[2]))
 
     @property
     def gap(self) -> Gap:

@@ -141,11 +141,11 @@ def refitted(known: Known, space: Workspace, load: Payload | None = None, steps:
         ratio[numbers : numbers + len(old)] = np.array(made.scales) / old
         gone = np.concatenate([_distance(first, current, old), np.zeros(nuisances)])
         rows = made.regression
-        bent = Refit(
+        refit = Refit(
             np.vstack([rows.X, known.root * ratio]), np.concatenate([rows.y + counted, known.root @ gone]), len(rows.y)
         )
-        found.append(bent)
-        current = moved(current, hypothesis_of_refit.step(), made.scales)
+        found.append(refit)
+        current = moved(current, refit.step(), made.scales)
     return min(found, key=Refit.chi2)
 
 
