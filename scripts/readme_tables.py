@@ -15,6 +15,7 @@ import os
 import re
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -114,8 +115,14 @@ OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "slowest_files": ("slowest_files", slowest_table),
 }
 """Tables of one result file: the file, and what makes the table of it."""
+
+
+def _of_results(file: str, table: Callable[[Any], str]) -> str:
+    return table(_results(file))
+
+
 TABLES: dict[str, Callable[[], str]] = {
-    **{name: lambda file=file, table=table: table(_results(file)) for name, (file, table) in OF_RESULTS.items()},
+    **{name: partial(_of_results, file, table) for name, (file, table) in OF_RESULTS.items()},
     "measured": lambda: measured_table(_measured()),
     "measured_names": lambda: measured_names_table(_measured()),
     "effects": effects,

@@ -64,7 +64,7 @@ STAGES = {
     "data": (),
     "equations": ("data", "report"),
     "hypothesis": ("data", "equations"),
-    "shooting": (),
+    "shooting": EQUATIONS,
     "inference": EQUATIONS,
     "simulated": (*EQUATIONS, "shooting", "inference"),
     "experiment": (*EQUATIONS, "shooting", "simulated", "report"),

@@ -90,9 +90,9 @@ def _numbers(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
 def _errors(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
     """A row for every joint."""
     for joint, entry in diagnosis.errors.items():
-        torque = f"{rounded(entry.torque_before)}, {rounded(entry.torque_after)} {entry.torque_unit}"
-        share = f"{percent(entry.torque_share_before)}, {percent(entry.torque_share_after)}"
-        position = f"{rounded(entry.position_before)}, {rounded(entry.position_after)} {entry.position_unit}"
+        torque = f"{rounded(entry.torque.before)}, {rounded(entry.torque.after)} {entry.torque.unit}"
+        share = f"{percent(entry.torque.share_before)}, {percent(entry.torque.share_after)}"
+        position = f"{rounded(entry.position.before)}, {rounded(entry.position.after)} {entry.position.unit}"
         position = "prescribed" if entry.force else position
         noise = f"{times(entry.gap[0])}, {times(entry.gap[-1])}" if entry.gap else "-"
         yield joint, torque, share, position, noise

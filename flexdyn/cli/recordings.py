@@ -58,7 +58,7 @@ def _for_each(given: Sequence[T], count: int, option: str, what: str) -> list[T 
     if len(given) not in (0, 1, count):
         problem = f"{len(given)} {what} for {count} recordings"
         raise InputError(problem, key=option, remedy="give one for all, or one for each in their order")
-    return list(given) * (count // len(given)) if given else [None] * count
+    return [*given] * (count // len(given)) if given else [None] * count
 
 
 def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Recording:

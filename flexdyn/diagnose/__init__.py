@@ -3,7 +3,8 @@
 from flexdyn.diagnose.compared.models import ModelsCompared, compare_models
 from flexdyn.diagnose.decision.forces import prescribed_forces
 from flexdyn.diagnose.decision.run import diagnose
-from flexdyn.diagnose.report.result import Diagnosis, Experiment, Finding, Interrupted, Number, Suspect
+from flexdyn.diagnose.report.result import Diagnosis, Interrupted
+from flexdyn.diagnose.report.suspects import Experiment, Finding, Number, Suspect
 
 __all__ = [
     "Diagnosis",

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 
 from flexdyn.effects.base import JointEffect, parameter, spaced
+from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent, wave
 
 
 class ActuatorEffect(JointEffect, abstract=True):
@@ -29,6 +31,7 @@ class TorqueOffset(ActuatorEffect):
     shown = {"offset": 0.3}
     order = 2
     linear = ("offset",)
+    is_constant = True
 
     offset: float = parameter("N m")
 
@@ -69,11 +72,28 @@ class TorqueRipple(ActuatorEffect):
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.3, "harmonic": 2.0, "phase": 0.0}
     periodic = True
+    linear_bounds = (-math.inf, -math.inf)
+    axes = ("harmonic",)
     order = 3
 
     amplitude: float = parameter("N m")
     harmonic: float = parameter("1")
     phase: float = parameter("rad")
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """See the base class."""
+        return extent.waves(SLOW_HARMONICS if extent.turns else (), (1.0, 2.0, 3.0, 6.0))
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """From its sine and cosine parts."""
+        return wave(point, x)
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return extent.torque
 
 
 class TorqueSpeedLimit(ActuatorEffect):
@@ -148,3 +168,8 @@ class CommandDelay(ActuatorEffect):
     prevalence = "often"
 
     delay: float = parameter("s", lower=0.0)
+
+    @property
+    def lateness(self) -> float:
+        """See the base class."""
+        return self.delay

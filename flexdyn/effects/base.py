@@ -10,9 +10,10 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
+import itertools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar, Literal, Self, dataclass_transform
 
 import numpy as np
@@ -20,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from flexdyn import _core
 from flexdyn.checks import Array, as_number, check_known
+from flexdyn.effects.extent import MotionExtent
 from flexdyn.errors import InputError
 
 Side = Literal["link", "motor", "transmission", "sensor"]
@@ -77,13 +79,16 @@ class Effect:
         order: place among the effects on the motor's torque, or on the deflection; the least acts first, users' own
             last.
 
-    A diagnosis proposes every class that names `linear` or `grids`.
+    A diagnosis proposes every class that names `linear`, `linear_bounds` or `axes`.
 
     Class attributes for a diagnosis:
         linear: parameters in which the torque is linear, all together; the torque is 0 if all of them are 0.
-        grids: values to try of the others, in units of what the joint does: the greatest torque that its motor must
-            have ``given``, its greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of
-            the parameter's own unit.
+        linear_bounds: lower bounds of what it is linear in, where that is something else than its parameters: see
+            `numbers_of`.
+        axes: the other parameters, of which a grid of values is tried, see `tried`.
+        grids: that grid, in units of what the joint does: the greatest torque that its motor must have ``given``, its
+            greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of the parameter's own
+            unit.
         contains: names of effects that it becomes for some limit of its parameters; never proposed together with it.
         plainer: those of them that are the same law with fewer parameters: only what the further ones explain counts.
         natural_size: prior standard deviation of its size, if that does not depend on the drive's torque.
@@ -94,6 +99,9 @@ class Effect:
         periodic: it is periodic over the position, with `harmonic` cycles per turn.
         position_error: of an effect on positions, the parameter that is its size [rad or m].
         bends_spring: with it, the transmission is no linear spring.
+        makes_elastic: a joint that the model takes for rigid becomes elastic.
+        is_constant: a torque that neither the motion nor the command changes; a force sensor may have it too.
+        undiagnosed: parameters that a diagnosis does not know where they are above 0: what that is, and the remedy.
     """
 
     name: ClassVar[str]
@@ -106,6 +114,8 @@ class Effect:
     takes_load: ClassVar[bool] = False
     order: ClassVar[int] = 100
     linear: ClassVar[tuple[str, ...]] = ()
+    linear_bounds: ClassVar[tuple[float, ...]] = ()
+    axes: ClassVar[tuple[str, ...]] = ()
     grids: ClassVar[Mapping[str, tuple[Scale, tuple[float, ...]]]] = {}
     contains: ClassVar[tuple[str, ...]] = ()
     plainer: ClassVar[tuple[str, ...]] = ()
@@ -116,10 +126,15 @@ class Effect:
     periodic: ClassVar[bool] = False
     position_error: ClassVar[str] = ""
     bends_spring: ClassVar[bool] = False
+    makes_elastic: ClassVar[bool] = False
+    is_constant: ClassVar[bool] = False
+    undiagnosed: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
     def __init_subclass__(cls, abstract: bool = False) -> None:
         """Make the subclass a frozen dataclass and register it in the catalogue under its name."""
         dataclasses.dataclass(frozen=True, kw_only=True)(cls)
+        if cls.grids:
+            cls.axes = tuple(cls.grids)
         if abstract:
             return
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
@@ -153,6 +168,16 @@ class Effect:
     def is_neutral(self) -> bool:
         """Whether it changes nothing: every parameter named in `neutral` has its neutral value."""
         return bool(self.neutral) and all(getattr(self, key) == value for key, value in self.neutral.items())
+
+    @property
+    def lateness(self) -> float:
+        """Time by which it shifts a signal [s]; 0: it shifts none."""
+        return 0.0
+
+    @property
+    def in_numbers(self) -> bool:
+        """Whether a resolved model has it in its numbers and no more as an effect."""
+        return self.stage == "model" or self.makes_elastic
 
     @property
     def is_python(self) -> bool:
@@ -206,6 +231,30 @@ class Effect:
                 unit = field.metadata.get("unit")
                 raise InputError(f"{cls.name} needs it", key=key, remedy=f"give it in {unit}" if unit else "name it")
         return cls(**entry)
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """Values of its `axes` that a diagnosis tries (points, axes); none where the joint cannot show the effect.
+
+        Args:
+            extent: what the joint does in the recordings.
+        """
+        sizes = [[share * extent.size(scale) for share in shares] for scale, shares in cls.grids.values()]
+        return itertools.product(*sizes)
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """Its parameters from values of its `axes` and of what it is linear in; None: there is no such effect."""
+        return dict(zip(cls.axes, point, strict=True)) | dict(zip(cls.linear, x, strict=True))
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """Size of what it is linear in at which a diagnosis computes what it does."""
+        return 1.0
+
+    def largest(self, name: str) -> float:
+        """Largest value that a fit gives a parameter."""
+        return math.inf
 
     @classmethod
     def example(cls, joint: str = "joint", other: str = "other_joint") -> Self:

@@ -32,7 +32,9 @@ class JointCoupling(JointEffect):
     law = "coefficient*omega of joint other + level*Sgn(omega - ratio*omega of joint other)"
     neutral = {"coefficient": 0.0, "level": 0.0}
     shown = {"coefficient": 0.5}
+    linear = ("coefficient",)
     prevalence = "often"
+    undiagnosed = {"level": ("dry friction between motors", "leave it out, or use coulomb_friction of each motor")}
 
     coefficient: float = parameter("N m s/rad", default=0.0)
     level: float = parameter("N m", lower=0.0, default=0.0)

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.effects.base import JointEffect, parameter, spaced
+from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent, wave
 from flexdyn.effects.memory import MemoryEffect
+
+LONGEST_BRISTLE_TIME = 0.1
+"""Longest time constant of bristles that is fitted, damping/stiffness [s]."""
 
 
 class PositionDependentFriction(JointEffect):
@@ -28,12 +35,24 @@ class PositionDependentFriction(JointEffect):
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
     periodic = True
+    linear_bounds = (-math.inf, -math.inf, -math.inf)
+    axes = ("harmonic",)
     contains = ("coulomb_friction",)
     plainer = ("coulomb_friction",)
 
     amplitude: float = parameter("N m", lower=0.0)
     harmonic: float = parameter("1")
     phase: float = parameter("rad")
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """See the base class."""
+        return extent.waves(SLOW_HARMONICS) if extent.turns else extent.waves((), (1.0, 2.0))
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """From the weights of ``1 + sin``, ``1 + cos`` and ``1 - sin``."""
+        return wave(point, (x[0] - x[2], x[1]))
 
 
 class PreslidingFriction(MemoryEffect):
@@ -55,12 +74,27 @@ class PreslidingFriction(MemoryEffect):
     law = "stiffness*z + damping*z', z' = u - stiffness*abs(u)*z/level"
     neutral = {"level": 0.0}
     shown = {"level": 1.0, "stiffness": 500.0}
+    linear_bounds = (0.0,)
     contains = ("coulomb_friction", "viscous_friction")
     plainer = ("coulomb_friction",)
 
     level: float = parameter("N m", lower=0.0)
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
     damping: float = parameter("N m s/rad", lower=0.0, default=0.0)
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """Bends of the bristles, level/stiffness."""
+        return ((float(reach),) for reach in extent.span * np.geomspace(1e-5, 0.05, 10))
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """Linear in its level where the bend is given."""
+        return {"level": x[0], "stiffness": x[0] / point[0]} if x[0] > 0.0 else None
+
+    def largest(self, name: str) -> float:
+        """Bristles that hardly bend do not tell their damping."""
+        return LONGEST_BRISTLE_TIME * self.stiffness if name == "damping" else math.inf
 
     @property
     def reach(self) -> float:

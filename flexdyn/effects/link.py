@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
 
 from flexdyn.effects.base import Effect, JointEffect, parameter
+from flexdyn.effects.extent import MotionExtent
 from flexdyn.errors import InputError
 
 
@@ -25,8 +29,15 @@ class Payload(Effect):
     no_torque = "it changes M(q) and h(q, v)"
     shown = {"mass": 1.0}
 
+    linear = ("mass",)
+
     mass: float = parameter("kg", lower=0.0)
     frame: str | None = None
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return 1e-3
 
 
 class LinkEffect(JointEffect, abstract=True):
@@ -51,8 +62,17 @@ class ParallelSpring(LinkEffect):
     neutral = {"stiffness": 0.0}
     shown = {"stiffness": 20.0, "rest": 0.3}
 
+    linear = ("stiffness",)
+    axes = ("rest",)
+
     stiffness: float = parameter("N m/rad", lower=0.0)
     rest: float = parameter("rad")
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """See the base class."""
+        rests = np.linspace(extent.low - extent.span, extent.high + extent.span, 13)
+        return ((float(rest),) for rest in rests)
 
 
 class PositionTorque(LinkEffect):
@@ -73,10 +93,17 @@ class PositionTorque(LinkEffect):
     neutral = {"cos_1": 0.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.0}
     shown = {"cos_1": 1.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.3}
 
+    linear = ("cos_1", "sin_1", "cos_2", "sin_2")
+
     cos_1: float = parameter("N m")
     sin_1: float = parameter("N m")
     cos_2: float = parameter("N m")
     sin_2: float = parameter("N m")
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """None of a sliding joint."""
+        return super().tried(extent) if extent.turns else ()
 
 
 class EndStop(LinkEffect):
@@ -97,6 +124,8 @@ class EndStop(LinkEffect):
     neutral = {"stiffness": 0.0, "damping": 0.0}
     shown = {"lower": -1.0, "upper": 1.0, "stiffness": 100.0, "damping": 2.0}
 
+    linear_bounds = (0.0,)
+
     lower: float = parameter("rad", infinite=True)
     upper: float = parameter("rad", infinite=True)
     stiffness: float = parameter("N m/rad", lower=0.0)
@@ -108,3 +137,15 @@ class EndStop(LinkEffect):
         if self.lower > self.upper or self.lower == math.inf or self.upper == -math.inf:
             remedy = f"it must be at most upper, {self.upper:g}"
             raise InputError("the stops leave no room", key=f"{self.name}.lower", value=self.lower, remedy=remedy)
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """A limit within the range of the motion, and on which side the bumper is: -1 below, 1 above."""
+        depths = (extent.span * np.geomspace(0.003, 0.15, 7)).tolist()
+        return (*((extent.low + d, -1.0) for d in depths), *((extent.high - d, 1.0) for d in depths))
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """Linear in its stiffness; one bumper without damping."""
+        lower, upper = (point[0], math.inf) if point[1] < 0 else (-math.inf, point[0])
+        return {"lower": lower, "upper": upper, "stiffness": x[0], "damping": 0.0} if x[0] > 0.0 else None

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from flexdyn.checks import Array
 from flexdyn.effects.base import Effect, Side, Stage, parameter
+from flexdyn.effects.extent import POSITION_STEP, MotionExtent, wave
 from flexdyn.errors import InputError
 
 POSITIONS = ("q", "theta")
@@ -104,6 +106,11 @@ class ChannelLag(SensorEffect):
 
     delay: float = parameter("s", lower=0.0)
 
+    @property
+    def lateness(self) -> float:
+        """See the base class."""
+        return self.delay
+
     def measured(self, x: ArrayLike, t: ArrayLike) -> Array:
         """What the sensor reports: see the base class."""
         true, times = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
@@ -130,6 +137,8 @@ class EncoderEccentricity(SensorEffect):
     neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.002, "harmonic": 1.0, "phase": 0.0}
     periodic = True
+    linear_bounds = (-math.inf, -math.inf)
+    axes = ("harmonic",)
     position_error = "amplitude"
     natural_size = 0.01
     signals = POSITIONS
@@ -137,6 +146,21 @@ class EncoderEccentricity(SensorEffect):
     amplitude: float = parameter("rad")
     harmonic: float = parameter("1", default=1.0)
     phase: float = parameter("rad")
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """See the base class."""
+        return extent.waves((1.0, 2.0), (1.0, 2.0) if extent.signal == "theta" else ())
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """From its sine and cosine parts."""
+        return wave(point, x)
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return POSITION_STEP
 
     def error(self, x: Array) -> Array:
         """Over the true position [rad]."""
@@ -157,9 +181,15 @@ class SensorOffset(SensorEffect):
     neutral = {"offset": 0.0}
     shown = {"offset": 0.01}
     natural_size = 0.01
+    linear = ("offset",)
     position_error = "offset"
 
     offset: float = parameter("unit of the channel")
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return 1e-4 if extent.signal == "tau_s" else 1e-5
 
     def error(self, x: Array) -> Array:
         """A constant."""
@@ -180,8 +210,14 @@ class SensorGain(SensorEffect):
     neutral = {"gain": 0.0}
     shown = {"gain": 0.05}
     natural_size = 0.03
+    linear = ("gain",)
 
     gain: float = parameter("1")
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return 1e-4
 
     def error(self, x: Array) -> Array:
         """Proportional to the value."""

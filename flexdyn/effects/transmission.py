@@ -6,6 +6,7 @@ Kinematic errors come first, then the dead zone, then every spring law. The damp
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from flexdyn.checks import Array
 from flexdyn.effects.base import JointEffect, Stage, parameter, spaced
+from flexdyn.effects.extent import POSITION_STEP, MotionExtent, wave
 from flexdyn.effects.memory import MemoryEffect
 
 
@@ -37,9 +39,16 @@ class JointElasticity(TransmissionEffect):
     law = "a rigid joint becomes elastic: stiffness*delta"
     neutral = {"stiffness": math.inf}
     shown = {"stiffness": 5000.0}
+    linear_bounds = (0.0,)
     prevalence = "often"
+    makes_elastic = True
 
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """Linear in its compliance."""
+        return {"stiffness": 1.0 / x[0]} if x[0] > 0.0 else None
 
     def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
         # The core has no law of this name: the model adds it to the joint's stiffness.
@@ -126,9 +135,15 @@ class Backlash(DeflectionEffect):
     law = "delta -> dead zone of +-half_gap"
     neutral = {"half_gap": 0.0}
     shown = {"half_gap": 0.01}
+    axes = ("half_gap",)
     bends_spring = True
 
     half_gap: float = parameter("rad", lower=0.0)
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """See the base class."""
+        return ((gap,) for gap in extent.half_gaps)
 
 
 class SpringHysteresis(MemoryEffect):
@@ -186,12 +201,29 @@ class KinematicError(DeflectionEffect):
     natural_size = 0.01
     order = 0
     periodic = True
+    linear_bounds = (-math.inf, -math.inf)
+    axes = ("harmonic",)
     position_error = "amplitude"
     of_rotor = True
 
     amplitude: float = parameter("rad")
     harmonic: float = parameter("1")
     phase: float = parameter("rad")
+
+    @classmethod
+    def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
+        """See the base class."""
+        return extent.waves((1.0, 2.0, 3.0, 4.0), (1.0, 2.0, 4.0))
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """From its sine and cosine parts."""
+        return wave(point, x)
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return POSITION_STEP
 
     def slope(self, theta: Array) -> Array:
         """See the base class."""

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from flexdyn.diagnose import Diagnosis, Number, Suspect, diagnose
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.report.digits import estimate_text, times
 from flexdyn.diagnose.report.verdicts import verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, place_phrase
 from flexdyn.diagnose.shooting.gap import shoot
-from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
+from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.effects import Effect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper.bench import LINK_STEP, MOTOR_STEP, TORQUE_NOISE, Bench
@@ -103,7 +104,7 @@ def _without(model: FlexibleJointModel, missing: Sequence[Suspect]) -> FlexibleJ
     return model.replace(effects=[effect for effect in model.effects if _place(effect) not in places])
 
 
-def sensors_noise(recordings: Sequence[Recording]) -> WindowNoise:
+def sensors_noise(recordings: Sequence[Recording]) -> SampleNoise:
     """Noise of the sensors on the bench: quantisation of the encoders, step / sqrt(12), and noise of the torque.
 
     Args:
@@ -112,7 +113,7 @@ def sensors_noise(recordings: Sequence[Recording]) -> WindowNoise:
     joints = ("shoulder", "elbow")
     peak = [np.mean([np.abs(each[f"tau.{joint}"]).max() for each in recordings]) for joint in joints]
     link, motor = (np.full(2, step / np.sqrt(12.0)) for step in (LINK_STEP, MOTOR_STEP))
-    return WindowNoise(link, motor, TORQUE_NOISE * np.array(peak))
+    return SampleNoise(link, motor, TORQUE_NOISE * np.array(peak), np.zeros(2))
 
 
 def _place(entry: Effect | Suspect) -> tuple[Any, ...]:

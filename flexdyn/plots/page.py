@@ -60,7 +60,7 @@ def cross(axes: Any) -> None:
     axes.axvline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
 
 
-def line(axes: Any, x: Any, y: Any, color: str = BLUE, **look: Any) -> None:
+def line(axes: Any, x: Any, y: Any, color: str | tuple[float, ...] = BLUE, **look: Any) -> None:
     """The line of a law."""
     axes.plot(x, y, color=color, linewidth=LAW_LINE_WIDTH, **look)
 

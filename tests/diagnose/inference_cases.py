@@ -66,7 +66,7 @@ class Given:
     def proposal(self) -> Proposal | None:
         """One that makes no effects."""
         place = {"effect": self.kind, "joint": self.joint, "side": "motor"}
-        return None if self.number else Proposal(place, lambda point, x: None, lambda point: (), self.points)
+        return None if self.number else Proposal(place, lambda point, x: None, self.points, sizes=(1.0,))
 
     def negligible(self) -> Column | None:
         """The small amount of it that is in every structure, if any is."""

@@ -8,23 +8,22 @@ import math
 import numpy as np
 
 import flexdyn as fd
-from flexdyn.diagnose.report.record import File, Record, Shares, Statistics
-from flexdyn.diagnose.report.result import (
+from flexdyn.diagnose.report.measures import (
     Calibration,
-    Considered,
-    Diagnosis,
-    Finding,
+    File,
     Gap,
     JointError,
     Left,
-    Number,
+    Record,
     RecordingSpan,
     ResidualPlace,
-    ResidualTrace,
-    Structure,
-    Suspect,
+    Shares,
+    SignalError,
+    Statistics,
 )
-from flexdyn.diagnose.report.trajectory import MeasuredCurve, Trajectory
+from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Structure, Suspect
+from flexdyn.diagnose.report.trace import MeasuredCurve, ResidualTrace, Trajectory
 
 STRIBECK = Suspect(
     "stribeck_friction",
@@ -64,32 +63,35 @@ def explained(model: fd.FlexibleJointModel | None = None) -> Diagnosis:
             Finding(WRONG, 0.97, 4.1, 0.08),
             Finding(OFFSET, 0.991, 27.5, 0.05),
         ),
-        _numbers(),
-        Gap(11.83, 10.2, 1.04, 1.0),
-        Gap(12.41, 10.9, 1.07, 1.0),
-        {
-            "shoulder": JointError(4.1, 0.62, "N m", 0.11, 0.0166, 0.0102, 0.00038, "rad", 3.9, 0.01, (9.1, 8.9, 1.02)),
+        calibration=_numbers(),
+        gap_fit=Gap(11.83, 10.2, 1.04, 1.0),
+        gap_test=Gap(12.41, 10.9, 1.07, 1.0),
+        errors={
+            "shoulder": JointError(
+                SignalError(4.1, 0.62, "N m", 3.9, 37.3), SignalError(0.0102, 0.00038, "rad", 0.01), (9.1, 8.9, 1.02)
+            ),
             "elbow": JointError(
-                1.73, 0.081, "N m", 0.31, 0.0145, 0.0231, 0.00041, "rad", 1.7, 0.022, (15.0, 14.1, 1.1)
+                SignalError(1.73, 0.081, "N m", 1.7, 5.58),
+                SignalError(0.0231, 0.00041, "rad", 0.022),
+                (15.0, 14.1, 1.1),
             ),
         },
-        (
+        where=(
             ResidualPlace("elbow", "motor", 0.82, "abs(omega) < 0.1 rad/s"),
             ResidualPlace("elbow", "link", 0.09, ""),
             ResidualPlace("shoulder", "transmission", 0.06, "abs(tau_s) > 12 N m"),
         ),
-        (),
-        ranked(),
-        sources(),
-        model or fd.load_model("scara_two_link"),
-        (
+        left=(),
+        structures=ranked(),
+        data=sources(),
+        model=model or fd.load_model("scara_two_link"),
+        notes=(
             "Nothing was measured in the transmission: load-dependent friction is told by the deflection alone.",
             "The elbow moved from 0.2 to 1.1 rad: torques that repeat every turn are not seen.",
         ),
-        41.3,
-        residuals("elbow, motor side") + residuals("shoulder, motor side"),
-        {"search": "3 seeds and 5212 structures; none was found after structure 1880 that changed a name."},
-        compared(),
+        seconds=41.3,
+        residuals=residuals("elbow, motor side") + residuals("shoulder, motor side"),
+        considered=compared(),
         trajectories=(motion("elbow"), motion("shoulder")),
         record=Record(
             "0.1.0",
@@ -185,7 +187,9 @@ def partly() -> Diagnosis:
         findings=(Finding(unknown, 0.97, math.nan, math.nan),),
         gap_fit=gap,
         gap_test=gap,
-        errors={"shoulder": JointError(2.0, math.nan, "N m", 0.3, math.nan, 0.02, math.inf, "rad")},
+        errors={
+            "shoulder": JointError(SignalError(2.0, math.nan, "N m", size=6.7), SignalError(0.02, math.inf, "rad"))
+        },
         left=(Left("shoulder", 0.02, 0.011), Left("elbow", 0.043, 0.083, ("q", "omega"))),
     )
 
@@ -197,7 +201,7 @@ def not_converged() -> Diagnosis:
         findings=(Finding(PAYLOAD, 0.998, 55.0, math.nan), Finding(COULOMB, 0.6, 0.4, math.nan)),
         gap_fit=Gap(4.0, 3.5, 4.4, 1.0),
         stopped=("stiffness of elbow", "damping of elbow"),
-        write_model=False,
+        no_model="on the data of the fit the corrected model is worse than the model as it was given",
     )
 
 
@@ -218,7 +222,7 @@ def interrupted_early() -> Diagnosis:
         "interrupted",
         structures=(Structure((COULOMB,), 0.7, -310.0), Structure((), 0.3, -310.8)),
         data=sources()[:1],
-        write_model=False,
+        no_model="there was no corrected model yet",
         stopped_at="comparing structures: pass 2 of at most 5",
     )
 
@@ -245,28 +249,30 @@ def robot() -> Diagnosis:
     return Diagnosis(
         "partly_explained",
         tuple(found),
-        tuple(numbers),
-        gap,
-        gap,
-        {
-            joint: JointError(40.0 / (k + 1), 4.1 / (k + 1), "N m", 0.8 - 0.1 * k, 0.1 - 0.01 * k, 0.05, 0.004, "rad")
+        calibration=tuple(numbers),
+        gap_fit=gap,
+        gap_test=gap,
+        errors={
+            joint: JointError(
+                SignalError(40.0 / (k + 1), 4.1 / (k + 1), "N m", size=50.0), SignalError(0.05, 0.004, "rad")
+            )
             for k, joint in enumerate(model.joint_names)
         },
-        tuple(ResidualPlace(joint, "total", 0.4 / (k + 1), "") for k, joint in enumerate(model.joint_names)),
-        tuple(Left(joint, 0.1 - 0.01 * k, 0.12, ("q", "t")[: k % 3]) for k, joint in enumerate(model.joint_names)),
-        tuple(
+        where=tuple(ResidualPlace(joint, "total", 0.4 / (k + 1), "") for k, joint in enumerate(model.joint_names)),
+        left=tuple(Left(joint, 0.1 - 0.01 * k, 0.12, ("q", "t")[: k % 3]) for k, joint in enumerate(model.joint_names)),
+        structures=tuple(
             Structure(base if k % 2 == 0 else (*base[k:], extra), 0.6 / 2.0 ** (k + 1), -9000.0 - 3.2 * k)
             for k in range(12)
         ),
-        (
+        data=(
             RecordingSpan("monday.csv", "fit", 0.0, 48.0, 125.0, noise),
             RecordingSpan("tuesday_with_a_long_name_of_a_file.csv", "fit", 0.0, 48.0, 125.0, noise),
             RecordingSpan("wednesday.csv", "test", 0.0, 30.0, 125.0, noise),
         ),
-        model,
-        ("Motor encoders only: an elastic joint is told by what it does to the rotor.",),
-        28.4,
-        tuple(trace for joint in model.joint_names for trace in residuals(joint)),
+        model=model,
+        notes=("Motor encoders only: an elastic joint is told by what it does to the rotor.",),
+        seconds=28.4,
+        residuals=tuple(trace for joint in model.joint_names for trace in residuals(joint)),
         considered=tuple(Considered(each.suspect, each.probability, each.log_bayes_factor) for each in found),
     )
 
@@ -296,13 +302,4 @@ def _numbers() -> tuple[Calibration, ...]:
 
 def _diagnosis(verdict: str, **given: object) -> Diagnosis:
     """With nothing in it but what is given."""
-    empty: dict[str, object] = {
-        "findings": (),
-        "calibration": (),
-        "gap_fit": None,
-        "gap_test": None,
-        "errors": {},
-        "where": (),
-    }
-    empty |= {"left": (), "structures": (), "data": (), "model": fd.load_model("scara_two_link")}
-    return Diagnosis(verdict, **{**empty, **given})  # type: ignore[arg-type]
+    return Diagnosis(verdict, **{"findings": (), "model": fd.load_model("scara_two_link"), **given})  # type: ignore[arg-type]

@@ -10,8 +10,7 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
-from flexdyn.diagnose.decision.blocks import checked_blocks, without_blocks
-from flexdyn.diagnose.decision.split import parts
+from flexdyn.diagnose.decision.split import checked_blocks, parts, without_blocks
 from flexdyn.errors import InputError
 
 T = np.arange(1001) / 100.0

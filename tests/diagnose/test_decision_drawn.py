@@ -52,13 +52,13 @@ def test_motion_agrees_with_the_errors_per_joint() -> None:
     assert [each.role for each in answer.trajectories] == ["test", "test", "fit", "fit"]
     for joint, entry in answer.errors.items():
         given, _, corrected = (np.sqrt(np.nanmean(row**2)) for row in test[joint].torque.errors)
-        assert (given, corrected) == pytest.approx((entry.torque_before, entry.torque_after), rel=1e-9)
+        assert (given, corrected) == pytest.approx((entry.torque.before, entry.torque.after), rel=1e-9)
         position = test[joint].position
         assert position is not None
         assert position.label == "q [rad]"
         given, _, corrected = (np.sqrt(np.nanmean(row**2)) for row in position.errors)
-        assert given == pytest.approx(entry.position_before, rel=0.1), "q is drawn, the table has theta as well"
-        assert corrected == pytest.approx(entry.position_after, rel=0.2)
+        assert given == pytest.approx(entry.position.before, rel=0.1), "q is drawn, the table has theta as well"
+        assert corrected == pytest.approx(entry.position.after, rel=0.2)
     elbow = test["elbow"].torque
     assert np.nanmedian(np.abs(elbow.errors[0])) == pytest.approx(LEVEL, rel=0.02)
     assert answer.data[1].start <= elbow.t[0] < elbow.t[-1] <= answer.data[1].end

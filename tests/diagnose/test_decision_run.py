@@ -16,9 +16,9 @@ import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import converged
 from flexdyn.diagnose.decision.held_out import held_out
-from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.notes import stopped
 from flexdyn.diagnose.decision.run import STAGES, diagnose
+from flexdyn.diagnose.decision.verdict import left
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
@@ -66,10 +66,10 @@ def test_missing_friction_is_named_and_explains_the_test_data(answer: Diagnosis)
     assert answer.gap_test.before > 50.0
     assert answer.gap_test.after < 1.3
     error = answer.errors["lift"]
-    assert error.torque_before == pytest.approx(LEVEL, rel=0.05)
-    assert error.torque_after < 0.02
-    assert (error.torque_unit, error.position_unit) == ("N", "m")
-    assert error.position_after < 0.01 * error.position_before
+    assert error.torque.before == pytest.approx(LEVEL, rel=0.05)
+    assert error.torque.after < 0.02
+    assert (error.torque.unit, error.position.unit) == ("N", "m")
+    assert error.position.after < 0.01 * error.position.before
     assert not answer.left
 
 
@@ -77,7 +77,7 @@ def test_the_corrected_model_holds_what_is_named_and_no_more(answer: Diagnosis) 
     """One friction beside the calibrated numbers."""
     found = [each for each in answer.model.effects if not isinstance(each, fd.effects.ParameterError)]
     assert [type(each) for each in found] == [fd.effects.CoulombFriction]
-    assert answer.write_model
+    assert not answer.no_model
     assert {each.of for each in answer.calibration} == {"mass"}
 
 
@@ -160,7 +160,7 @@ def test_nothing_is_known_before_structures_were_compared(tmp_path: Path) -> Non
     assert (known.verdict, known.findings, known.structures) == ("interrupted", (), ())
     assert known.stopped_at == "comparing structures (2 of 5)"
     assert [each.role for each in known.data] == ["fit"]
-    assert not known.write_model
+    assert known.no_model
 
 
 def test_structures_that_were_compared_are_told_without_a_name(tmp_path: Path) -> None:

@@ -62,7 +62,7 @@ def test_sources_tell_spans_and_noise(tmp_path: Path) -> None:
     """Spans in the recording's own time, levels by channel."""
     model = slider_model(tmp_path)
     (first,), _ = parts(model, [_recording(np.sin(3.0 * T), start=5.0)])
-    source = first.source(model.joint_names, LEVELS.noise(1))  # type: ignore[arg-type]
+    source = first.source(model.joint_names, LEVELS.noise(1))
     assert (source.file, source.role, source.start) == ("monday", "fit", 5.0)
     assert source.rate == pytest.approx(RATE)
     assert source.noise == {"q.lift": 1e-5, "tau.lift": 0.02}

@@ -10,7 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.statistics import CORRELATION_TOLD, statistics
+from flexdyn.diagnose.decision.notes import CORRELATION_TOLD, statistics
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from tests.diagnose.answers import dry_elbow

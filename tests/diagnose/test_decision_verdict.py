@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexdyn.diagnose.decision.left import quantities
-from flexdyn.diagnose.decision.verdict import is_noise, verdict
+from flexdyn.diagnose.decision.verdict import is_noise, quantities, verdict
 from flexdyn.diagnose.report.measures import Left
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.gaps import window_noise
 from flexdyn.diagnose.experiment import rehearsal
 from flexdyn.diagnose.experiment.apart import Known
 from flexdyn.diagnose.experiment.design import AMPLE_DELTA_BIC, CLEAR_DELTA_BIC, _rehearsed, with_experiment
@@ -20,7 +19,7 @@ from flexdyn.diagnose.experiment.reach import Reach
 from flexdyn.diagnose.experiment.rehearsal import RehearsalBench
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.report.result import Experiment, Finding, Suspect
+from flexdyn.diagnose.report.suspects import Experiment, Finding, Suspect
 from flexdyn.errors import SimulationError
 from tests.arms import repickled
 from tests.diagnose.truths import Levels, slider_model, slider_recording
@@ -98,7 +97,7 @@ class Question:
         """With the experiment for it."""
         one, other = (Suspect(name, "lift", "link") for name in names)
         found = Finding(one, 0.99, 50.0, 0.5, (other,), "something general")
-        return with_experiment(found, named, [rival], self.space, window_noise(self.noise))
+        return with_experiment(found, named, [rival], self.space, self.noise)
 
     def apart(self, one: fd.effects.Effect, other: fd.effects.Effect) -> float:
         """Chi^2 of the one law less that of the other."""
@@ -197,7 +196,7 @@ def test_motions_after_one_that_is_ample_are_left_out(tmp_path: Path) -> None:
     question = Question(tmp_path, [at_one_speed(COULOMB)])
     equations, known = question.space.equations, tuple(Known.of(question.explained(law)) for law in (COULOMB, VISCOUS))
     reach = Reach.of(equations)
-    bench = RehearsalBench(question.space, window_noise(question.noise), known, reach)
+    bench = RehearsalBench(question.space, question.noise, known, reach)
     made = moves(reach, 0, equations.true, reach.poses[0])
     slow = [move for move in made if bench.rehearse(move).apart() < AMPLE_DELTA_BIC]
     telling = [move for move in made if bench.rehearse(move).apart() > 2.0 * AMPLE_DELTA_BIC]

@@ -267,7 +267,7 @@ def test_shares_are_those_of_least_squares(
 def _candidate(kind: str, channel: str = "") -> Candidate:
     """One place of an effect, which makes nothing."""
     place = {"effect": kind, **({"channel": channel} if channel else {"joint": "a"})}
-    return Candidate(kind, Proposal(place, lambda point, x: None, lambda point: ()), None, [()], [np.array([0])], 1)
+    return Candidate(kind, Proposal(place, lambda point, x: None, sizes=(1.0,)), None, [()], [np.array([0])], 1)
 
 
 @pytest.mark.parametrize("kind", ["viscous_friction", "stribeck_friction", "backlash"])

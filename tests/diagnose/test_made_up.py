@@ -10,7 +10,7 @@ import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.hypothesis.play import half_gaps
+from flexdyn.diagnose.hypothesis.proposal import half_gaps
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, two_link_motion
 

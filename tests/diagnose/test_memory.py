@@ -29,6 +29,7 @@ def test_memory_grows_with_rows() -> None:
     """In proportion; the columns are those of every point of every grid."""
     memory = importlib.import_module("flexdyn.diagnose.inference.memory")
     proposal = importlib.import_module("flexdyn.diagnose.hypothesis.proposal").Proposal
-    one = proposal({"effect": "x"}, lambda point, values: None, lambda point: [None, None], grid=((1.0,), (2.0,)))
+    load = fd.effects.Payload(mass=1.0)
+    one = proposal({"effect": "x"}, lambda point, values: load, ((1.0,), (2.0,)), sizes=(1.0, 1.0))
     assert memory.memory_needed([one] * 3, 1000) == memory.COLUMN_COPIES * 8 * 12 * 1000
     memory.check_memory([one], 1000, 1.0)

@@ -8,11 +8,12 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import pytest
 
 from flexdyn.diagnose.abreast import abreast
-from flexdyn.diagnose.decision import background
 from flexdyn.diagnose.decision.background import STOPPING_TIME, beside
 from flexdyn.diagnose.progress import Course, check, know, tell
 from tests.load import slowed
@@ -101,7 +102,7 @@ def _deaf(free: threading.Event) -> None:
 
 SHOWN = """
 import sys, time
-from flexdyn.diagnose.decision.bar import shown
+from flexdyn.diagnose.decision.background import shown
 with shown({progress}) as show:
     show("comparing structures (2 of 5)", 0.4)
     time.sleep(1.6)
@@ -145,15 +146,18 @@ def _in_a_terminal(program: str) -> str:
 
 def test_work_is_stopped_wherever_the_interrupt_falls(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also between the start of the work and the loop that shows it: else it would wait for ever to be shown."""
-    start = background._Work.start
+    submit = ThreadPoolExecutor.submit
 
-    def interrupted(self: background._Work[None]) -> None:
-        start(self)
+    def interrupted(self: ThreadPoolExecutor, *args: Any) -> None:
+        submit(self, *args)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(background._Work, "start", interrupted)
+    monkeypatch.setattr(ThreadPoolExecutor, "submit", interrupted)
     course = Course()
     with pytest.raises(KeyboardInterrupt):
         beside(lambda: tell("at work", 0.5), course, lambda stage, share: None)
     assert course.stop.is_set()
-    assert not [each for each in threading.enumerate() if each.name == "flexdyn-diagnosis"]
+    for thread in threading.enumerate():
+        if thread.name.startswith("flexdyn-diagnosis"):
+            thread.join(1.0)
+            assert not thread.is_alive()

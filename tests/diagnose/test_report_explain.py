@@ -7,7 +7,7 @@ import dataclasses
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.report.ranks import beyond, ranks
+from flexdyn.diagnose.report.suspects import beyond, ranks
 from flexdyn.diagnose.report.targets import check_target, known_suspects, target_of
 from tests.diagnose import report_cases as cases
 
@@ -74,13 +74,6 @@ def test_a_finding_below_what_is_required_is_not_called_named() -> None:
     """It is listed, and that is said."""
     told = cases.not_converged().explain("coulomb_friction@elbow")
     assert "Listed among the findings, below 0.95: its probability is 0.6 (more likely than not)." in told
-
-
-def test_a_decision_about_a_target_is_told() -> None:
-    """Reasons that the search wrote down under this very name."""
-    why = "It is the limit of presliding friction."
-    diagnosis = dataclasses.replace(cases.explained(), decisions={"coulomb_friction@elbow": why})
-    assert diagnosis.explain("coulomb_friction@elbow").endswith(why)
 
 
 @pytest.mark.parametrize(

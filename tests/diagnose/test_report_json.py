@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 from flexdyn.diagnose.report.document import CONSIDERED
-from flexdyn.diagnose.report.result import VERDICTS, Diagnosis, Number, Suspect
+from flexdyn.diagnose.report.result import VERDICTS, Diagnosis
+from flexdyn.diagnose.report.suspects import Number, Suspect
 from tests.diagnose import report_cases as cases
 
 NUMBER, NAME = (int, float, type(None)), (str, type(None))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexdyn.diagnose.report.motions import motion_figures
-from flexdyn.diagnose.report.trajectory import MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
+from flexdyn.diagnose.report.trace import MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
 from tests.arms import repickled
 from tests.browser import open_page
 from tests.diagnose import report_cases as cases

@@ -15,22 +15,11 @@ from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.report.apart import PICTURES
 from flexdyn.diagnose.report.digits import percent, probability_text, rounded, times
 from flexdyn.diagnose.report.found import FINDINGS_OPEN
-from flexdyn.diagnose.report.result import (
-    Considered,
-    Diagnosis,
-    Experiment,
-    Finding,
-    Gap,
-    JointError,
-    Left,
-    Number,
-    RecordingSpan,
-    ResidualPlace,
-    ResidualTrace,
-    Structure,
-    Suspect,
-)
+from flexdyn.diagnose.report.measures import Gap, JointError, Left, RecordingSpan, ResidualPlace, SignalError
+from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import next_measurements
+from flexdyn.diagnose.report.suspects import Considered, Experiment, Finding, Number, Structure, Suspect
+from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.verdicts import verdict_sentence
 from tests.browser import open_page
 from tests.diagnose import report_cases as cases
@@ -172,14 +161,13 @@ def test_names_of_any_origin_do_no_harm(evil: str, tmp_path: Path) -> None:
         cases.unexplained(),
         findings=(Finding(suspect, 0.99, 20.0, 0.5, (rival,), evil, _plan(evil)),) * 3,
         gap_test=Gap(3.0, 2.0, 1.0, 1.0),
-        errors={evil: JointError(1.0, 0.5, evil, 0.1, 0.05, 0.1, 0.1, evil)},
+        errors={evil: JointError(SignalError(1.0, 0.5, evil, size=10.0), SignalError(0.1, 0.1, evil))},
         where=(ResidualPlace(evil, "motor", 0.5, evil),),
         left=(Left(evil, 0.1, 0.1, (evil,)),),
         structures=(Structure((suspect,), 0.9, -1.0), Structure((rival,), 0.1, -2.0)),
         data=(RecordingSpan(evil, "fit", 0.0, 1.0, 100.0, {evil: 0.1}),),
         notes=(evil,),
         residuals=(ResidualTrace(evil, evil, evil, np.arange(3.0), np.arange(3.0), np.arange(3.0)),),
-        decisions={evil: evil},
         considered=(Considered(suspect, 0.9, 1.0, evil),),
         stopped=(evil,),
     )

@@ -19,18 +19,9 @@ from flexdyn.diagnose.report.digits import (
     rounded,
     value_text,
 )
+from flexdyn.diagnose.report.measures import Calibration, Left
 from flexdyn.diagnose.report.page import part
-from flexdyn.diagnose.report.result import (
-    VERDICTS,
-    Calibration,
-    Considered,
-    Diagnosis,
-    Finding,
-    Left,
-    Number,
-    Structure,
-    Suspect,
-)
+from flexdyn.diagnose.report.result import VERDICTS, Diagnosis
 from flexdyn.diagnose.report.sentences import (
     error_sentence,
     finding_sentence,
@@ -38,6 +29,7 @@ from flexdyn.diagnose.report.sentences import (
     gap_sentence,
     next_measurements,
 )
+from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Structure, Suspect
 from flexdyn.diagnose.report.verdicts import verdict_sentence
 from flexdyn.diagnose.report.words import channel_unit, finding_phrase
 from tests.diagnose import report_cases as cases

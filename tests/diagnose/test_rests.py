@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -40,11 +41,11 @@ def _one_after_the_other(seconds: float = 8.0) -> tuple[Array, Array]:
     )
 
     def half(stuck: int, at: NDArray[np.bool_], start: list[float]) -> Array:
-        rows = iter(tau[at].tolist())
+        rows: Iterator[list[float]] = iter(tau[at].tolist())
 
-        def moves(x: Array, torque: Array) -> Array:
-            rates = np.array(STIFF.derivative(x, torque))
-            rates[[2 + stuck, 6 + stuck]] = 0.0
+        def moves(x: Sequence[float], torque: Sequence[float]) -> Sequence[float]:
+            rates = list(STIFF.derivative(x, torque))
+            rates[2 + stuck] = rates[6 + stuck] = 0.0
             return rates
 
         states, _ = held(moves, start, t[at], lambda _t, _x: next(rows))

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
-from tests.diagnose.truths import slider_model
+from flexdyn.diagnose.shooting.windows import Windows
+from tests.diagnose.truths import Levels, slider_model
 
-LEVELS = WindowNoise.of(1e-5, 1e-5, 0.01, 1)
+LEVELS = Levels(1e-5, 0.01).noise(1)
 
 
 def recording(t: np.ndarray, channel: str = "q.lift") -> fd.Recording:
@@ -73,24 +73,15 @@ def test_some_of_the_windows_are_those_and_no_others(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("recordings", "noise", "line"),
+    ("recordings", "line"),
     [
-        ([recording(np.arange(400) / 1000.0)], LEVELS, "too short"),
-        ([recording(np.arange(999) / 1000.0), recording(np.arange(999) / 500.0)], LEVELS, "different rates"),
-        ([fd.Recording([0.0, 1.0], {"tau.lift": [0, 0]}, meta={"units": {"tau.lift": "N"}})], LEVELS, "no position"),
-        ([recording(np.arange(999) / 1000.0)], WindowNoise.of(0.0, 1.0, 0.01, 1), "noise.q.lift"),
-        ([], LEVELS, "no position"),
+        ([recording(np.arange(400) / 1000.0)], "too short"),
+        ([recording(np.arange(999) / 1000.0), recording(np.arange(999) / 500.0)], "different rates"),
+        ([fd.Recording([0.0, 1.0], {"tau.lift": [0, 0]}, meta={"units": {"tau.lift": "N"}})], "no position"),
+        ([], "no position"),
     ],
 )
-def test_what_cannot_be_cut_is_said_in_a_line(
-    tmp_path: Path, recordings: list[fd.Recording], noise: WindowNoise, line: str
-) -> None:
-    """Too short, two rates, nothing measured, a sensor without noise."""
+def test_what_cannot_be_cut_is_said_in_a_line(tmp_path: Path, recordings: list[fd.Recording], line: str) -> None:
+    """Too short, two rates, nothing measured."""
     with pytest.raises(fd.InputError, match=line):
-        Windows.of(slider_model(tmp_path), recordings, noise)
-
-
-def test_a_torque_without_noise_level_is_refused() -> None:
-    """NaN would make every unit NaN."""
-    with pytest.raises(fd.InputError, match=r"noise\.tau"):
-        WindowNoise.of(1.0, 1.0, np.nan, 2)
+        Windows.of(slider_model(tmp_path), recordings, LEVELS)

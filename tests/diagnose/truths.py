@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.shooting.windows import WindowNoise
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from tests.arms import slider
 from tests.oracles.integrate import held
 from tests.oracles.two_link import TwoLink
@@ -30,9 +30,10 @@ class Levels:
     position: float = 2e-5
     torque: float = 0.01
 
-    def noise(self, n: int = 2) -> WindowNoise:
+    def noise(self, n: int = 2) -> SampleNoise:
         """For all joints alike."""
-        return WindowNoise.of(self.position, self.position, self.torque, n)
+        position = np.full(n, self.position)
+        return SampleNoise(position, position, np.full(n, self.torque), np.zeros(n))
 
 
 @cache

@@ -11,7 +11,9 @@ import matplotlib.figure
 import numpy as np
 import pytest
 
-from flexdyn.diagnose.report.result import Diagnosis, Finding, Gap, Number, Suspect
+from flexdyn.diagnose.report.measures import Gap
+from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.suspects import Finding, Number, Suspect
 from flexdyn.paper import bench, hidden_friction, run_study, study
 from flexdyn.paper.bench import Bench
 from flexdyn.paper.cases import PaperCases
@@ -36,7 +38,7 @@ def answer(cases: PaperCases, *, leave_out: int = 0, wrong: float = 1.0) -> Diag
         }
         findings.append(Finding(Suspect(effect.name, effect.joint, effect.side, numbers), 0.999, 5e3, 0.3))  # type: ignore[attr-defined]
     gap = Gap(300.0, 200.0, 1.02, 1.0)
-    return Diagnosis("explained", tuple(findings), (), gap, gap, {}, (), (), (), (), cases.model)
+    return Diagnosis("explained", tuple(findings), cases.model, gap_fit=gap, gap_test=gap)
 
 
 def test_the_motion_rests_at_every_corner() -> None:

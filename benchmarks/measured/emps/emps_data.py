@@ -144,7 +144,10 @@ def inverse(model: fd.FlexibleJointModel, record: fd.Recording) -> Inverse:
     """Butterworth on the position, central differences, the model's force, everything decimated."""
     true, data = model.resolved(), measured(model, record)
     q, v, a = _motion(data.theta, data.dt)
-    seen = Smoothed(data.t, data.dt, q, v, a, q, v, a, data.tau, np.zeros_like(q), data, 0)
+    rests = np.zeros(q.shape, dtype=np.bool_)
+    seen = Smoothed(data.t, data.dt, q, v, a, q, v, a, data.tau, np.zeros_like(q), data, 0, rests)
+        data.t, data.dt, q, v, a, q, v, a, data.tau, np.zeros_like(q), data, 0, np.zeros(q.shape, dtype=np.bool_)
+    )
     along = motion(fd.LinkSide(true), seen)
     terms = joint_terms(true, true.all_effects, along, 0)
     missing = terms.motor + terms.link - along.inverse_dynamics[:, 0]

@@ -49,8 +49,9 @@ def _errors(made: Study) -> str:
     """Errors of the force at every tension, by model."""
     rows = []
     for file, diagnosis in made.diagnoses.items():
-        before, _, _, size = diagnosis.errors["damper"].force
-        rows.append([f"{file}, as given", "-", f"{100.0 * before / size:.1f}", "-"])
+        force = diagnosis.errors["damper"].force
+        given = "-" if force is None else f"{100.0 * force.share_before:.1f}"
+        rows.append([f"{file}, as given", "-", given, "-"])
         for words, found in (("corrected", made.errors), ("without the bench's mass", made.errors_without)):
             ours = [found[file].get(key) for key in KEYS]
             rows.append([f"{file}, {words}", *("-" if x is None else f"{100.0 * x:.1f}" for x in ours)])

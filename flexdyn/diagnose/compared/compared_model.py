@@ -14,7 +14,7 @@ from flexdyn.diagnose.report.calibrated import FACTOR, given_number
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
 from flexdyn.diagnose.report.words import effect_name, number_phrase, place_phrase
-from flexdyn.effects import Effect, JointElasticity, ParameterError, SensorEffect
+from flexdyn.effects import ParameterError
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
@@ -29,8 +29,8 @@ class ComparedModel:
     """One of the models.
 
     Attributes:
-        label: that it goes by.
-        joints: names of its joints, by which arms are told apart.
+        label: its name in the tables.
+        joints: names of its joints, which identify the arm.
         numbers: by what they are of, in words.
         effects: probability of each by what it is and where, in words; 1 where the file gives it.
         absent: probability of effects that were compared and are not in the model.
@@ -49,7 +49,7 @@ def compared_model(given: Given, label: str) -> ComparedModel:
     Args:
         given: a model file, a folder that a diagnosis was saved in, or what they hold. With a report.json beside it,
             a model.yaml that a diagnosis wrote has the standard deviations of that diagnosis.
-        label: that it goes by.
+        label: its name in the tables.
 
     Raises:
         InputError: there is no such file or folder, or it holds no model or report.
@@ -88,17 +88,16 @@ def _read(report: Path) -> dict[str, Any]:
 
 
 def _of_model(model: FlexibleJointModel, label: str) -> ComparedModel:
-    """A model by itself: its numbers are as uncertain as its tolerance says."""
-    relative = {_phrase(model, n.of, n.parameter): n.tolerance for n in file_numbers(model)}
-    effects = {_place(each): 1.0 for each in _acting(model)}
-    return ComparedModel(label, tuple(model.joint_names), _numbers(model, relative, {}), effects, {})
+    """A model without a report: its tolerances are the uncertainties of its numbers."""
+    relative = {number_phrase(model, n.of, n.parameter): n.tolerance for n in file_numbers(model)}
+    return ComparedModel(label, tuple(model.joint_names), _numbers(model, relative, {}), _acting(model), {})
 
 
 def _of_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
-    """A corrected model with what the report of its diagnosis says."""
+    """A corrected model with the uncertainties and probabilities in the report of its diagnosis."""
     relative, factors = {}, {}
     for entry in report["calibration"]:
-        phrase = _phrase(model, entry["of"], entry["parameter"])
+        phrase = number_phrase(model, entry["of"], entry["parameter"])
         factors[phrase] = _float(entry["factor"])
         relative[phrase] = _float(entry["std"]) / max(abs(factors[phrase]), 1e-300)
     named: dict[str, float] = {}
@@ -106,12 +105,15 @@ def _of_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str)
         where = _told(finding)
         for parameter, number in finding["parameters"].items():
             wrong = finding["effect"] == ParameterError.name
-            phrase = _phrase(model, finding["of"], finding["parameter"]) if wrong else f"{_word(parameter)} of {where}"
+            phrase = (
+                number_phrase(model, finding["of"], finding["parameter"])
+                if wrong
+                else f"{parameter.replace('_', ' ')} of {where}"
+            )
             value, std = _float(number["value"]), _float(number["std"])
             factors[phrase], relative[phrase] = value, std / max(abs(value), 1e-300)
         named[where] = _float(finding["probability"])
-    there = {_place(each): 1.0 for each in _acting(model)}
-    effects = {where: named.get(where, certain) for where, certain in there.items()}
+    effects = {where: named.get(where, certain) for where, certain in _acting(model).items()}
     compared = {_told(each): _float(each["probability"]) for each in report["considered"]}
     absent = {where: p for where, p in compared.items() if where not in effects}
     return ComparedModel(label, tuple(model.joint_names), _numbers(model, relative, factors), effects, absent)
@@ -123,42 +125,25 @@ def _numbers(
     """Of the model as it is true; those of links as factors on their URDF, which holds the number."""
     true, found = model.resolved(), {}
     for number in file_numbers(true):
-        phrase = _phrase(true, number.of, number.parameter)
+        phrase = number_phrase(true, number.of, number.parameter)
         value, unit = given_number(true, number.of, number.parameter)
         value = factors.get(phrase, value) if unit == FACTOR else value
         found[phrase] = Number(value, relative.get(phrase, number.tolerance) * abs(value), unit)
     return found
 
 
-def _phrase(model: FlexibleJointModel, of: str, parameter: str) -> str:
-    return number_phrase(model, of, parameter)
+def _acting(model: FlexibleJointModel) -> dict[str, float]:
+    """Effects of the arm or its sensors, but no wrong numbers of the file; each has the probability 1."""
+    acting = (each.to_dict() for each in model.effects if not each.is_neutral and not each.in_numbers)
+    return {_told(each): 1.0 for each in acting}
 
 
-def _word(parameter: str) -> str:
-    return parameter.replace("_", " ")
-
-
-def _acting(model: FlexibleJointModel) -> list[Effect]:
-    """Effects that stand for something of the arm or its sensors, not for a wrong number of the file."""
-    folded = (ParameterError, JointElasticity)
-    return [each for each in model.effects if not each.is_neutral and not isinstance(each, folded)]
-
-
-def _place(effect: Effect) -> str:
-    """An effect and where it acts, in the words of `number_phrase`."""
-    if isinstance(effect, SensorEffect):
-        return f"{effect_name(effect.name)} on channel {effect.channel}"
-    joint = getattr(effect, "joint", None)
-    where = place_phrase(joint, getattr(effect, "side", None)) if joint else ""
-    return f"{effect_name(effect.name)} {where}".strip()
-
-
-def _told(suspect: Mapping[str, Any]) -> str:
-    """The same of an entry of a report."""
-    if "channel" in suspect:
-        return f"{effect_name(suspect['effect'])} on channel {suspect['channel']}"
-    where = place_phrase(suspect["joint"], suspect["side"]) if suspect["joint"] else ""
-    return f"{effect_name(suspect['effect'])} {where}".strip()
+def _told(entry: Mapping[str, Any]) -> str:
+    """An effect and where it acts, in the words of `number_phrase`: of a model file's entry, or of a report's."""
+    if "channel" in entry:
+        return f"{effect_name(entry['effect'])} on channel {entry['channel']}"
+    where = place_phrase(entry["joint"], entry.get("side")) if entry.get("joint") else ""
+    return f"{effect_name(entry['effect'])} {where}".strip()
 
 
 def _float(value: Any) -> float:

@@ -158,7 +158,7 @@ def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> Model
 
     Args:
         models: two or more, each a `Diagnosis`, a model, a model file, or a folder that a diagnosis was saved in.
-        labels: that they go by; none: names of the files, or A, B, C.
+        labels: their names in the tables; none: names of the files, or A, B, C.
 
     Raises:
         InputError: less than two models, models of different arms, or labels that are not one a model.
@@ -194,17 +194,13 @@ def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> Model
 
 def _labels(models: Sequence[Given]) -> list[str]:
     """Names of files and folders where they differ; else letters."""
-    paths = [Path(each) if isinstance(each, str | Path) else None for each in models]
+    letters = [chr(ord("A") + k) if k < 26 else str(k + 1) for k in range(len(models))]
     found = []
-    for k, path in enumerate(paths):
-        letter = chr(ord("A") + k) if k < 26 else str(k + 1)
+    for given, letter in zip(models, letters, strict=True):
+        path = Path(given) if isinstance(given, str | Path) else None
         name = "" if path is None else path.parent.name if path.name == "model.yaml" else path.stem or path.name
         found.append(name or letter)
-    return (
-        found
-        if len(set(found)) == len(found)
-        else [chr(ord("A") + k) if k < 26 else str(k + 1) for k in range(len(found))]
-    )
+    return found if len(set(found)) == len(found) else letters
 
 
 def _number(name: str, models_: Sequence[ComparedModel]) -> NumberOverModels:

@@ -1,13 +1,17 @@
-"""Work in a second thread, while this one shows the progress, so that Ctrl-C is always answered."""
+"""Work in a second thread while this one shows the progress, so that Ctrl-C always works."""
 
 from __future__ import annotations
 
+import contextlib
 import contextvars
+import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from queue import Empty
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 from flexdyn.diagnose.progress import Course, following
 
@@ -15,28 +19,9 @@ Progress = Callable[[str, float], None]
 Answer = TypeVar("Answer")
 STOPPING_TIME = 0.5
 """Time to wait for the end of stopped work [s]; after it the known results are reported without it."""
-
-
-class _Work(threading.Thread, Generic[Answer]):
-    """The work and what came of it."""
-
-    def __init__(self, work: Callable[[], Answer], course: Course) -> None:
-        super().__init__(name="flexdyn-diagnosis")
-        self.answer: list[Answer] = []
-        self.error: BaseException | None = None
-        self._work, self._course = work, course
-        self._around = contextvars.copy_context()
-
-    def run(self) -> None:
-        """Do it, in the context of the thread that asked."""
-        self._around.run(self._inside)
-
-    def _inside(self) -> None:
-        with following(self._course):
-            try:
-                self.answer.append(self._work())
-            except BaseException as error:
-                self.error = error
+STOPPING = "flexdyn: stopping; what is known by now follows"
+GUESSED = 0.1
+"""Share of the work from which the remaining time is estimated [1]."""
 
 
 def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> Answer:
@@ -52,31 +37,93 @@ def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> An
     Raises:
         KeyboardInterrupt: Ctrl-C; what is known is in the course. The work ends at its next check.
     """
-    thread = _Work(work, course)
+    over = threading.Event()
+
+    def inside() -> Answer:
+        try:
+            with following(course):
+                return work()
+        finally:
+            over.set()
+
+    pool = ThreadPoolExecutor(1, thread_name_prefix="flexdyn-diagnosis")
     try:
-        thread.start()
-        while thread.is_alive() or not course.told.empty():
+        doing = pool.submit(contextvars.copy_context().run, inside)
+        while not doing.done() or not course.told.empty():
             try:
                 stage, share, shown = course.told.get(timeout=0.05)
             except Empty:
                 continue
             progress(stage, share)
             shown.set()
-        thread.join()
     except BaseException:
         course.stop.set()
-        _wait(thread)
+        with contextlib.suppress(KeyboardInterrupt):  # another Ctrl-C ends the wait
+            over.wait(STOPPING_TIME)
         raise
-    if thread.error is not None:
-        raise thread.error
-    return thread.answer[0]
+    finally:
+        pool.shutdown(wait=False)  # its thread ends with the work
+    return doing.result()
 
 
-def _wait(thread: threading.Thread) -> None:
-    """A moment for the work to come to its end; another Ctrl-C ends that."""
-    end = time.monotonic() + STOPPING_TIME
-    try:
-        while thread.is_alive() and time.monotonic() < end:
-            thread.join(0.02)
-    except KeyboardInterrupt:
+@contextmanager
+def shown(progress: Progress | bool | None) -> Iterator[Progress]:
+    """How progress is shown: by a function of the user, by a bar in a terminal or notebook, or not at all.
+
+    Args:
+        progress: the function; False: nothing, not even a line at Ctrl-C; None or True: the bar.
+    """
+    if progress is False:
+        yield _nothing
         return
+    from rich.console import Console
+
+    console = Console(stderr=True, markup=False, highlight=False, emoji=False)
+    if callable(progress) or not (console.is_terminal or console.is_jupyter):
+        with _acknowledged(lambda text: console.print(text, soft_wrap=True)):
+            yield progress if callable(progress) else _nothing
+        return
+    from rich.progress import BarColumn, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bars
+
+    left = TextColumn("{task.fields[left]}")
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(12), TaskProgressColumn())
+    with Bars(*columns, TimeElapsedColumn(), left, console=console, transient=True) as bars:
+        task, began = bars.add_task("starting", total=1.0, left=""), time.monotonic()
+
+        def show(stage: str, share: float) -> None:
+            bars.update(task, description=stage, completed=share, left=_left(share, time.monotonic() - began))
+
+        with _acknowledged(bars.console.print):
+            yield show
+
+
+def _left(share: float, spent: float) -> str:
+    """Estimate of the remaining time, if enough of the work is done for one."""
+    return f"{max(1.0, spent * (1.0 - share) / share):.0f} s left" if share >= GUESSED and spent > 1.0 else ""
+
+
+@contextmanager
+def _acknowledged(say: Callable[[str], None]) -> Iterator[None]:
+    """Print a line as soon as Ctrl-C is pressed, in the thread that receives signals.
+
+    Only if Python's own handler is installed: another one was installed on purpose.
+    """
+    ours = threading.current_thread() is threading.main_thread()
+    if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+
+    def heard(number: int, frame: object) -> None:
+        say(STOPPING)
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, heard)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _nothing(stage: str, share: float) -> None:
+    """Progress that is not shown."""

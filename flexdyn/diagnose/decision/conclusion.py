@@ -9,15 +9,15 @@ from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noise
-from flexdyn.diagnose.decision.drawn import drawn, force_loops, motions
+from flexdyn.diagnose.decision.drawn import drawn, trajectories
 from flexdyn.diagnose.decision.experiments import with_experiments
 from flexdyn.diagnose.decision.figures import OnFit, on_fit, on_test
-from flexdyn.diagnose.decision.findings import calibration, findings, names_told
+from flexdyn.diagnose.decision.findings import calibration, findings, reported_names
+from flexdyn.diagnose.decision.forces import are_prescribed, loops
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.decision.notes import notes, stopped
+from flexdyn.diagnose.decision.notes import notes, statistics, stopped
 from flexdyn.diagnose.decision.split import DataPart
-from flexdyn.diagnose.decision.statistics import statistics
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -32,6 +32,7 @@ from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
+WORSE = "on the data of the fit the corrected model is worse than the model as it was given"
 
 
 def concluded(
@@ -84,9 +85,9 @@ def concluded(
         residuals=drawn(plain, first, found, named),
         fit=statistics(found.fitted),
         shares=last.shares,
-        trajectories=motions(plain, first, last, parts),
-        loops=force_loops(plain, first, last, parts),
-        write_model=not first.worse,
+        trajectories=(*trajectories(last), *trajectories(first)),
+        loops=tuple(loop for on in (last, first) if are_prescribed(on.parts) for loop in loops(on.models, on.parts)),
+        no_model=WORSE if first.worse else "",
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )
 
@@ -95,7 +96,7 @@ def _on_fit(
     plain: Workspace, made: Fit, found: Corrected, fitted: Sequence[DataPart]
 ) -> tuple[Corrected, list[Name], OnFit]:
     """The corrected model, its names and its figures; without names the numbers of the file alone are corrected."""
-    named, first = names_told(found), on_fit(plain, made, found, fitted)
+    named, first = reported_names(found), on_fit(plain, made, found, fitted)
     if not found.converged and (first.worse or first.farther):
         named, first = [], dataclasses.replace(first, stalled=found.fitted)
     # A gap without an established effect displaces numbers for no good reason.
@@ -114,17 +115,12 @@ def _contradicting(first: OnFit) -> Windows | None:
 def known(
     found: Corrected, named: Sequence[Name], noise: SampleNoise, fitted: Sequence[DataPart], gains: dict[int, float]
 ) -> Diagnosis:
-    """What the data of the fit tell; the verdict is `interrupted` until the test data have been opened."""
+    """The answer from the fit data alone; the verdict is `interrupted` until the test data have been opened."""
     model = found.hypothesis.given
     return Diagnosis(
         verdict="interrupted",
         findings=findings(model, found, named, gains),
         calibration=calibration(found, named),
-        gap_fit=None,
-        gap_test=None,
-        errors={},
-        where=(),
-        left=(),
         structures=structures(model, found.candidates, found.masses),
         data=tuple(each.source(found.joints, noise) for each in fitted),
         model=found.hypothesis.model(),
@@ -142,20 +138,14 @@ def interrupted(model: FlexibleJointModel, so_far: Mapping[str, Any]) -> Diagnos
     """
     fitted, noise = so_far["fitted"], so_far["noise"]
     if "found" in so_far:
-        return known(so_far["found"], names_told(so_far["found"]), noise, fitted, {})
+        return known(so_far["found"], reported_names(so_far["found"]), noise, fitted, {})
     space: Space | None = so_far.get("space")
     masses = Masses.of(dict(space.known)) if space is not None and space.known else None
     return Diagnosis(
         verdict="interrupted",
         findings=(),
-        calibration=(),
-        gap_fit=None,
-        gap_test=None,
-        errors={},
-        where=(),
-        left=(),
         structures=() if space is None or masses is None else structures(model, space.candidates, masses),
         data=tuple(each.source(tuple(model.joint_names), noise) for each in fitted),
         model=model,
-        write_model=False,
+        no_model="there was no corrected model yet",
     )

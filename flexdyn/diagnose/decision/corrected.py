@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
 from flexdyn.diagnose.decision.held_out import HeldOut
-from flexdyn.diagnose.decision.left import left
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
+from flexdyn.diagnose.decision.verdict import left
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
@@ -25,7 +25,7 @@ from flexdyn.diagnose.inference.passes import Posterior, identity
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.effects import Effect, JointEffect, JointElasticity
+from flexdyn.effects import Effect, JointEffect
 
 Array = NDArray[np.float64]
 Share = Callable[[int], float]
@@ -43,7 +43,6 @@ class Corrected:
         fitted: the corrected model.
         names: established ones, effects and numbers of the file, in the order of their candidates.
         masses: of all sets of candidates.
-        candidates: that were compared.
         space: that compared them.
         explained: whether the equations of the fit leave no more than noise.
         genuine: by candidate, probability that it is no imitation of something that the catalogue lacks [1].
@@ -52,7 +51,6 @@ class Corrected:
     fitted: Fit
     names: tuple[Name, ...]
     masses: Masses
-    candidates: tuple[Candidate, ...]
     space: Space
     explained: bool
     genuine: dict[int, float]
@@ -71,17 +69,29 @@ class Corrected:
         """The corrected model's effect of a candidate; None: it has none."""
         return effect_of(self.candidates[candidate], self.hypothesis)
 
-    def without(self, candidate: int) -> Hypothesis:
-        """The corrected model without one of its names, all other numbers as they are."""
-        here, number = self.hypothesis, self.candidates[candidate].number
-        if number is not None:
-            return dataclasses.replace(here, factors={**here.factors, number: 1.0}, freed=here.freed - {number})
-        gone = self.effect(candidate)
-        return dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not gone]))
+    def without(self, *candidates: int) -> Hypothesis:
+        """The corrected model without some of its names, all other numbers as they are."""
+        here, numbers = self.hypothesis, {self.candidates[c].number for c in candidates}
+        gone = [self.effect(c) for c in candidates]
+        kept = [each for each in here.effects if not any(each is other for other in gone)]
+        factors = {number: 1.0 if number in numbers else factor for number, factor in here.factors.items()}
+        return dataclasses.replace(here, factors=factors, freed=here.freed - numbers, effects=possible(here, kept))
+
+    def instead(self, rival: int, of: int) -> Hypothesis | None:
+        """The most probable structure with a rival in the place of a candidate, by the linear equations."""
+        place = self.masses.place([rival], [of])
+        if place is None:
+            return None
+        return hypothesis_of(self.space, self.masses.structures[place], self.space.library.start, whole=True)
+
+    @property
+    def candidates(self) -> Sequence[Candidate]:
+        """All that were compared."""
+        return self.space.candidates
 
     @property
     def converged(self) -> bool:
-        """Whether the fit stands at a stationary point."""
+        """Whether the fit has converged to a stationary point."""
         return converged(self.fitted)
 
 
@@ -124,7 +134,7 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
-    return Corrected(made, kept, masses, tuple(space.candidates), space, explained, own)
+    return Corrected(made, kept, masses, space, explained, own)
 
 
 def _masses(found: Posterior) -> Masses:
@@ -169,7 +179,7 @@ def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
 
 
 def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
-    """Whether a candidate may be told as a rival: no number that stays in its tolerance."""
+    """Whether a candidate may be reported as a rival: not a number that stays in its tolerance."""
     candidate = space.candidates[c]
     if candidate.number is None:
         return True
@@ -191,15 +201,15 @@ def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
 
 
 def needed(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
-    """Effects with the elasticities that those among them need which take the load."""
+    """Effects, and the elasticity of each joint whose friction takes the load."""
     loaded = {each.joint for each in effects if isinstance(each, JointEffect) and each.takes_load}
-    soft = [each for each in here.effects if isinstance(each, JointElasticity) and each.joint in loaded]
+    soft = [each for each in here.effects if each.makes_elastic and getattr(each, "joint", "") in loaded]
     return (*effects, *(each for each in soft if each not in effects))
 
 
 def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
-    """Effects without friction that depends on what a joint carries which is rigid without one that is gone."""
-    soft = {each.joint for each in effects if isinstance(each, JointElasticity)}
+    """Effects that the model can hold: friction that takes the load needs an elastic joint."""
+    soft = {getattr(each, "joint", "") for each in effects if each.makes_elastic}
     true = here.given.resolved()
     soft |= {name for name, elastic in zip(true.joint_names, true.elastic, strict=True) if elastic}
     return tuple(each for each in effects if not each.takes_load or getattr(each, "joint", "") in soft)

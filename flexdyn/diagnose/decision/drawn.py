@@ -1,4 +1,4 @@
-"""Pictures of what the model left unexplained, before and after: those that tell most."""
+"""Pictures of the residuals before and after the correction, the most informative first."""
 
 from __future__ import annotations
 
@@ -6,23 +6,24 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.figures import OnFit, OnTest
-from flexdyn.diagnose.decision.forces import are_prescribed, loops
+from flexdyn.diagnose.decision.figures import OnData, OnFit
+from flexdyn.diagnose.decision.gaps import Shots
+from flexdyn.diagnose.decision.held_out import summed
 from flexdyn.diagnose.decision.laws_seen import laws_seen
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.decision.split import DataPart
-from flexdyn.diagnose.decision.trajectories import trajectories
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import traces
 from flexdyn.diagnose.hypothesis.fitted import Workspace
-from flexdyn.diagnose.report.force import ForceLoop
-from flexdyn.diagnose.report.trace import ResidualTrace
-from flexdyn.diagnose.report.trajectory import Trajectory
+from flexdyn.diagnose.report.trace import MeasuredCurve, ResidualTrace, Trajectory
+from flexdyn.diagnose.shooting.gap import Shot
 
-Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
+Array = NDArray[np.float64]
+HIGHEST_DRAWN_RATE = 200.0
+"""Positions are drawn at most so often [Hz]; torques at the rate of the equations' rows."""
 
 
 def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
@@ -32,11 +33,11 @@ def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name
         plain: equations of the model as given over the data of the fit.
         first: figures on these.
         found: the corrected model.
-        named: what is told.
+        named: the names that are reported.
     """
-    laws = laws_seen(plain.equations, first.after, plain.whiten, found, named)
+    laws = laws_seen(plain.equations, first.models[2], plain.whiten, found, named)
     ordered = sorted(laws, key=lambda each: -each.explains)
-    return (*ordered, *of_equations(plain.equations, first.after, plain.whiten, explained=bool(laws)))
+    return (*ordered, *of_equations(plain.equations, first.models[2], plain.whiten, explained=bool(laws)))
 
 
 def of_equations(
@@ -71,37 +72,64 @@ def _dependence(cloud: ResidualTrace) -> float:
     return spread if np.isfinite(spread) else 0.0
 
 
-def motions(plain: Workspace, first: OnFit, last: OnTest, parts: Parts) -> tuple[Trajectory, ...]:
-    """Measured and simulated motion over the test data, then over the data of the fit.
+def trajectories(on: OnData) -> tuple[Trajectory, ...]:
+    """Measured and simulated motion of every joint over every span of some data."""
+    found = []
+    robot = on.models[0].true.robot
+    for j, joint in enumerate(on.models[0].true.joint_names):
+        torques = _torques(on, j, f"torque [{robot.torque_unit(joint)}]")
+        for k, part in enumerate(on.parts):
+            if len(torques[k].t) < 2:
+                continue
+            position = None if on.shots is None else _position(on.shots, k, joint, robot.angle_unit(joint))
+            found.append(Trajectory(joint, part.recording.name, part.role, position, torques[k]))
+    return tuple(found)
 
-    Args:
-        plain: equations of the model as given over the data of the fit.
-        first: figures on these.
-        last: figures on the test data.
-        parts: of the fit, and the test data.
+
+def _torques(on: OnData, j: int, label: str) -> list[MeasuredCurve]:
+    """Recorded torque of a joint behind the equations' filters, and what each model needs less that (a curve a span).
+
+    The lines are open at masked rows: a joint may rest there, and friction may then have any value.
     """
-    tested, fitted = _models(plain, first, last)
-    rows = last.rows
-    seen = ~plain.whiten.mask.reshape(-1, len(plain.equations.kinds))
-    return (
-        *trajectories(tested, rows.seen, last.shots, parts[1]),
-        *trajectories(fitted, seen, first.shots, parts[0]),
+    left = [summed(at, j) for at in on.models]
+    clear: NDArray[np.bool_] = np.asarray(on.seen[:, left[0][1]].all(axis=1))
+    curves, first = [], 0
+    for along, part in zip(on.models[-1].motions, on.parts, strict=True):
+        filters = on.models[-1].filters
+        rows = slice(first, first + filters.count(len(along.t)))
+        first = rows.stop
+        begin = float(part.recording.t[0] - part.data.t[0])
+        t = begin + along.t[filters.instants(len(along.t))]
+        off = np.where(clear[rows], -np.stack([residual[rows] for residual, _ in left]), np.nan)
+        curves.append(MeasuredCurve(label, t, filters.rows(along.tau[:, j]), off))
+    return curves
+
+
+def _position(shots: Shots, k: int, joint: str, unit: str) -> MeasuredCurve | None:
+    """Measured position over the windows of a span and how far each model is off; lines are open between windows."""
+    windows = shots.after.windows
+    own = [name for name in (f"q.{joint}", f"theta.{joint}") if name in windows.channels]
+    which = np.flatnonzero(windows.places[:, 0] == k)
+    if not own or not len(which):
+        return None
+    column = windows.channels.index(own[0])
+    every = max(1, int(1.0 / (HIGHEST_DRAWN_RATE * windows.period)))
+    t, measured = windows.t[which, ::every], windows.measured[which, ::every, column]
+    errors = np.stack(
+        [_error(shot, which)[:, ::every, column] for shot in (shots.before, shots.calibrated, shots.after)]
+    )
+    t, measured = (_opened(x[None], x[:, -1:][None])[0] for x in (t, measured))
+    return MeasuredCurve(
+        f"{own[0].partition('.')[0]} [{unit}]", t, measured, _opened(errors, np.full((3, len(which), 1), np.nan))
     )
 
 
-def force_loops(plain: Workspace, first: OnFit, last: OnTest, parts: Parts) -> tuple[ForceLoop, ...]:
-    """Force over position and speed where a rig prescribes the motion, as `motions` takes its arguments."""
-    tested, fitted = _models(plain, first, last)
-    return tuple(
-        loop
-        for models, spans in ((tested, parts[1]), (fitted, parts[0]))
-        if are_prescribed(spans)
-        for loop in loops(models, spans)
-    )
+def _error(shot: Shot, which: NDArray[np.intp]) -> Array:
+    """Simulated less measured (windows, rows, channels); NaN where that was not measured or simulated."""
+    there = shot.used[which] & ~shot.failed[which, None, None]
+    return np.where(there, shot.residual[which], np.nan)
 
 
-def _models(plain: Workspace, first: OnFit, last: OnTest) -> tuple[tuple[Equations, ...], tuple[Equations, ...]]:
-    """Equations of the model as given, calibrated and corrected, over the test data and over the data of the fit."""
-    calibrated, rows = first.calibrated.seen(), last.rows
-    tested = (rows.given, rows.given.of(calibrated), rows.after)
-    return tested, (plain.equations, plain.equations.of(calibrated), first.after)
+def _opened(x: Array, end: Array) -> Array:
+    """Windows (k, windows, rows) in a row (k, samples), each with one more sample at its end."""
+    return np.concatenate([x, end], axis=2).reshape(len(x), -1)

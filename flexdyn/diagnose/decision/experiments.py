@@ -6,7 +6,6 @@ import dataclasses
 from collections.abc import Sequence
 
 from flexdyn.diagnose.decision.corrected import Corrected, effect_of, needed
-from flexdyn.diagnose.decision.gaps import window_noise
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import suspect_of
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -14,9 +13,7 @@ from flexdyn.diagnose.experiment.design import with_experiment
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import Finding
-from flexdyn.effects import JointElasticity
 
 RIVAL_STEPS = 4
 """Gauss-Newton steps of a rival's fit, with a warm start at the linear estimate; the motion is tried with it anyway."""
@@ -28,20 +25,20 @@ def with_experiments(
     """Findings with rivals, each with the motion that separates them in simulation.
 
     Args:
-        findings: what is told.
+        findings: those that are reported.
         found: the corrected model.
         named: what the findings are of, in any order.
         noise: of the channels.
     """
     if found.space.library.equations.data[0].forced.any():  # motions of an arm by its own motors are no test of a rig
         return tuple(findings)
-    model, levels = found.hypothesis.given, window_noise(noise)
+    model = found.hypothesis.given
     names = {suspect_of(model, found.candidates[each.candidate]).key: each for each in named}
     made = []
     for finding in findings:
         fits = _rivals(found, names[finding.suspect.key]) if finding.rivals else []
         whole = len(fits) == len(finding.rivals)
-        made.append(with_experiment(finding, found.fitted, fits, found.fitted.space, levels) if whole else finding)
+        made.append(with_experiment(finding, found.fitted, fits, found.fitted.space, noise) if whole else finding)
     return tuple(made)
 
 
@@ -53,10 +50,9 @@ def _rivals(found: Corrected, name: Name) -> list[Fit]:
 
 def _in_place(found: Corrected, rival: int, of: int) -> Hypothesis | None:
     """The corrected model with a rival in the place of a candidate, from the best structure that has it so."""
-    place = found.masses.place([rival], [of])
-    if place is None:
+    structure = found.instead(rival, of)
+    if structure is None:
         return None
-    structure = hypothesis_of(found.space, found.masses.structures[place], found.space.library.start, whole=True)
     rest, number = found.without(of), found.candidates[rival].number
     if number is not None:
         factors = {**rest.factors, number: structure.factors[number]}
@@ -64,8 +60,6 @@ def _in_place(found: Corrected, rival: int, of: int) -> Hypothesis | None:
     effect = effect_of(found.candidates[rival], structure)
     if effect is None:
         return None
-    soft = {each.joint for each in rest.effects if isinstance(each, JointElasticity)}
-    more = [
-        each for each in needed(structure, [effect]) if not isinstance(each, JointElasticity) or each.joint not in soft
-    ]
+    soft = {getattr(each, "joint", "") for each in rest.effects if each.makes_elastic}
+    more = [e for e in needed(structure, [effect]) if not e.makes_elastic or getattr(e, "joint", "") not in soft]
     return dataclasses.replace(rest, effects=(*rest.effects, *more))

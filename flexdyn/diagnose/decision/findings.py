@@ -11,11 +11,12 @@ from flexdyn.diagnose.decision.corrected import Corrected, effect_of
 from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
-from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE
-from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
-from flexdyn.effects import ChannelLag, Effect
+from flexdyn.effects import Effect, SensorEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
 
@@ -28,15 +29,15 @@ def findings(
     Args:
         model: as given.
         found: the corrected model.
-        named: what is told, see `names_told`.
-        gains: by candidate, share of the gap on the test data that goes with it.
+        named: the names that are reported, see `reported_names`.
+        gains: by candidate, share of the gap on the test data that it removes.
     """
     made = [_finding(model, found, each, gains) for each in named]
     of = {each.candidate: entry for each, entry in zip(named, made, strict=True)}
     return tuple(of[c] for c in in_order(list(of), gains))
 
 
-def names_told(found: Corrected) -> list[Name]:
+def reported_names(found: Corrected) -> list[Name]:
     """Names without what is no finding, and with numbers that are surely beyond their tolerance unnamed.
 
     No findings are numbers that came back into their tolerance, and lags of torques within one sample. Numbers without
@@ -56,16 +57,15 @@ def names_told(found: Corrected) -> list[Name]:
     return own
 
 
-def lags_within_a_sample(found: Corrected) -> list[ChannelLag]:
+def lags_within_a_sample(found: Corrected) -> list[SensorEffect]:
     """Lags of torques by at most one sample: the time within the sample at which a torque was read is unknown."""
     effects = found.hypothesis.effects
-    return [each for each in effects if isinstance(each, ChannelLag) and _is_within_a_sample(found, each)]
+    return [each for each in effects if isinstance(each, SensorEffect) and _is_within_a_sample(found, each)]
 
 
 def _is_within_a_sample(found: Corrected, effect: Effect | None) -> bool:
-    if not isinstance(effect, ChannelLag) or not effect.channel.startswith("tau."):
-        return False
-    return effect.delay <= found.fitted.equations.data[0].dt
+    late_torque = isinstance(effect, SensorEffect) and effect.signal == "tau" and effect.lateness > 0.0
+    return effect is not None and late_torque and effect.lateness <= found.fitted.equations.data[0].dt
 
 
 def _beyond(found: Corrected, number: FileNumber) -> bool:
@@ -80,43 +80,32 @@ def _surely_beyond(found: Corrected, number: FileNumber) -> float:
 
 
 def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float]) -> Finding:
-    masses, c = found.masses, name.candidate
+    masses, candidates, c = found.masses, found.candidates, name.candidate
     compared = c in masses.candidates
     alone = masses.of_any([c]) if name.rivals else name.probability
-    suspect = suspect_of(model, found.candidates[c], alone, _numbers(model, found, c))
+    suspect = suspect_of(model, candidates[c], alone, _numbers(model, candidates[c], found.hypothesis, found.fitted))
     rivals = tuple(
-        suspect_of(model, found.candidates[r], masses.of_any([r]), _rough_numbers(model, found, r, c))
+        suspect_of(model, candidates[r], masses.of_any([r]), _numbers(model, candidates[r], found.instead(r, c)))
         for r in name.rivals
     )
     factor = masses.log_bayes_factor(c) if compared else math.nan
     told = ""
     if rivals:
-        forced = bool(found.space.library.equations.data[0].forced.any())
-        told = _on_the_rig(suspect, rivals) if forced else _experiment(suspect, rivals)
+        told = _experiment(suspect, rivals, on_a_rig=bool(found.space.library.equations.data[0].forced.any()))
     return Finding(suspect, name.probability, factor, gains.get(c, math.nan), rivals, told)
 
 
-def _numbers(model: FlexibleJointModel, found: Corrected, c: int) -> dict[str, Number]:
-    """Of a candidate that the corrected model holds."""
-    number = found.candidates[c].number
-    if number is not None:
-        return {"factor": Number(found.hypothesis.factors[number], found.fitted.factor_std()[number], "1")}
-    effect = found.effect(c)
-    return {} if effect is None else numbers_of(model, effect, found.fitted.std())
-
-
-def _rough_numbers(model: FlexibleJointModel, found: Corrected, rival: int, instead_of: int) -> dict[str, Number]:
-    """Of a rival, in the best structure that has it in place of another, from the linear equations."""
-    masses = found.masses
-    place = masses.place([rival], [instead_of])
-    if place is None:
+def _numbers(
+    model: FlexibleJointModel, candidate: Candidate, here: Hypothesis | None, made: Fit | None = None
+) -> dict[str, Number]:
+    """Of a candidate in a hypothesis; their standard deviations are those of its fit, or not known."""
+    if here is None:
         return {}
-    here = hypothesis_of(found.space, masses.structures[place], found.space.library.start, whole=True)
-    number = found.candidates[rival].number
-    if number is not None:
-        return {"factor": Number(here.factors[number], math.nan, "1")}
-    effect = effect_of(found.candidates[rival], here)
-    return {} if effect is None else numbers_of(model, effect, None)
+    if candidate.number is not None:
+        std = math.nan if made is None else made.factor_std()[candidate.number]
+        return {"factor": Number(here.factors[candidate.number], std, "1")}
+    effect = effect_of(candidate, here)
+    return {} if effect is None else numbers_of(model, effect, None if made is None else made.std())
 
 
 def calibration(found: Corrected, named: Sequence[Name]) -> tuple[Calibration, ...]:
@@ -124,7 +113,7 @@ def calibration(found: Corrected, named: Sequence[Name]) -> tuple[Calibration, .
 
     Args:
         found: the corrected model.
-        named: what is told as a finding.
+        named: the names that are reported as findings.
     """
     told = {found.candidates[each.candidate].number for each in named}
     std = found.fitted.factor_std()
@@ -135,21 +124,17 @@ def calibration(found: Corrected, named: Sequence[Name]) -> tuple[Calibration, .
     )
 
 
-def _on_the_rig(suspect: Suspect, others: Sequence[Suspect]) -> str:
-    """The regimes of a test rig in which laws part: what can be set there is amplitude, speed and load."""
+def _experiment(suspect: Suspect, others: Sequence[Suspect], *, on_a_rig: bool) -> str:
+    """What would be seen differently: the regimes in which laws part; on a rig, those that can be set there."""
     names = " or ".join(dict.fromkeys(each.effect.replace("_", " ") for each in (suspect, *others)))
     joint = suspect.joint or "the arm"
-    return (
-        f"to tell {names} apart, record {joint} on the rig with amplitudes from a tenth of today's to the largest that "
-        "it allows, since laws that take up the motion before they slip differ most where it is small; at a tenth and "
-        "at twice the speed, since what depends on speed changes with it; and with another preload, if it can be set"
-    )
-
-
-def _experiment(suspect: Suspect, others: Sequence[Suspect]) -> str:
-    """What would be seen differently; the regimes in which laws part."""
-    names = " or ".join(dict.fromkeys(each.effect.replace("_", " ") for each in (suspect, *others)))
-    joint = suspect.joint or "the arm"
+    if on_a_rig:
+        return (
+            f"to tell {names} apart, record {joint} on the rig with amplitudes from a tenth of today's to the largest "
+            "that it allows, since laws that take up the motion before they slip differ most where it is small; at a "
+            "tenth and at twice the speed, since what depends on speed changes with it; and with another preload, if "
+            "it can be set"
+        )
     return (
         f"to tell {names} apart, move {joint} slowly through its range at several constant speeds in both directions, "
         "stop and reverse often, and repeat it with another load"

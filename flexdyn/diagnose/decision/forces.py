@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,8 +15,8 @@ from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import joint_terms
-from flexdyn.diagnose.report.force import ForceLoop
 from flexdyn.diagnose.report.measures import Gap
+from flexdyn.diagnose.report.trace import ForceLoop
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
@@ -30,7 +30,7 @@ class Forces:
     """White rows of the equations by the model as given, calibrated and corrected, and how far their forces are off.
 
     Attributes:
-        before: of the model as given, rows that say something [1].
+        before: of the model as given, rows that are not masked [1].
         calibrated: of the numbers alone.
         after: of the corrected model.
         errors: of the forces of all prescribed joints, root mean square, of the three models.
@@ -41,9 +41,15 @@ class Forces:
     after: Array
     errors: tuple[float, float, float]
 
+    @classmethod
+    def of(cls, models: Sequence[Equations], white: Callable[[Array], Array]) -> Forces:
+        """Of equations of the three models, and how their residuals become white rows."""
+        (before, calibrated, after), off = (white(at.residual) for at in models), errors_of(models)
+        return cls(before, calibrated, after, (off[0], off[1], off[2]))
+
     @property
     def gap(self) -> Gap:
-        """Root mean square of the rows, in units of what noise alone makes of them."""
+        """Root mean square of the rows, in units of noise."""
         return Gap(rms(self.before), rms(self.calibrated), rms(self.after), 1.0)
 
     @property
@@ -109,12 +115,12 @@ def loops(models: Sequence[Equations], parts: Sequence[DataPart]) -> tuple[Force
 def prescribed_forces(model: FlexibleJointModel, recording: Recording) -> Recording:
     """The force or torque that a model needs where a test rig prescribes the motion, along the recorded motion.
 
-    Laws with a state, and links behind a spring, are simulated from the start of the recording on; no recorded force is
-    read but the first, which says how far a spring is wound there.
+    Laws with a state, and links behind a spring, are simulated from the start of the recording on; only the first
+    recorded force is read; it gives the deflection of a spring there.
 
     Args:
         model: with any effects.
-        recording: that says which joints are prescribed: ``prescribed`` in its channel map, or in its meta.
+        recording: with the names of prescribed joints: ``prescribed`` in its channel map, or in its meta.
 
     Returns:
         ``tau`` of these joints [N m or N] at the recording's times, some 20 ms at either end left out, which the

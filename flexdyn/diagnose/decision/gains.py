@@ -1,33 +1,32 @@
-"""What of the gap on the test data goes with each name."""
+"""Share of the gap on the test data that each name removes."""
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from flexdyn.diagnose.decision.corrected import Corrected, possible
+from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.held_out import HeldOut
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.report.record import Shares
+from flexdyn.diagnose.report.measures import Shares
 
 
 def gains(rows: HeldOut, calibrated: Hypothesis, found: Corrected, named: Sequence[Name]) -> dict[int, float]:
-    """Share of the gap on the test data that goes with each name, at most 1.
+    """Share of the gap on the test data that each name removes, at most 1.
 
-    Windows would have to be simulated anew for every name; what the equations leave stands for them. A name is left
-    out of the corrected model with all other numbers as they are, so shares of effects that could stand in for one
+    The residual of the equations is used, because windows would have to be simulated again for every name. A name is
+    left out of the corrected model with all other numbers as they are. So the shares of effects that could replace one
     another add up to more than 1.
 
     Args:
         rows: over the test data.
         calibrated: the model with the file's numbers alone.
         found: the corrected model.
-        named: what is told.
+        named: the names that are reported.
     """
 
     def off(hypothesis: Hypothesis | None) -> float:
@@ -35,7 +34,7 @@ def gains(rows: HeldOut, calibrated: Hypothesis, found: Corrected, named: Sequen
         return float(np.sqrt((white**2).mean())) if len(white) else np.nan
 
     after, before = off(None), off(calibrated)
-    if not np.isfinite(before - after):  # no row says anything
+    if not np.isfinite(before - after):  # all rows are masked
         return {each.candidate: np.nan for each in named}
     whole = max(before - min(after, 1.0), 1e-9)
     return {each.candidate: min(1.0, (off(found.without(each.candidate)) - after) / whole) for each in named}
@@ -47,14 +46,14 @@ def shares(rows: HeldOut, found: Corrected, named: Sequence[Name], gain: Mapping
     Args:
         rows: over the test data.
         found: the corrected model.
-        named: what is told.
+        named: the names that are reported.
         gain: by candidate, see `gains`.
 
     Returns:
-        None where no row says anything.
+        None where all rows are masked.
     """
     order = in_order([each.candidate for each in named], gain)
-    models = [found.hypothesis.given, *(_with(found, order, order[:k]).seen() for k in range(len(order) + 1))]
+    models = [found.hypothesis.given, *(found.without(*order[k:]).seen() for k in range(len(order) + 1))]
     power = []
     for model in models:
         white = rows.whiten(rows.given.of(model).residual).reshape(rows.seen.shape)[rows.seen]
@@ -67,17 +66,6 @@ def shares(rows: HeldOut, found: Corrected, named: Sequence[Name], gain: Mapping
 
 
 def in_order(candidates: Sequence[int], gain: Mapping[int, float]) -> list[int]:
-    """Candidates in the order in which findings are told: the one that explains most first."""
+    """Candidates in the order of the report: the one that explains most first."""
     known = {c: gain.get(c, math.nan) for c in candidates}
     return sorted(candidates, key=lambda c: -known[c] if math.isfinite(known[c]) else 0.0)
-
-
-def _with(found: Corrected, named: Sequence[int], kept: Collection[int]) -> Hypothesis:
-    """The corrected model with some of its names alone, all other numbers as they are."""
-    here = found.hypothesis
-    gone = [c for c in named if c not in kept]
-    numbers = {found.candidates[c].number for c in gone}
-    factors = {number: 1.0 if number in numbers else factor for number, factor in here.factors.items()}
-    effects = [each for c in gone if (each := found.effect(c)) is not None]
-    left = [each for each in here.effects if not any(each is other for other in effects)]
-    return dataclasses.replace(here, factors=factors, effects=possible(here, left))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.report.measures import Gap
-from flexdyn.diagnose.shooting import windows as cutting
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.errors import InputError
@@ -23,8 +22,8 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Array = NDArray[np.float64]
 FIT_WINDOWS = 40
-"""Windows of the fit's data that are simulated, spread evenly: 20 s tell the gap within some percent. All of the test
-data's are."""
+"""Number of windows of the fit data that are simulated, evenly spaced: 20 s give the gap within some percent.
+Of the test data all windows are simulated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +53,10 @@ class Shots:
         motion.
         """
         return nearer(self.before.residual, self.after.residual)
+
+    def alone(self) -> Shots:
+        """The same where the corrected model is the calibrated one."""
+        return replace(self, after=self.calibrated)
 
     def position(self, joint: str) -> tuple[float, ...]:
         """Error of a joint's measured positions, root mean square, of the three models."""
@@ -100,15 +103,10 @@ def windows_of(
     if are_prescribed(parts):
         return None
     try:
-        cut = Windows.of(model, [each.recording for each in parts], window_noise(noise))
+        cut = Windows.of(model, [each.recording for each in parts], noise)
     except InputError:
         return None
     return cut if most is None else cut.thinned(most)
-
-
-def window_noise(noise: SampleNoise) -> cutting.WindowNoise:
-    """The same levels, as windows take them."""
-    return cutting.WindowNoise(np.maximum(noise.q, 1e-12), np.maximum(noise.theta, 1e-12), noise.tau)
 
 
 def shots(models: Sequence[FlexibleJointModel], windows: Windows) -> list[Shot]:

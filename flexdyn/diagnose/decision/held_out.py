@@ -40,12 +40,12 @@ class HeldOut:
 
     @property
     def seen(self) -> NDArray[np.bool_]:
-        """Rows that say something (rows of an equation, equations)."""
+        """Rows that are not masked (rows of an equation, equations)."""
         return ~self.whiten.mask.reshape(-1, len(self.after.kinds))
 
     @property
     def variance(self) -> Array:
-        """What noise makes of the rows (rows of an equation, equations)."""
+        """Variance of the rows from noise (rows of an equation, equations)."""
         factor = self.whiten.factor
         total = np.zeros(factor.shape[1])
         for lag, line in enumerate(factor):
@@ -61,7 +61,7 @@ class HeldOut:
         """Torque that the inverse dynamics do not explain, before and after, and the recorded one (rows,).
 
         Of an elastic joint with both encoders it is the sum of the motor's equation and the link's: the spring's torque
-        stands in both and drops out. Rows that say nothing are left out.
+        stands in both and drops out. Masked rows are left out.
         """
         (before, own), (after, _) = (summed(at, j) for at in (self.given, self.after))
         clear = self.seen[:, own].all(axis=1)
@@ -104,7 +104,7 @@ def held_out(equations: Equations, hypothesis: Hypothesis, data: tuple[Measured,
 
 
 def _mask(given: Equations, after: Equations, noise: SampleNoise) -> NDArray[np.bool_]:
-    """Rows that say nothing by the given or by the corrected model (rows,).
+    """Rows that are masked by the given or by the corrected model (rows,).
 
     Where a corrected model's made-up positions would hide all rows of an equation, its own joint's standstill decides.
     """

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,14 +27,6 @@ LAW_POINTS = 240
 """Points of a drawn law."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Quantity:
-    """What a law may depend on: its name, its unit, its values (rows,)."""
-
-    label: str
-    values: Array
-
-
 def laws_seen(
     before: Equations, after: Equations, whiten: Whitener, found: Corrected, named: Sequence[Name]
 ) -> tuple[ResidualTrace, ...]:
@@ -50,7 +41,7 @@ def laws_seen(
         after: of the corrected model, over the same recordings.
         whiten: by the sensors' noise.
         found: the corrected model.
-        named: what is told.
+        named: the names that are reported.
     """
     whole = float((whiten(before.residual) ** 2).sum())
     pictures = []
@@ -74,29 +65,29 @@ def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) 
     rows, left = law.reshape(-1, many)[clear, k], after.residual.reshape(-1, many)[clear, k]
     if len(rows) < 2 * LAW_BINS:
         return None
-    known = [_Quantity(each.label, each.values[clear]) for each in _quantities(after, k)]
-    shares = [_share(each.values, rows) for each in known]
+    known = [(label, values[clear]) for label, values in _quantities(after, k)]
+    shares = [_share(values, rows) for _, values in known]
     best = next(place for place, share in enumerate(shares) if share >= max(shares) - EQUAL_SHARE_DIFFERENCE)
-    x = known[best]
+    label, x = known[best]
     curve = shares[best] >= CURVE_VARIANCE_SHARE
-    note = "" if curve else f"The law depends on more than {x.label.partition(' ')[0]}: its line is an average."
+    note = "" if curve else f"The law depends on more than {label.partition(' ')[0]}: its line is an average."
     j, side = after.kinds[k]
     joint, robot = after.true.joint_names[j], after.true.robot
     unit = robot.angle_unit(joint) if side == TRANSMISSION else robot.torque_unit(joint)
     trace = ResidualTrace.thinned(
         f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}",
-        x.label,
+        label,
         f"residual [{unit}]",
-        x.values,
+        x,
         rows + left,
         left,
     )
     gone = float((whiten(without.residual) ** 2).sum() - (whiten(after.residual) ** 2).sum())
-    return dataclasses.replace(trace, law=_line(x.values, rows, LAW_POINTS if curve else LAW_BINS), note=note), gone
+    return dataclasses.replace(trace, law=_line(x, rows, LAW_POINTS if curve else LAW_BINS), note=note), gone
 
 
-def _quantities(at: Equations, k: int) -> list[_Quantity]:
-    """Of the equation's own joint first, then those of the others (rows of an equation,)."""
+def _quantities(at: Equations, k: int) -> list[tuple[str, Array]]:
+    """What a law may depend on, with its unit (rows of an equation,): of the equation's own joint first."""
     j, side = at.kinds[k]
     names, robot = at.true.joint_names, at.true.robot
     link = side in (LINK, SENSOR, TRANSMISSION)
@@ -108,17 +99,17 @@ def _quantities(at: Equations, k: int) -> list[_Quantity]:
 
     angle = robot.angle_unit(names[j])
     own = (("v", "/s"), ("q", ""), ("a", "/s^2")) if link else (("omega", "/s"), ("theta", ""), ("alpha", "/s^2"))
-    found = [_Quantity(f"{signal} [{angle}{per}]", column(signal, j)) for signal, per in own]
+    found = [(f"{signal} [{angle}{per}]", column(signal, j)) for signal, per in own]
     if at.true.elastic[j]:
-        found.append(_Quantity(f"theta-q [{angle}]", column("delta", j)))
-    found.append(_Quantity(f"torque [{robot.torque_unit(names[j])}]", column("tau", j)))
+        found.append((f"theta-q [{angle}]", column("delta", j)))
+    found.append((f"torque [{robot.torque_unit(names[j])}]", column("tau", j)))
     for i, other in enumerate(names):
         if i != j:
             unit = robot.angle_unit(other)
-            found.append(_Quantity(f"v of {other} [{unit}/s]", column("v", i)))
-            found.append(_Quantity(f"q of {other} [{unit}]", column("q", i)))
+            found.append((f"v of {other} [{unit}/s]", column("v", i)))
+            found.append((f"q of {other} [{unit}]", column("q", i)))
     times = [along.t[rows] for along, rows in zip(at.motions, places, strict=True)]
-    return [*found, _Quantity("t [s]", np.concatenate(times))]
+    return [*found, ("t [s]", np.concatenate(times))]
 
 
 def _share(x: Array, y: Array) -> float:

@@ -70,5 +70,5 @@ class Masses:
 
     @property
     def candidates(self) -> list[int]:
-        """All that stand in some set."""
+        """All that are in some set."""
         return sorted(frozenset().union(*self.sets))

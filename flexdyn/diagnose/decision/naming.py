@@ -9,7 +9,7 @@ from flexdyn.diagnose.decision.masses import Masses, Set
 from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 RIVAL_PROBABILITY = 0.02
-"""Probability from which a candidate is told as a rival of another [1]."""
+"""Probability from which a candidate is reported as a rival of another [1]."""
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -15,17 +16,21 @@ from flexdyn.diagnose.hypothesis.own_effects import own_effects
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.report.calibrated import estimate
 from flexdyn.diagnose.report.digits import estimate_text
-from flexdyn.diagnose.report.measures import Calibration
+from flexdyn.diagnose.report.measures import Calibration, Statistics
 from flexdyn.diagnose.report.words import capital, effect_name, number_phrase, suspect_phrase
 
 UNINFORMED_SHARE = 0.5
-"""Share of its prior's standard deviation from which that of a number says that the data do not tell it [1]."""
+"""The data do not determine a number whose posterior is wider than this share of its prior [1]."""
 FARTHEST_NUMBERS_TOLD = 3
-"""Numbers of a fit that stopped short that are told: those that its next step moves farthest, in their own spread."""
+"""Number of estimates that are reported where a fit has not converged: those that its next step would change most, in
+their standard deviations."""
+CORRELATION_TOLD, MOST_CORRELATIONS = 0.1, 40
+"""Correlations that are reported: not below the first number [1], and at most the second one."""
+METHOD = "Gauss-Newton, weighted by noise and model error, with the stated tolerances as priors"
 
 
 def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
-    """A sentence each, of what the data cannot tell, what the prior decided, and what stopped short."""
+    """One sentence for each thing that the data do not determine, that the prior decided, or that has not converged."""
     failed = own_effects(compared.space.library.equations)[1]
     return (
         *_of_channels(compared),
@@ -65,7 +70,7 @@ def _of_priors(found: Corrected) -> Iterator[str]:
 
 def _of_torques(found: Corrected) -> Iterator[str]:
     for each in lags_within_a_sample(found):
-        late = f"{each.channel} comes {1e3 * each.delay:.3g} ms late, by less than a sample"
+        late = f"{each.channel} comes {1e3 * each.lateness:.3g} ms late, by less than a sample"
         yield f"{late}: it was sampled rather than held, or read late in its sample; that is no finding"
 
 
@@ -102,3 +107,36 @@ def stopped(made: Fit) -> tuple[str, ...]:
     ]
     far = np.abs(made.step[: len(words)]) / np.maximum(spread, 1e-300)
     return tuple(words[k] for k in np.argsort(-far, kind="stable")[:FARTHEST_NUMBERS_TOLD])
+
+
+def statistics(made: Fit) -> Statistics:
+    """Of the corrected model's fit.
+
+    Args:
+        made: the fit; its correlations are those of the last linear problem.
+    """
+    problem = made.free or made.regression
+    points, variables = problem.rows, problem.X.shape[1]
+    chi_square = problem.data_chi2
+    log = points * math.log(max(chi_square, 1e-300) / points)
+    names = number_words(made.hypothesis)
+    covariance = problem.covariance[: len(names), : len(names)]
+    spread = np.sqrt(np.diag(covariance))
+    alike = covariance / np.maximum(np.outer(spread, spread), 1e-300)
+    first, second = np.triu_indices(len(names), 1)
+    pairs = [
+        (names[i], names[j], float(alike[i, j]))
+        for i, j in zip(first.tolist(), second.tolist(), strict=True)
+        if abs(alike[i, j]) >= CORRELATION_TOLD
+    ]
+    pairs.sort(key=lambda pair: -abs(pair[2]))
+    return Statistics(
+        METHOD,
+        points,
+        variables,
+        chi_square,
+        chi_square / max(1, points - variables),
+        log + 2.0 * variables,
+        log + math.log(points) * variables,
+        tuple(pairs[:MOST_CORRELATIONS]),
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexdyn.effects import JointCoupling, JointEffect
+from flexdyn.effects import JointEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
@@ -25,10 +25,10 @@ def check_diagnosable(model: FlexibleJointModel) -> None:
             remedy = f"leave it out; the current then follows the voltage at once and not in L/R = {lag:.3g} ms"
             raise InputError(problem, key=key, value=motor.inductance, remedy=remedy)
     for i, effect in enumerate(model.effects):
-        if isinstance(effect, JointCoupling) and effect.level > 0.0:
-            remedy = "leave it out, or use coulomb_friction of each motor"
-            problem = "a diagnosis does not know dry friction between motors"
-            raise InputError(problem, key=f"effects[{i}].level", value=effect.level, remedy=remedy)
+        for name, (law, remedy) in effect.undiagnosed.items():
+            if (value := getattr(effect, name)) > 0.0:
+                problem = f"a diagnosis does not know {law}"
+                raise InputError(problem, key=f"effects[{i}].{name}", value=value, remedy=remedy)
         if isinstance(effect, JointEffect) and joint_row(model.robot, effect.joint) is not None:
             problem = "a diagnosis does not know effects on joints that several axes move"
             raise InputError(problem, key=f"effects[{i}].joint", value=effect.joint, remedy="leave it out")

@@ -8,12 +8,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
-from flexdyn.diagnose.decision.background import Progress, beside
-from flexdyn.diagnose.decision.bar import shown
-from flexdyn.diagnose.decision.blocks import checked_blocks, without_blocks
+from flexdyn.diagnose.decision.background import Progress, beside, shown
 from flexdyn.diagnose.decision.held_out import recorded_noise
 from flexdyn.diagnose.decision.refused import check_diagnosable
-from flexdyn.diagnose.decision.split import parts
+from flexdyn.diagnose.decision.split import checked_blocks, parts, without_blocks
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed

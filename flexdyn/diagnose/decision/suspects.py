@@ -24,7 +24,7 @@ SIDES = {
     "damping": "transmission",
 }
 RANKED = 20
-"""Structures that are told."""
+"""Largest number of structures in the report."""
 FAR = "It was compared as an addition to the most probable structure alone, where it was far too improbable to go on."
 
 

@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import re
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.gaps import Shots
-from flexdyn.diagnose.report.measures import Left
+from flexdyn.diagnose.decision.held_out import HeldOut, rms
+from flexdyn.diagnose.equations.equations import LINK, TRANSMISSION
+from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
+from flexdyn.diagnose.report.measures import Left, ResidualPlace
 from flexdyn.diagnose.report.result import Verdict
+
+Array = NDArray[np.float64]
+LEFT_TORQUE_SHARE = 0.01
+"""Share of a joint's torque from which something is left [1]: no model of a robot is right to less."""
+QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(after a reversal)")
 
 
 def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
@@ -16,7 +29,7 @@ def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
     The median is used because a single window with wrong sticking has little meaning.
 
     Args:
-        shots: windows; None: the data are too short for one, and the equations alone tell.
+        shots: windows; None: the data are too short for one, and the equations alone decide.
         left: what the equations of the corrected model leave, joints with 1 % of their torque or more.
     """
     if shots is None:
@@ -30,10 +43,67 @@ def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:
     Args:
         named: whether there are findings; all of them are established.
         noise: whether what is left is noise.
-        converged: whether the final fit stands at a stationary point.
+        converged: whether the final fit has converged to a stationary point.
     """
     if not converged:
         return "not_converged"
     if noise:
         return "explained" if named else "no_discrepancy"
     return "partly_explained" if named else "unexplained"
+
+
+def left(rows: HeldOut, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, ...]:
+    """Of every joint that leaves more than noise and 1 % of its torque, the largest share first.
+
+    The mean square of the rows in torque, less that of noise; of a joint with two equations that one which
+    leaves more. It counts only where the white rows are beyond chance, and beyond what is unknown of the noise.
+
+    Args:
+        rows: over the test data.
+        depends_on: by joint, quantities that it is known to change with.
+    """
+    at, seen, white = rows.after, rows.seen, rows.white()
+    residual, variance = at.residual.reshape(seen.shape), rows.variance
+    found: dict[str, Left] = {}
+    for k, (j, kind) in enumerate(at.kinds):
+        clear, joint = seen[:, k], at.true.joint_names[j]
+        if kind == TRANSMISSION or not clear.any():
+            continue
+        unit = at.softness[j] if kind == LINK else 1.0
+        beyond = float((white[clear, k] ** 2 - 1.0).mean())
+        power = float((residual[clear, k] ** 2 - variance[clear, k]).mean())
+        if beyond <= max(CHANCE_ROOM * np.sqrt(2.0 / clear.sum()), NOISE_LEVEL_ERROR) or power <= 0.0:
+            continue
+        share = float(unit * np.sqrt(power)) / max(rms(rows.torque(j)[2]), 1e-12)
+        if share >= LEFT_TORQUE_SHARE and (joint not in found or share > found[joint].share_of_torque):
+            time = _alike(white[:, k], clear) * at.filters.every * at.data[0].dt
+            found[joint] = Left(joint, share, time, depends_on.get(joint, ()))
+    return tuple(sorted(found.values(), key=lambda each: (-each.share_of_torque, each.joint)))
+
+
+def _alike(white: Array, clear: NDArray[np.bool_]) -> int:
+    """Rows over which what is left stays alike: until its autocorrelation has fallen to 1/e.
+
+    Of white rows noise adds 1 to the power, and nothing to products of different rows.
+    """
+    power = float((white[clear] ** 2).mean()) - 1.0
+    for lag in range(1, len(white) // 4):
+        both = clear[lag:] & clear[:-lag]
+        alike = float((white[lag:] * white[:-lag])[both].mean()) if both.any() else 0.0
+        if alike < power / math.e:
+            return lag
+    return max(1, len(white) // 4)
+
+
+def dependence(places: Sequence[ResidualPlace]) -> dict[str, tuple[str, ...]]:
+    """Quantities that the residual of every joint depends on: those of the regimes in which it is largest.
+
+    Args:
+        places: where the residual of the corrected model is largest.
+    """
+    return {place.joint: tuple(dict.fromkeys(quantities(place.regime))) for place in reversed(places)}
+
+
+def quantities(regime: str) -> list[str]:
+    """Quantities that a regime in words is about: ``abs(omega) < 0.1 rad/s`` is about ``omega``."""
+    return [plain or signed or "reversal" for plain, signed, _ in QUANTITY.findall(regime)]

@@ -18,6 +18,8 @@ from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import linearised
+from flexdyn.diagnose.shooting.gap import Shot, shoot
+from flexdyn.diagnose.simulated.window_fit import slopes
 from flexdyn.effects import Payload, SensorOffset
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -47,6 +49,11 @@ class Known:
         whole = np.vstack([rows.X, np.diag(1.0 / rows.sigma)])
         return cls(fitted, np.asarray(np.linalg.qr(whole, mode="r")) / np.sqrt(max(1.0, fitted.reduced)))
 
+    def with_load(self, load: Payload | None) -> Hypothesis:
+        """The hypothesis for an arm with a known payload."""
+        here = self.fitted.hypothesis
+        return dataclasses.replace(here, given=loaded(here.given, load))
+
     def marginal(self, count: int) -> Array:
         """The root for the first numbers (count, count), with the others free."""
         others = self.root.shape[1] - count
@@ -73,14 +80,12 @@ class Refit:
         weight = np.ones(len(self.y))
         weight[: self.rows] = np.sqrt(passes)
         X, y = self.X * weight[:, None], self.y * weight
-        length = np.sqrt((X**2).sum(axis=0))
-        X = X / np.where(length > 0.0, length, 1.0)
-        return np.asarray(y - X @ np.linalg.lstsq(X, y, rcond=1e-10)[0])
+        scaled = X / _lengths(X)
+        return np.asarray(y - scaled @ np.linalg.lstsq(scaled, y, rcond=1e-10)[0])
 
     def step(self) -> Array:
         """Steps of all numbers (columns,)."""
-        length = np.sqrt((self.X**2).sum(axis=0))
-        scale = np.where(length > 0.0, length, 1.0)
+        scale = _lengths(self.X)
         return np.asarray(-np.linalg.lstsq(self.X / scale, self.y, rcond=1e-10)[0] / scale)
 
     def chi2(self, passes: float = 1.0) -> float:
@@ -89,14 +94,15 @@ class Refit:
         return float(left @ left)
 
 
+def _lengths(X: Array) -> Array:
+    """Lengths of the columns (columns,); 1 of an empty one."""
+    length = np.sqrt((X**2).sum(axis=0))
+    return np.where(length > 0.0, length, 1.0)
+
+
 def loaded(model: FlexibleJointModel, load: Payload | None) -> FlexibleJointModel:
     """The model of an arm with a known payload."""
     return model if load is None else model.replace(effects=[*model.effects, load])
-
-
-def laden(hypothesis: Hypothesis, load: Payload | None) -> Hypothesis:
-    """The same hypothesis for an arm with a known payload."""
-    return dataclasses.replace(hypothesis, given=loaded(hypothesis.given, load))
 
 
 def space_along(
@@ -123,7 +129,7 @@ def refitted(known: Known, space: Workspace, load: Payload | None = None, steps:
 
     The offsets of its encoders start at their values in the present recordings.
     """
-    first = laden(known.fitted.hypothesis, load)
+    first = known.with_load(load)
     offsets = {effect.channel: effect.offset for effect in first.counts}
     counted = space.nuisance @ np.array([offsets.get(name, 0.0) for name in space.channels])
     numbers, old = len(first.factors), np.array(known.fitted.scales)
@@ -135,11 +141,11 @@ def refitted(known: Known, space: Workspace, load: Payload | None = None, steps:
         ratio[numbers : numbers + len(old)] = np.array(made.scales) / old
         gone = np.concatenate([_distance(first, current, old), np.zeros(nuisances)])
         rows = made.regression
-        bent = Refit(
+        refit = Refit(
             np.vstack([rows.X, known.root * ratio]), np.concatenate([rows.y + counted, known.root @ gone]), len(rows.y)
         )
-        found.append(bent)
-        current = moved(current, bent.step(), made.scales)
+        found.append(refit)
+        current = moved(current, refit.step(), made.scales)
     return min(found, key=Refit.chi2)
 
 
@@ -148,3 +154,37 @@ def _distance(first: Hypothesis, now: Hypothesis, scales: Array) -> Array:
     factors = [now.factors[number] - factor for number, factor in first.factors.items()]
     pairs = zip(first.unknowns(), now.unknowns(), scales, strict=True)
     return np.array([*factors, *((getattr(b, m) - getattr(a, k)) / s for (a, k), (b, m), s in pairs)])
+
+
+def as_made(shot: Shot) -> Refit:
+    """The residuals of the hypothesis that made the motion."""
+    white = shot.whitened().ravel()
+    return Refit(np.zeros((len(white), 1)), white, len(white))
+
+
+def windowed(known: Known, shot: Shot, load: Payload | None, worth: float) -> Refit:
+    """Fit another hypothesis to the windows of a motion, with the previous information about its numbers.
+
+    Args:
+        known: the hypothesis.
+        shot: the windows, with the hypothesis that made the motion.
+        load: payload of the arm.
+        worth: sum of squares below which neither its first states nor its numbers are fitted.
+    """
+    first = known.with_load(load)
+    scales = known.fitted.scales
+    white = shot.whitened(first.seen()).ravel()
+    if white @ white < worth:
+        return Refit(np.zeros((len(white), 1)), white, len(white))
+    shot = shoot(first.seen(), shot.windows)
+    white = shot.whitened().ravel()
+    J = slopes(first, shot, scales)
+    root = known.marginal(J.shape[1])
+    return Refit(np.vstack([J, root]), np.concatenate([white, np.zeros(len(root))]), len(white))
+
+
+def hypothesis_of_refit(known: Known, refit: Refit, load: Payload | None) -> Hypothesis:
+    """The hypothesis with the numbers that a refit over windows gives it."""
+    first = known.with_load(load)
+    count = len(first.factors) + len(known.fitted.scales)
+    return moved(first, refit.step(), known.fitted.scales) if refit.X.shape[1] == count else first

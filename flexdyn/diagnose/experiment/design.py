@@ -12,16 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.experiment.apart import Known
 from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves, short
 from flexdyn.diagnose.experiment.plan import planned
 from flexdyn.diagnose.experiment.reach import Reach, load_mass
 from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
-from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.report.suspects import Finding
+from flexdyn.diagnose.report.suspects import Experiment, Finding
 from flexdyn.diagnose.report.words import effect_name, is_number, suspect_phrase
-from flexdyn.diagnose.shooting.windows import WindowNoise
 from flexdyn.errors import FlexdynError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -47,9 +46,7 @@ FAILURES = (FlexdynError, ArithmeticError, ValueError)
 """Errors of a motion that cannot be simulated or evaluated."""
 
 
-def with_experiment(
-    found: Finding, named: Fit, rivals: Sequence[Fit], space: Workspace, levels: WindowNoise
-) -> Finding:
+def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit], space: Workspace, noise: SampleNoise) -> Finding:
     """Add to a finding with rivals the experiment that would separate them, if there is one.
 
     Every motion is simulated with the named hypothesis. Then the rivals are fitted to this simulated recording, with
@@ -60,7 +57,7 @@ def with_experiment(
         named: fit with the finding.
         rivals: fits with each rival instead of the finding.
         space: of the recordings.
-        levels: noise of their channels.
+        noise: of their channels.
     """
     if not rivals:
         return found
@@ -68,7 +65,7 @@ def with_experiment(
     try:
         known = tuple(Known.of(each) for each in (named, *rivals))
         calibrated = dataclasses.replace(named.hypothesis, effects=()).model()
-        bench = RehearsalBench(space, levels, known, Reach.of(space.equations, calibrated))
+        bench = RehearsalBench(space, noise, known, Reach.of(space.equations, calibrated))
         rehearsed = _tried(bench, _joints(true, found))
     except FAILURES:
         return found

@@ -23,6 +23,7 @@ VARIED_MOTIONS = 4
 """Number of a joint's motions that are also tried at other poses and with a payload."""
 FADED_SINE_SHARE = 0.7
 """Share of speed and acceleration for a sine, which fades in and out [1]."""
+Made = tuple[str, Array, Array | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,8 @@ def moves(reach: Reach, j: int, model: FlexibleJointModel, pose: Array, where: s
     """
     if not (reach.high[j] > reach.low[j] and reach.speed[j] > 0.0 and reach.acceleration[j] > 0.0):
         return []
-    of = _Joint(reach, j, model.joint_names[j], model.robot.angle_unit(j))
+    bounds = (reach.low, reach.high, reach.speed, reach.acceleration, reach.torque)
+    of = _Joint(j, model.joint_names[j], model.robot.angle_unit(j), reach.dt, *(float(each[j]) for each in bounds))
     made = [kind(of) for kind in _KINDS]
     return [_placed(of, words + where, x, push, pose) for words, x, push in made if len(x) > 2]
 
@@ -73,20 +75,17 @@ def short(value: float) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Joint:
-    """One joint's bounds."""
+    """One joint: its place, its name, its unit, and the bounds of its motion."""
 
-    reach: Reach
     j: int
     name: str
     unit: str
-
-    @property
-    def low(self) -> float:
-        return float(self.reach.low[self.j])
-
-    @property
-    def high(self) -> float:
-        return float(self.reach.high[self.j])
+    dt: float
+    low: float
+    high: float
+    speed: float
+    acceleration: float
+    torque: float
 
     @property
     def middle(self) -> float:
@@ -96,16 +95,8 @@ class _Joint:
     def half(self) -> float:
         return 0.5 * (self.high - self.low)
 
-    @property
-    def speed(self) -> float:
-        return float(self.reach.speed[self.j])
-
-    @property
-    def acceleration(self) -> float:
-        return float(self.reach.acceleration[self.j])
-
     def times(self, seconds: float) -> Array:
-        return np.asarray(np.arange(round(seconds / self.reach.dt)) * self.reach.dt)
+        return np.asarray(np.arange(round(seconds / self.dt)) * self.dt)
 
     def line(self, points: Sequence[float], speeds: Sequence[float], rest: float = 0.0) -> Array:
         """From point to point at these speeds, resting at each, corners rounded (samples,)."""
@@ -119,16 +110,13 @@ class _Joint:
         path = np.interp(self.times(t[-1]), t, x)
         width = max(NARROWEST_SMOOTHING, 2.0 * max(speeds) / self.acceleration)
         for each in (width, 0.5 * width):
-            count = max(1, round(each / self.reach.dt))
+            count = max(1, round(each / self.dt))
             held = np.concatenate([np.full(count - 1, path[0]), path, np.full(count, path[-1])])
             path = np.convolve(held, np.full(count, 1.0 / count), "valid")
         return path
 
     def ends(self, half: float) -> str:
         return f"between {short(self.middle - half)} and {short(self.middle + half)} {self.unit}"
-
-
-Made = tuple[str, Array, Array | None]
 
 
 def _sweeps(joint: _Joint, shares: Sequence[float]) -> Made:
@@ -186,7 +174,7 @@ def _sines(joint: _Joint, share: float, hertz: float) -> Made:
 def _chirp(joint: _Joint) -> Made:
     """A sine with increasing frequency, within the limits of speed and acceleration."""
     t = joint.times(PASS_DURATION)
-    first, last = 0.2, min(8.0, 0.1 / joint.reach.dt)
+    first, last = 0.2, min(8.0, 0.1 / joint.dt)
     rate = 2.0 * math.pi * first * (last / first) ** (t / PASS_DURATION)
     bounds = np.stack(
         [
@@ -196,7 +184,7 @@ def _chirp(joint: _Joint) -> Made:
         ]
     )
     size = (bounds**-4).sum(axis=0) ** -0.25  # below all three bounds, without a corner
-    x = joint.middle + size * _fade(t, 1.0) * np.sin(np.cumsum(rate) * joint.reach.dt)
+    x = joint.middle + size * _fade(t, 1.0) * np.sin(np.cumsum(rate) * joint.dt)
     words = f"swing {joint.name} with a sine that rises from {short(first)} to {short(last)} Hz"
     return f"{words}, {short(size[0])} {joint.unit} and less", x, None
 
@@ -204,7 +192,7 @@ def _chirp(joint: _Joint) -> Made:
 def _pushes(joint: _Joint, share: float) -> Made:
     """Torque steps of both signs with dwells, at rest."""
     t = joint.times(PASS_DURATION)
-    size = share * float(joint.reach.torque[joint.j])
+    size = share * joint.torque
     level = size * np.array([0.0, 1.0, 0.0, -1.0])[(t / 0.5).astype(int) % 4] * (1.0 - 0.5 * (t > 0.5 * PASS_DURATION))
     newton = "N m" if joint.unit == "rad" else "N"
     words = f"hold {joint.name} at {short(joint.middle)} {joint.unit} and add torque steps of {short(size)} and"
@@ -234,7 +222,7 @@ _KINDS: tuple[Callable[[_Joint], Made], ...] = (
 
 def _placed(joint: _Joint, words: str, x: Array, push: Array | None, pose: Array) -> PlannedMotion:
     """A motion of the whole arm, with rest at the beginning and the end."""
-    rest = round(MOTION_REST_TIME / joint.reach.dt)
+    rest = round(MOTION_REST_TIME / joint.dt)
     path = np.repeat(pose[None, :], len(x) + 2 * rest, axis=0)
     path[:, joint.j] = np.concatenate([np.full(rest, x[0]), x, np.full(rest, x[-1])])
     added = np.zeros_like(path)

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.experiment.apart import hypothesis_of_refit
 from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
-from flexdyn.diagnose.experiment.windowed import bent
-from flexdyn.diagnose.report.experiment import Experiment
+from flexdyn.diagnose.report.suspects import Experiment
 from flexdyn.diagnose.shooting.gap import shoot
 
 Array = NDArray[np.float64]
@@ -65,7 +65,7 @@ def _by_equations(made: Rehearsal, passes: int) -> tuple[Array, Array, Array, st
 def _by_windows(made: Rehearsal, bench: RehearsalBench) -> tuple[Array, Array, Array, str]:
     """Times, the error of the rival's simulated windows in one channel, its noise, and its label."""
     side, load = made.sides[0], bench.load(made.move)
-    rival = bent(bench.known[1 + made.nearest], side.by_windows[made.nearest][1], load).seen()
+    rival = hypothesis_of_refit(bench.known[1 + made.nearest], side.by_windows[made.nearest][1], load).seen()
     shot = shoot(rival, bench.windows(side.recording))
     left, std, model = shot.residual, shot.std, bench.space.equations.true
     channel = int(np.argmax((left / std).std(axis=(0, 1))))

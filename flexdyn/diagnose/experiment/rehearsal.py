@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.equations.covariance import SampleNoise as Rows
-from flexdyn.diagnose.experiment.apart import Known, Refit, laden, loaded, refitted, space_along
+from flexdyn.diagnose.equations.covariance import SampleNoise
+from flexdyn.diagnose.experiment.apart import Known, Refit, as_made, loaded, refitted, space_along, windowed
 from flexdyn.diagnose.experiment.moves import PlannedMotion
 from flexdyn.diagnose.experiment.reach import Reach
-from flexdyn.diagnose.experiment.windowed import as_made, windowed
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.shooting.gap import shoot
-from flexdyn.diagnose.shooting.windows import WindowNoise, Windows
-from flexdyn.effects import JointEffect, MemoryEffect, Payload, TorqueOffset
+from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.effects import JointEffect, MemoryEffect, Payload
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
@@ -109,13 +108,13 @@ class RehearsalBench:
 
     Attributes:
         space: of the recordings.
-        levels: noise of their channels.
+        noise: of their channels.
         known: the named hypothesis, then its rivals.
         reach: of the arm.
     """
 
     space: Workspace
-    levels: WindowNoise
+    noise: SampleNoise
     known: tuple[Known, ...]
     reach: Reach
 
@@ -155,7 +154,7 @@ class RehearsalBench:
 
     def windows(self, recording: Recording) -> Windows:
         """A few windows of a simulated motion."""
-        return Windows.of(self.space.equations.true, [recording], self.levels, most=WINDOWS)
+        return Windows.of(self.space.equations.true, [recording], self.noise, most=WINDOWS)
 
     def load(self, move: PlannedMotion) -> Payload | None:
         """The payload in a motion."""
@@ -168,17 +167,15 @@ class RehearsalBench:
     def _side(self, truth: int, move: PlannedMotion, command: PD) -> Side:
         load = self.load(move)
         run, recording = self._made(truth, move, command)
-        levels, true = self.levels, self.space.equations.true
-        noise = Rows(levels.q, levels.theta, levels.tau, np.zeros(true.n))
         numbers = self.known[0].fitted.hypothesis.factors
-        space = space_along(self.space, numbers, measured(true, recording), noise, load)
+        space = space_along(self.space, numbers, measured(self.space.equations.true, recording), self.noise, load)
         own = refitted(self.known[truth], space, load, steps=1)
         pairs = tuple((own, refitted(other, space, load)) for other in self.others(truth))
         return Side(truth, run, recording, space, pairs)
 
     def _windowed(self, side: Side, move: PlannedMotion, worth: float) -> Side:
         load = self.load(move)
-        model = laden(self.known[side.truth].fitted.hypothesis, load).seen()
+        model = self.known[side.truth].with_load(load).seen()
         shot = shoot(model, self.windows(side.recording))
         own = as_made(shot)
         pairs = tuple((own, windowed(other, shot, load, own.chi2() + worth)) for other in self.others(side.truth))
@@ -204,15 +201,15 @@ class RehearsalBench:
             if not isinstance(effect, JointEffect) or isinstance(effect, MemoryEffect) or effect.is_python:
                 continue
             j = self.space.equations.true.index(effect.joint)
-            if isinstance(effect, TorqueOffset):
-                total[:, j] -= effect.offset
+            if effect.is_constant:
+                total[:, j] -= effect.torque(path[:, j], v[:, j])
             elif effect.stage in ("friction", "dry") and not effect.takes_load:
                 total[:, j] += effect.torque(path[:, j], v[:, j])
         return total
 
     def _made(self, truth: int, move: PlannedMotion, command: PD) -> tuple[Run, Recording]:
         """The run and its recording."""
-        model = laden(self.known[truth].fitted.hypothesis, self.load(move)).seen()
+        model = self.known[truth].with_load(self.load(move)).seen()
         seconds, rate, start = command.reference.duration, 1.0 / self.reach.dt, move.path[0]
         end = time.process_time() + RUNAWAY_TIME
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.effects import Effect, PreslidingFriction, SensorOffset
+from flexdyn.effects import Effect, SensorOffset
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber, with_factors
 
@@ -21,8 +21,6 @@ POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "leve
 """Parameters that a step may change only by a limited factor, because their laws degenerate at 0."""
 STEP_ROUNDING = 1e-9
 """A smaller share of a step counts as no step [1]."""
-BRISTLE = 0.1
-"""Longest time constant of bristles, damping/stiffness [s]: if they hardly bend, the data do not determine it."""
 IN_TOLERANCE = 3.0
 """Standard deviations of its tolerance within which a number of the file is calibrated and not wrong."""
 
@@ -90,11 +88,9 @@ def bounded(effect: Effect, name: str, step: float) -> float:
     value, lower = getattr(effect, name), entry.metadata["lower"]
     if name == "harmonic":
         return float(np.clip(value + step, max(1.0, 0.9 * value), 1.1 * value))
-    if isinstance(effect, PreslidingFriction) and name == "damping":
-        return float(np.clip(_landed(value + step, 0.0, step), 0.0, BRISTLE * effect.stiffness))
     if (name in POSITIVE or entry.metadata["strict"]) and value > lower == 0.0:
         return float(np.clip(value + step, value / 2.5, value * 2.5))
-    return float(max(_landed(value + step, lower, step), lower))
+    return float(min(max(_landed(value + step, lower, step), lower), effect.largest(name)))
 
 
 def _landed(value: float, bound: float, step: float) -> float:

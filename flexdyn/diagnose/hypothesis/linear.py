@@ -15,7 +15,7 @@ from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import STEP_ROUNDING, Hypothesis, bounded
 from flexdyn.diagnose.hypothesis.regression import Regression
-from flexdyn.effects import Effect, KinematicError, Payload, SensorEffect
+from flexdyn.effects import Effect, SensorEffect
 from flexdyn.errors import SimulationError
 
 Array = NDArray[np.float64]
@@ -143,8 +143,8 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     """
     numbers, effects = hypothesis.factors, hypothesis.effects
     far = {n for n, factor in numbers.items() if abs(factor - 1.0) > SAME_DERIVATIVE_DISTANCE}
-    links = any(number.joint is None for number in far) or any(isinstance(e, Payload) for e in effects)
-    joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect | KinematicError)}
+    links = any(number.joint is None for number in far) or any(e.stage == "inertia" for e in effects)
+    joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect) or e.position_error}
     anew = [n for n in numbers if n in far or n.joint in joints or (links and n.joint is None)]
     if not anew:
         return space.numbers

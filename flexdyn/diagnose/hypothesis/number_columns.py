@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, stands_alone
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.effects import JointEffect, JointElasticity, ParameterError
+from flexdyn.effects import JointEffect
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import OF_LINK, OF_MOTOR, FileNumber
@@ -19,8 +19,6 @@ from flexdyn.simulation.plant import LinkSide
 Array = NDArray[np.float64]
 RELATIVE_NUMBER_STEP = 1e-3
 """Relative step of the differences."""
-FOLDED = (ParameterError, JointElasticity)
-"""Effects that a resolved model does not have any more."""
 
 
 def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
@@ -59,33 +57,36 @@ def _of_joint(equations: Equations, number: FileNumber) -> Array:
     """Derivative of the residual (rows,) by the factor of a joint's number."""
     true = equations.true
     if number.joint is None:
-        return _replayed(equations, number)
+        return _of_all(equations, number)
     j = true.index(str(number.joint))
     effect = _true_effect(equations, number)
     if effect is not None and stands_alone(equations, effect):
         more = (1.0 + RELATIVE_NUMBER_STEP) * getattr(effect, number.parameter)
         return of_change(equations, effect, effect.replace(**{number.parameter: more})) / RELATIVE_NUMBER_STEP
     if equations.replayed[j] and number.parameter != "rotor_inertia" and number.parameter not in OF_MOTOR:
-        return _replayed(equations, number)
+        return _of_all(equations, number)
     if number.joint == number.of and not (equations.made_up[j] or is_loaded(equations, j)) and true.elastic[j]:
         if number.parameter == "rotor_inertia":
             return equations.of_torque(j, lambda along: ("motor", -true.rotor_inertia[j] * along.alpha[:, j]))
         if number.parameter == "damping":
             return equations.of_damper(j)
-    model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + RELATIVE_NUMBER_STEP)])
-    moved = model.resolved()
     # The scale of the link's or motor's equation changes with it.
     if number.parameter in ("stiffness", *OF_MOTOR):
-        return (equations.of(model).residual - equations.residual) / RELATIVE_NUMBER_STEP
+        return _of_all(equations, number)
+    moved = _moved(equations, number).resolved()
     if number.parameter == "rotor_inertia" and not true.elastic[j]:
         return equations.of_links([LinkSide(moved)])[:, 0] / RELATIVE_NUMBER_STEP
     return (equations.of_joint(j, moved, moved.all_effects) - equations.own(j)) / RELATIVE_NUMBER_STEP
 
 
-def _replayed(equations: Equations, number: FileNumber) -> Array:
-    """Derivative of the residual (rows,) by the factor of a number that changes how simulated links move."""
-    model = equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + RELATIVE_NUMBER_STEP)])
-    return (equations.of(model).residual - equations.residual) / RELATIVE_NUMBER_STEP
+def _of_all(equations: Equations, number: FileNumber) -> Array:
+    """Derivative of the residual (rows,) by the factor of a number, with all equations computed again."""
+    return (equations.of(_moved(equations, number)).residual - equations.residual) / RELATIVE_NUMBER_STEP
+
+
+def _moved(equations: Equations, number: FileNumber) -> FlexibleJointModel:
+    """The model with a slightly larger number."""
+    return equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + RELATIVE_NUMBER_STEP)])
 
 
 def _true_effect(equations: Equations, number: FileNumber) -> JointEffect | None:
@@ -94,5 +95,5 @@ def _true_effect(equations: Equations, number: FileNumber) -> JointEffect | None
     if place is None:
         return None
     given, true = equations.model, equations.true
-    folded = 0 if given is true else sum(isinstance(e, FOLDED) for e in given.effects[:place])
+    folded = 0 if given is true else sum(e.in_numbers for e in given.effects[:place])
     return on_joint(true.effects[place - folded])

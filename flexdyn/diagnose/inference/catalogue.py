@@ -12,7 +12,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import applied_torque, joint_terms, of_joint
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
-from flexdyn.diagnose.hypothesis.proposal import MotionExtent, Point, Proposal, declared, given
+from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, declared, extent_of, given
 from flexdyn.diagnose.hypothesis.proposals import proposals
 from flexdyn.effects import ChannelLag, Effect, JointEffect, catalogue
 
@@ -27,12 +27,11 @@ def everything(equations: Equations) -> list[Proposal]:
     A lag is no small change where a spring is stiff, so it is taken on a grid; the recorded torque may lag as well.
     """
     true = equations.true
-    plain = [each for each in proposals(equations) if each.place["effect"] != ChannelLag.name]
     there = {"q": equations.data[0].has_q, "theta": equations.data[0].has_theta}
     channels = [f"{s}.{name}" for j, name in enumerate(true.joint_names) for s in there if there[s][j]]
     channels += [f"tau.{name}" for name in true.joint_names]
     lags = [given({"effect": ChannelLag.name, "channel": c}, ("delay",), [(d,) for d in DELAYS]) for c in channels]
-    found = [*plain, *lags, *_loaded(equations), *own_effects(equations)[0]]
+    found = [*proposals(equations), *lags, *_loaded(equations), *own_effects(equations)[0]]
     return [each for each in found if not any(each.is_of(effect) for effect in equations.model.effects)]
 
 
@@ -47,7 +46,7 @@ def _loaded(equations: Equations) -> list[Proposal]:
     )
     found = []
     for j in np.flatnonzero(~true.elastic & (true.rotor_inertia > 0.0)).tolist():
-        place, extent = {"joint": true.joint_names[j], "side": "motor"}, MotionExtent.of(equations, j)
+        place, extent = {"joint": true.joint_names[j], "side": "motor"}, extent_of(equations, j)
         found += [declared(kind, place, extent) for kind in kinds]
     return found
 

@@ -1,4 +1,4 @@
-"""What the page shows of how far model and measurement are apart: scales, orders, and what stands open."""
+"""Scales, orders and lengths of bars in the page, and which pictures are shown at once."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from flexdyn.diagnose.report.result import Diagnosis
 NOTHING, BEYOND = "0%", "55%"
 """Lengths of bars without a number: room is left for the words behind them."""
 PICTURES = 6
-"""Pictures of residuals that stand open; the others are folded away."""
+"""Number of pictures of residuals that are shown at once; the others open on a click."""
 OPEN_PICTURE_SHARE = 0.01
-"""Share of the squared residuals that a picture explains at least to stand open [1]."""
+"""Smallest share of the squared residuals that a picture explains to be shown at once [1]."""
 
 
 def along(value: float, scale: float) -> str:
@@ -52,7 +52,7 @@ def largest_gap(diagnosis: Diagnosis) -> float:
 
 def largest_share(diagnosis: Diagnosis) -> float:
     """Scale of the bars of the joints' errors."""
-    return largest(x for e in diagnosis.errors.values() for x in (e.torque_share_before, e.torque_share_after))
+    return largest(x for e in diagnosis.errors.values() for x in (e.torque.share_before, e.torque.share_after))
 
 
 def left_ordered(diagnosis: Diagnosis) -> list[Left]:
@@ -70,6 +70,6 @@ def _share(entry: Left) -> float:
 
 
 def shown_at_once(diagnosis: Diagnosis) -> int:
-    """Pictures that stand open: at most six, and at least two; none else that explains next to nothing."""
+    """Number of pictures that are shown at once: those that explain something, two to six."""
     telling = [k for k, each in enumerate(diagnosis.residuals) if not each.explains < OPEN_PICTURE_SHARE]
     return min(PICTURES, max(2, telling[-1] + 1 if telling else 0), len(diagnosis.residuals))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any
 
 from flexdyn.diagnose.report.digits import interval_text, relative, rounded, unit_text, value_text
 from flexdyn.diagnose.report.measures import Calibration
@@ -16,11 +17,11 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import OF_MOTOR
 
 CALIBRATED_ROWS_OPEN = 12
-"""Rows that stand open; the others are folded away."""
+"""Number of rows that are shown at once; the others open on a click."""
 LIMIT = 3.0
 """Tolerances by which a number may move and be calibrated (contract, section 8)."""
 FACTOR = "1"
-"""Unit of a number that is told by its factor alone."""
+"""Unit of a number of which only the factor is known."""
 UNITS = {
     "rotor_inertia": ("kg m^2", "kg"),
     "stiffness": ("N m/rad", "N/m"),
@@ -31,39 +32,6 @@ UNITS = {
 """Of a joint's numbers, where it turns and where it slides."""
 EDGE = 3.2
 """Half the width of a number's picture, in tolerances."""
-
-
-@dataclass(frozen=True)
-class CalibratedRow:
-    """A row of the table, as it is read."""
-
-    name: str
-    tolerance: str
-    given: str
-    estimate: str
-    std: str
-    interval: str
-    change: str
-    drift: Drift | None
-
-
-@dataclass(frozen=True)
-class Drift:
-    """A number's picture, 200 wide: a dot with its interval on an axis from -3 to 3 tolerances.
-
-    Attributes:
-        centre: the change [tolerances].
-        low: place of the interval's lower end, like the others.
-        middle: of the dot.
-        high: of the upper end.
-        ticks: of the whole tolerances.
-    """
-
-    centre: float
-    low: str
-    middle: str
-    high: str
-    ticks: tuple[str, ...]
 
 
 def farthest_first(entries: Sequence[Calibration]) -> list[Calibration]:
@@ -81,8 +49,8 @@ def _displacement(entry: Calibration) -> float:
     return size if math.isfinite(size) else 0.0
 
 
-def calibrated_row(model: FlexibleJointModel, entry: Calibration) -> CalibratedRow:
-    """A number as the page tells it.
+def calibrated_row(model: FlexibleJointModel, entry: Calibration) -> dict[str, Any]:
+    """A row of the table, as the template reads it.
 
     Args:
         model: corrected.
@@ -94,16 +62,16 @@ def calibrated_row(model: FlexibleJointModel, entry: Calibration) -> CalibratedR
     known = held and math.isfinite(number.std)
     absolute = f"{rounded(entry.tolerance * value, 2)} {unit_text(unit)}"
     given = f"{value_text(value, 0.0)} {unit_text(unit)}".strip() if unit != FACTOR else "factor 1"
-    return CalibratedRow(
-        name=number_phrase(model, entry.of, entry.parameter),
-        tolerance=absolute if entry.is_open else f"{100.0 * entry.tolerance:.3g}\u00a0%",
-        given="not known" if entry.is_open else given,
-        estimate=value_text(number.value, number.std) if known else "not held by these data",
-        std=value_text(number.std, number.std) if known else "",
-        interval=interval_text(replace(number, unit="1")) if known else "",
-        change="" if entry.is_open else relative(entry.factor),
-        drift=_drift(entry),
-    )
+    return {
+        "name": number_phrase(model, entry.of, entry.parameter),
+        "tolerance": absolute if entry.is_open else f"{100.0 * entry.tolerance:.3g}\u00a0%",
+        "given": "not known" if entry.is_open else given,
+        "estimate": value_text(number.value, number.std) if known else "not held by these data",
+        "std": value_text(number.std, number.std) if known else "",
+        "interval": interval_text(replace(number, unit="1")) if known else "",
+        "change": "" if entry.is_open else relative(entry.factor),
+        "drift": _drift(entry),
+    }
 
 
 def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
@@ -147,15 +115,16 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
     return math.nan, FACTOR
 
 
-def _drift(entry: Calibration) -> Drift | None:
+def _drift(entry: Calibration) -> dict[str, Any] | None:
+    """A number's picture, 200 wide: a dot with its interval on an axis from -3 to 3 tolerances, with ticks at each."""
     if not (entry.tolerance > 0.0 and math.isfinite(entry.factor)):
         return None
     centre = (entry.factor - 1.0) / entry.tolerance
     half = CONFIDENCE * entry.std / entry.tolerance if math.isfinite(entry.std) else 0.0
-    ticks = tuple(map(_place, range(-3, 4)))
-    return Drift(centre, _place(centre - half), _place(centre), _place(centre + half), ticks)
+    places = {"low": centre - half, "middle": centre, "high": centre + half}
+    return {"centre": centre, "ticks": [*map(_place, range(-3, 4))], **{key: _place(x) for key, x in places.items()}}
 
 
 def _place(tolerances: float) -> str:
-    """Where a change stands in the picture."""
+    """Place of a change in the picture."""
     return f"{100.0 + 100.0 / EDGE * min(max(tolerances, -EDGE), EDGE):.1f}"

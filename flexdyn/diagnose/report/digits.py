@@ -66,14 +66,14 @@ def grouped(value: float) -> str:
 def times(value: float) -> str:
     """A gap in units of noise."""
     if not math.isfinite(value):
-        return "unknown" if math.isnan(value) else "beyond measure"
+        return _not_finite(value)
     return f"{value:.0f}" if value >= 100.0 else f"{value:.1f}" if value >= 10.0 else f"{value:.2f}"
 
 
 def percent(share: float) -> str:
     """A share: whole percent, one decimal below ten percent."""
     if not math.isfinite(share):
-        return "unknown" if math.isnan(share) else "beyond measure"
+        return _not_finite(share)
     size = 100.0 * share
     return signed(f"{size:.0f} %" if abs(size) >= 10.0 else f"{size:z.1f} %")  # z: no minus before what rounds to 0
 
@@ -93,7 +93,7 @@ def relative(factor: float) -> str:
 def rounded(value: float, digits: int = 3) -> str:
     """A number with so many significant digits."""
     if not math.isfinite(value):
-        return "unknown" if math.isnan(value) else "beyond measure"
+        return _not_finite(value)
     return signed(f"{value:#.{digits}g}".rstrip(".")) if value else "0"
 
 
@@ -129,7 +129,7 @@ def interval_text(number: Number) -> str:
 
 
 def unit_text(unit: str) -> str:
-    """A unit as it stands behind a number; none where it is 1."""
+    """A unit as it is written behind a number; empty if it is 1."""
     return "" if unit == "1" else unit
 
 
@@ -141,3 +141,7 @@ def counted(count: int, noun: str) -> str:
 def signed(text: str) -> str:
     """With a minus sign in place of the hyphen."""
     return text.replace("-", MINUS)
+
+
+def _not_finite(value: float) -> str:
+    return "unknown" if math.isnan(value) else "beyond measure"

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from flexdyn.diagnose.report.calibrated import estimate
-from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, RecordingSpan
-from flexdyn.diagnose.report.record import Statistics
+from flexdyn.diagnose.report.measures import JointError, RecordingSpan, SignalError, Statistics
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import model_sentence, stopped_sentence
-from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Structure, Suspect
+from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Suspect
 
 SCHEMA = "flexdyn.diagnosis/2"
 CONSIDERED = 40
@@ -29,19 +28,23 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "verdict": diagnosis.verdict,
         "stopped_at": diagnosis.stopped_at or None,
         "findings": [_finding(entry) for entry in diagnosis.findings],
-        "calibration": [_calibrated(diagnosis, entry) for entry in diagnosis.calibration],
-        "gap": {"fit": _gap(diagnosis.gap_fit), "test": _gap(diagnosis.gap_test)},
+        "calibration": [
+            {**vars(entry), "estimate": _number(estimate(diagnosis.model, entry))} for entry in diagnosis.calibration
+        ],
+        "gap": {"fit": _fields(diagnosis.gap_fit), "test": _fields(diagnosis.gap_test)},
         "errors": {joint: _error(entry) for joint, entry in diagnosis.errors.items()},
-        "where": [vars(entry).copy() for entry in diagnosis.where],
+        "where": [_fields(entry) for entry in diagnosis.where],
         "left": [{**vars(entry), "depends_on": list(entry.depends_on)} for entry in diagnosis.left],
-        "structures": [_structure(entry) for entry in diagnosis.structures],
+        "structures": [
+            {**vars(each), "effects": [_suspect(own) for own in each.effects]} for each in diagnosis.structures
+        ],
         "considered": [_considered(entry) for entry in diagnosis.considered[:CONSIDERED]],
         "data": [_source(entry) for entry in diagnosis.data],
         "notes": [*told, *diagnosis.notes],
         "seconds": diagnosis.seconds,
-        "record": {**vars(diagnosis.record), "files": [vars(entry).copy() for entry in diagnosis.record.files]},
+        "record": {**vars(diagnosis.record), "files": [_fields(entry) for entry in diagnosis.record.files]},
         "fit": None if diagnosis.fit is None else _statistics(diagnosis.fit),
-        "shares": None if diagnosis.shares is None else vars(diagnosis.shares).copy(),
+        "shares": _fields(diagnosis.shares),
     }
 
 
@@ -60,10 +63,6 @@ def _finding(entry: Finding) -> dict[str, Any]:
     }
 
 
-def _calibrated(diagnosis: Diagnosis, entry: Calibration) -> dict[str, Any]:
-    return {**vars(entry), "estimate": _number(estimate(diagnosis.model, entry))}
-
-
 def _number(number: Number) -> dict[str, Any]:
     return {"value": number.value, "std": number.std, "interval": list(number.interval), "unit": number.unit}
 
@@ -71,14 +70,6 @@ def _number(number: Number) -> dict[str, Any]:
 def _suspect(entry: Suspect) -> dict[str, Any]:
     numbers = {name: _number(number) for name, number in entry.parameters.items()}
     return {"effect": entry.effect, "joint": entry.joint, "side": entry.side, **entry.place, "parameters": numbers}
-
-
-def _structure(entry: Structure) -> dict[str, Any]:
-    return {
-        "effects": [_suspect(each) for each in entry.effects],
-        "probability": entry.probability,
-        "log_evidence": entry.log_evidence,
-    }
 
 
 def _considered(entry: Considered) -> dict[str, Any]:
@@ -90,38 +81,22 @@ def _considered(entry: Considered) -> dict[str, Any]:
     }
 
 
-def _gap(gap: Gap | None) -> dict[str, float] | None:
-    return None if gap is None else vars(gap).copy()
+def _fields(entry: object | None) -> dict[str, Any] | None:
+    return None if entry is None else vars(entry).copy()
 
 
 def _error(entry: JointError) -> dict[str, Any]:
     return {
-        "torque": {
-            "before": entry.torque_before,
-            "calibrated": entry.torque_calibrated,
-            "after": entry.torque_after,
-            "unit": entry.torque_unit,
-            "share_before": entry.torque_share_before,
-            "share_after": entry.torque_share_after,
-        },
-        "position": {
-            "before": entry.position_before,
-            "calibrated": entry.position_calibrated,
-            "after": entry.position_after,
-            "unit": entry.position_unit,
-        },
-        "force": _force(entry),
+        "torque": _signal(entry.torque),
+        "position": _signal(entry.position),
+        "force": None if entry.force is None else _signal(entry.force),
         "gap": dict(zip(("before", "calibrated", "after"), entry.gap, strict=True)) if entry.gap else None,
     }
 
 
-def _force(entry: JointError) -> dict[str, Any] | None:
-    """Error of the force of a prescribed motion."""
-    if not entry.force:
-        return None
-    before, calibrated, after, size = entry.force
-    share = {"share_before": before / size, "share_after": after / size} if size > 0.0 else {}
-    return {"before": before, "calibrated": calibrated, "after": after, "unit": entry.torque_unit, **share}
+def _signal(entry: SignalError) -> dict[str, Any]:
+    found = {name: getattr(entry, name) for name in ("before", "calibrated", "after", "unit")}
+    return found | ({"share_before": entry.share_before, "share_after": entry.share_after} if entry.size else {})
 
 
 def _source(entry: RecordingSpan) -> dict[str, Any]:

@@ -7,14 +7,13 @@ from collections.abc import Iterator
 
 from flexdyn.diagnose.report.digits import evidence_text, likely, log_text, percent, probability_text
 from flexdyn.diagnose.report.measures import Calibration
-from flexdyn.diagnose.report.ranks import ranks
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Suspect
+from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Suspect, ranks
 from flexdyn.diagnose.report.targets import resolved
 from flexdyn.diagnose.report.words import is_number, joined, suspect_phrase, title_phrase
 
 RANKS_LISTED = 5
-"""Ranks of structures that are told one by one."""
+"""Largest number of ranks that are listed."""
 
 
 def explanation(diagnosis: Diagnosis, target: str) -> str:
@@ -29,8 +28,6 @@ def explanation(diagnosis: Diagnosis, target: str) -> str:
     """
     found = resolved(diagnosis, target)
     parts = [_paragraph(diagnosis, each) for each in found] or [_not_compared(diagnosis, target)]
-    if target in diagnosis.decisions:
-        parts.append(diagnosis.decisions[target])
     if diagnosis.verdict == "interrupted":
         parts.append("The diagnosis was interrupted: this is what was known then.")
     return "\n\n".join(parts)
@@ -75,7 +72,7 @@ def _marginal(diagnosis: Diagnosis, suspect: Suspect, entry: Considered | None) 
 
 
 def _ranks(diagnosis: Diagnosis, suspect: Suspect, entry: Considered | None) -> Iterator[str]:
-    """In which of the ranked structures it stands, and its Bayes factor."""
+    """Which of the ranked structures hold it, and its Bayes factor."""
     found = ranks(diagnosis.structures, [suspect])
     if found.among and not found.holding:
         yield f"It stands in none of the {found.among} ranked structures."
@@ -113,7 +110,7 @@ def _own(suspect: Suspect) -> str:
 
 
 def _calibrated(diagnosis: Diagnosis, suspect: Suspect) -> Calibration | None:
-    """The number that it says is wrong, where it moved within its tolerance."""
+    """The number of a parameter error, if it was calibrated within its tolerance."""
     if not is_number(suspect):
         return None
     whose = (suspect.place.get("of"), suspect.place.get("parameter"))
@@ -121,6 +118,6 @@ def _calibrated(diagnosis: Diagnosis, suspect: Suspect) -> Calibration | None:
 
 
 def _not_compared(diagnosis: Diagnosis, target: str) -> str:
-    """What is said of an effect and a joint that there are, but not as a candidate."""
+    """The text for an effect and a joint that exist but were not a candidate."""
     stop = " before it was interrupted" if diagnosis.verdict == "interrupted" else ""
     return f"{target}\n  Not named: the search compared no such candidate{stop}."

@@ -1,4 +1,4 @@
-"""What the page says of a finding: its title, its numbers, and the evidence for its name."""
+"""Texts of the page about a finding: its title, its numbers, the evidence for its name; and about a structure."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ from flexdyn.diagnose.report.digits import (
     unit_text,
     value_text,
 )
-from flexdyn.diagnose.report.ranks import Ranks, beyond, ranks
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
+from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Ranks, Structure, Suspect, beyond, ranks
 from flexdyn.diagnose.report.words import (
     capital,
     effect_name,
     grouped_phrases,
+    in_one_place,
     is_number,
     joined,
+    plain_phrase,
     suspect_phrase,
     where_phrase,
 )
@@ -30,30 +31,24 @@ from flexdyn.effects import catalogue
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 FINDINGS_OPEN = 4
-"""Findings that are told in full at once; of more there is a table, and the others are folded away."""
+"""Number of findings that are shown in full at once; the others open on a click."""
+STRUCTURES_OPEN = 8
+"""Number of structures that are shown at once; the others open on a click."""
 
 
 def finding_title(model: FlexibleJointModel, finding: Finding) -> str:
     """Names of what it may be in one place."""
     suspect = finding.suspect
     first = f"wrong {where_phrase(model, suspect)}" if is_number(suspect) else effect_name(suspect.effect)
-    names = [first, *(effect_name(each.effect) for each in _in_one_place(model, finding))]
+    names = [first, *(effect_name(each.effect) for each in in_one_place(model, finding))]
     return capital(" or ".join(dict.fromkeys(names)))
 
 
 def finding_places(model: FlexibleJointModel, finding: Finding) -> str:
-    """Where it acts, and what else it may be elsewhere; nothing where the title says it all."""
+    """Where it acts, and rivals at other places; empty if the title says that."""
     here = [] if is_number(finding.suspect) else [where_phrase(model, finding.suspect)]
-    alike = _in_one_place(model, finding)
+    alike = in_one_place(model, finding)
     return ", ".join([*here, *(f"or {suspect_phrase(model, rival)}" for rival in finding.rivals if rival not in alike)])
-
-
-def _in_one_place(model: FlexibleJointModel, finding: Finding) -> list[Suspect]:
-    """Rivals that act where the finding acts; none of a wrong number."""
-    if is_number(finding.suspect):
-        return []
-    here = where_phrase(model, finding.suspect)
-    return [rival for rival in finding.rivals if where_phrase(model, rival) == here]
 
 
 def law_text(suspect: Suspect) -> str:
@@ -79,7 +74,8 @@ def evidence(diagnosis: Diagnosis, finding: Finding) -> list[str]:
     said, told = probability_text(finding.probability), []
     if math.isfinite(finding.probability):
         one_of = " that one of these names is right" if finding.rivals else ""
-        told.append(f"Posterior probability {said}{one_of}: {likely(finding.probability)}{_short(finding)}.")
+        short = "" if finding.established else f", not established: {ESTABLISHED} is required"
+        told.append(f"Posterior probability {said}{one_of}: {likely(finding.probability)}{short}.")
     if not math.isnan(finding.log_bayes_factor):
         told.append(
             "The best structure with it against the best without it: log Bayes factor"
@@ -97,13 +93,8 @@ def _missed(gain: float) -> str:
     return f"If it alone is left out, {percent(gain)} of the improvement on the test data is lost."
 
 
-def _short(finding: Finding) -> str:
-    """What is said of a finding that is not probable enough."""
-    return "" if finding.established else f", not established: {ESTABLISHED} is required"
-
-
 def _compared(diagnosis: Diagnosis, finding: Finding) -> list[str]:
-    """What the structures say: how many hold it, and the best explanation that does without it."""
+    """How many structures hold it, and the best one without it."""
     found = ranks(diagnosis.structures, finding.names)
     if not found.among:
         return []
@@ -118,7 +109,7 @@ def _compared(diagnosis: Diagnosis, finding: Finding) -> list[str]:
 
 
 def _without(diagnosis: Diagnosis, found: Ranks, them: str) -> str:
-    """The best structure without it: what it has in its place, and how far its evidence is behind."""
+    """The best structure without it: what it has instead, and the difference of the log evidence."""
     best, other = found.best, found.other
     if best is None or other is None:
         return ""
@@ -135,3 +126,22 @@ def rival_text(model: FlexibleJointModel, rival: Suspect) -> str:
     numbers = f" ({estimates(rival)})" if rival.parameters else ""
     said = f": probability {probability_text(rival.probability)}" if math.isfinite(rival.probability) else ""
     return f"{suspect_phrase(model, rival)}{numbers}{said}"
+
+
+def structure_lines(diagnosis: Diagnosis, rank: int, entry: Structure) -> list[str]:
+    """Its effects; of the second and those after it, what they have more and less than the first."""
+    first = diagnosis.structures[0]
+    if not entry.effects:
+        return ["No effect: the calibrated model alone"]
+    own = [plain_phrase(phrase) for phrase in grouped_phrases(diagnosis.model, entry.effects)]
+    more, less = (beyond(*pair) for pair in ((entry, first), (first, entry)))
+    if rank == 1 or len(more) + len(less) >= len(entry.effects):
+        return own
+    lines = [f"without {phrase}" for phrase in grouped_phrases(diagnosis.model, less)]
+    lines += [f"with {phrase}" for phrase in grouped_phrases(diagnosis.model, more)]
+    return ["As rank 1", *lines] if lines else ["The effects of rank 1, with other numbers"]
+
+
+def is_named(diagnosis: Diagnosis, suspect: Suspect) -> bool:
+    """Whether a finding names it, alone or as one of several."""
+    return any(suspect.key == each.key for finding in diagnosis.findings for each in finding.names)

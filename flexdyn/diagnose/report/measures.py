@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import datetime
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
 from typing import Literal
 
 from flexdyn.model.uncertain_parameters import UNKNOWN_TOLERANCE
@@ -71,38 +74,50 @@ class ResidualPlace:
 
 
 @dataclass(frozen=True)
-class JointError:
-    """Errors of one joint on the test data, root mean square.
+class SignalError:
+    """Root mean square error of a signal on the test data by three models.
 
     Attributes:
-        torque_before: torque that the inverse dynamics of the given model does not explain, in `torque_unit`.
-        torque_after: that of the corrected model.
-        torque_unit: ``N m`` or ``N``.
-        torque_share_before: `torque_before` over the root mean square of the torque [1].
-        torque_share_after: `torque_after` over the same.
-        position_before: error of the position simulated over windows of 0.5 s, open loop, in `position_unit`.
-        position_after: that of the corrected model.
-        position_unit: ``rad`` or ``m``.
-        torque_calibrated: torque error of the calibrated model.
-        position_calibrated: position error of the calibrated model.
-        gap: the same positions in units of what noise alone makes there, as the gap has them: of the model as given,
-            calibrated and corrected [1]; empty where nothing was simulated.
-        force: where a test rig prescribes the motion: error of the simulated force of the model as given, calibrated
-            and corrected, and the recorded force itself, in `torque_unit`; empty elsewhere.
+        before: of the given model, in `unit`.
+        after: of the corrected model.
+        unit: ``N m`` or ``N``, ``rad`` or ``m``.
+        calibrated: of the calibrated model.
+        size: root mean square of the recorded signal itself, in `unit`; 0 if no share is reported.
     """
 
-    torque_before: float
-    torque_after: float
-    torque_unit: str
-    torque_share_before: float
-    torque_share_after: float
-    position_before: float
-    position_after: float
-    position_unit: str
-    torque_calibrated: float = math.nan
-    position_calibrated: float = math.nan
+    before: float
+    after: float
+    unit: str
+    calibrated: float = math.nan
+    size: float = 0.0
+
+    @property
+    def share_before(self) -> float:
+        """Error of the given model over the size of the signal [1]."""
+        return self.before / self.size if self.size else math.nan
+
+    @property
+    def share_after(self) -> float:
+        """The same of the corrected model [1]."""
+        return self.after / self.size if self.size else math.nan
+
+
+@dataclass(frozen=True)
+class JointError:
+    """Errors of one joint on the test data.
+
+    Attributes:
+        torque: that the inverse dynamics of a model does not explain.
+        position: simulated over windows of 0.5 s, open loop.
+        gap: the same positions in units of what noise alone makes there, as the gap has them: of the model as given,
+            calibrated and corrected [1]; empty where nothing was simulated.
+        force: simulated where a test rig prescribes the motion; None elsewhere.
+    """
+
+    torque: SignalError
+    position: SignalError
     gap: tuple[float, ...] = ()
-    force: tuple[float, ...] = ()
+    force: SignalError | None = None
 
 
 @dataclass(frozen=True)
@@ -146,3 +161,98 @@ class RecordingSpan:
     noise: Mapping[str, float] = field(default_factory=dict)
     samples: int = 0
     channels: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class File:
+    """A file that was read.
+
+    Attributes:
+        path: as it was given.
+        use: model, fit or test.
+        bytes: its size.
+        modified: when it was last changed, ISO 8601 with the zone.
+    """
+
+    path: str
+    use: Role | str
+    bytes: int
+    modified: str
+
+    @classmethod
+    def of(cls, path: Path, use: str) -> File | None:
+        """A file as it is now; None: there is none, as of a model that is known by its name."""
+        try:
+            # The folder of a ROS 2 bag is as large, and as new, as what lies in it.
+            stats = [each.stat() for each in sorted(path.rglob("*"))] if path.is_dir() else [path.stat()]
+        except OSError:
+            return None
+        changed = datetime.datetime.fromtimestamp(max((each.st_mtime for each in stats), default=0.0)).astimezone()
+        return cls(str(path), use, sum(each.st_size for each in stats), changed.isoformat(timespec="seconds"))
+
+
+@dataclass(frozen=True)
+class Record:
+    """How a diagnosis came about.
+
+    Attributes:
+        version: of flexdyn.
+        date: of its end, ISO 8601 with the zone.
+        command: the command line; empty: it was called from Python.
+        files: that were read; none are known of recordings that were made in Python.
+    """
+
+    version: str
+    date: str
+    command: str = ""
+    files: tuple[File, ...] = ()
+
+
+def record(command: str = "", files: Iterable[File | None] = ()) -> Record:
+    """Of now, by this version."""
+    date = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
+    return Record(version("flexdyn"), date, command, tuple(each for each in files if each is not None))
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """How well the final fit of the corrected model is determined; names and formulas as lmfit has them.
+
+    Attributes:
+        method: of the fit.
+        points: rows of the equations that are not masked.
+        variables: numbers that were fitted, offsets of the encoders included.
+        chi_square: sum of squares of the weighted rows.
+        reduced: chi-square over points less variables; 1 where weights are right and nothing is left.
+        aic: Akaike's criterion, ``points*log(chi_square/points) + 2*variables``.
+        bic: Bayesian criterion, ``points*log(chi_square/points) + log(points)*variables``.
+        correlations: pairs of numbers and their correlation, the strongest first; those below 0.1 are left out.
+    """
+
+    method: str
+    points: int
+    variables: int
+    chi_square: float
+    reduced: float
+    aic: float
+    bic: float
+    correlations: tuple[tuple[str, str, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Shares of the gap on the test data that add up to 1: models are made better one step after the other.
+
+    The gap is the sum of squares of what the equations leave, in units of noise, of the model as given.
+
+    Attributes:
+        calibration: removed by changing the file's numbers to those of the corrected model [1].
+        findings: removed by each finding when it is added to those before it, in their order [1].
+        left: not removed by the corrected model [1].
+        noise: share of noise alone, a part of `left` if the model is right [1].
+    """
+
+    calibration: float
+    findings: tuple[float, ...]
+    left: float
+    noise: float

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from flexdyn.diagnose.report.pictures import AFTER, AXIS, BEFORE, CONFIG, page_layout, titled
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.trajectory import MODELS, MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
+from flexdyn.diagnose.report.trace import MODELS, MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
 from flexdyn.plots.palette import INK
 
 BETWEEN = "#9CA3AF"
@@ -23,33 +22,23 @@ DRAWN_WINDOW_LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
 FIRST_LENGTH = 2.0
 """The length that is drawn at first [s]."""
 CLOCK = 1_000_000
-"""Levels of a packed time: within 60 s it is told to 0.06 ms."""
+"""Levels of a packed time: 60 s are resolved to 0.06 ms."""
 ROLES = {"test": "test data", "fit": "data of the fit"}
 
 
-@dataclass(frozen=True)
-class Controls:
+def controls(diagnosis: Diagnosis) -> dict[str, Any]:
     """What the reader chooses from: values and their texts, and which length is chosen at first."""
-
-    joints: list[tuple[str, str]]
-    spans: list[tuple[str, str]]
-    lengths: list[tuple[str, str]]
-    length: str
-
-
-def controls(diagnosis: Diagnosis) -> Controls:
-    """What the picture is moved with."""
     given = diagnosis.trajectories
     longest = max(last - first for first, last in map(_reach, given))
     # The joint whose torque the given model explains worst is shown first.
-    shares = {joint: entry.torque_share_before for joint, entry in diagnosis.errors.items()}
+    shares = {joint: entry.torque.share_before for joint, entry in diagnosis.errors.items()}
     ordered = sorted(given, key=lambda each: -shares.get(each.joint, 0.0))
-    return Controls(
-        [(name, name) for name in dict.fromkeys(each.joint for each in ordered)],
-        list({_span(each): _span_text(each) for each in given}.items()),
-        [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")],
-        f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all",
-    )
+    return {
+        "joints": [(name, name) for name in dict.fromkeys(each.joint for each in ordered)],
+        "spans": list({_span(each): _span_text(each) for each in given}.items()),
+        "lengths": [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")],
+        "length": f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all",
+    }
 
 
 def motion_figures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
@@ -83,7 +72,7 @@ def _figure(trajectory: Trajectory) -> dict[str, Any]:
 
 
 def _lines(curve: MeasuredCurve, row: int, first: int) -> list[dict[str, Any]]:
-    """What was measured, the models beside it, and their errors below; the legend tells each once.
+    """What was measured, the models with it, and their errors below; each is in the legend once.
 
     Args:
         curve: to be drawn.

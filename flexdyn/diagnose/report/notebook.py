@@ -22,8 +22,8 @@ def diagnosis_html(diagnosis: Diagnosis) -> str:
         (
             (
                 joint,
-                f"{rounded(each.torque_before)}, {rounded(each.torque_after)} {each.torque_unit}",
-                f"{rounded(each.position_before)}, {rounded(each.position_after)} {each.position_unit}",
+                f"{rounded(each.torque.before)}, {rounded(each.torque.after)} {each.torque.unit}",
+                f"{rounded(each.position.before)}, {rounded(each.position.after)} {each.position.unit}",
             )
             for joint, each in diagnosis.errors.items()
         ),

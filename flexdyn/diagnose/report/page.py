@@ -13,9 +13,7 @@ from typing import Any
 from flexdyn.diagnose.report import (
     apart,
     calibrated,
-    compared,
     digits,
-    force,
     found,
     motions,
     sentences,
@@ -23,10 +21,9 @@ from flexdyn.diagnose.report import (
     words,
 )
 from flexdyn.diagnose.report.document import CONSIDERED
-from flexdyn.diagnose.report.force import force_figure
 from flexdyn.diagnose.report.law import law_picture
 from flexdyn.diagnose.report.motions import motion_figures
-from flexdyn.diagnose.report.pictures import experiment_figure, residual_figure
+from flexdyn.diagnose.report.pictures import experiment_figure, force_figure, residual_figure
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.errors import needed
 from flexdyn.io import html
@@ -50,18 +47,18 @@ PARTS = (
     "data",
     "tail",
 )
-"""Templates of the page's parts, in their order; each leaves itself out where there is nothing to say."""
+"""Templates of the page's parts, in their order; each is empty if it has no content."""
 KNOWN = {
     name: value
-    for module in (apart, calibrated, compared, digits, force, found, motions, sentences, verdicts, words)
+    for module in (apart, calibrated, digits, found, motions, sentences, verdicts, words)
     for name, value in vars(module).items()
     if not name.startswith("_")
 }
 """What templates may call: all that these modules offer."""
 CORRELATIONS_OPEN = 10
-"""Correlations that stand open; the others are folded away."""
+"""Number of correlations that are shown at once; the others open on a click."""
 NOISE_CHANNELS_OPEN = 4
-"""Channels whose noise is told at once; more are folded away."""
+"""Number of channels whose noise is shown at once; more open on a click."""
 
 
 def page(diagnosis: Diagnosis) -> str:
@@ -95,21 +92,21 @@ def part(diagnosis: Diagnosis, name: str) -> str:
     """One of the `PARTS` of the page.
 
     Args:
-        diagnosis: that it tells of.
+        diagnosis: to be shown.
         name: of the part.
     """
     return html.render(f"diagnose/report/{name}.html", **_known(diagnosis, [None] * len(diagnosis.findings)))
 
 
 def _known(diagnosis: Diagnosis, laws: Sequence[str | None]) -> dict[str, Any]:
-    """All that stands in the templates."""
+    """All values of the templates."""
     own = {"CONSIDERED": CONSIDERED, "isfinite": math.isfinite, "isnan": math.isnan, "diagnosis": diagnosis}
     limits = {"CORRELATIONS_OPEN": CORRELATIONS_OPEN, "NOISE_CHANNELS_OPEN": NOISE_CHANNELS_OPEN}
     return {**KNOWN, **own, **limits, "model": diagnosis.model, "laws": laws}
 
 
 def _figures(diagnosis: Diagnosis) -> dict[str, object]:
-    """What the page's script draws, by the room that it stands in."""
+    """What the page's script draws, by the id of its element."""
     traces: dict[str, object] = {"motion": motion_figures(diagnosis)} if diagnosis.trajectories else {}
     traces |= {f"trace-{k}": residual_figure(trace) for k, trace in enumerate(diagnosis.residuals)}
     traces |= {f"force-{k}": force_figure(loop) for k, loop in enumerate(diagnosis.loops)}

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.report.trace import ResidualTrace
-from flexdyn.diagnose.report.trajectory import packed
+from flexdyn.diagnose.report.suspects import Experiment
+from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, packed
 from flexdyn.plots.palette import INK, RULE
 
 Array = NDArray[np.float64]
@@ -84,7 +83,7 @@ def _frame(trace: ResidualTrace) -> dict[str, Any]:
 
 
 def _stands_out(x: Array, y: Array, name: str, colour: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A line that stands out from dots of its own colour."""
+    """A line that can be seen among dots of its own colour."""
     line = curve(x, y, name, colour, lines=True)
     return (
         line | {"line": {"color": "white", "width": 5.0}, "hoverinfo": "skip", "hovertemplate": None},
@@ -140,3 +139,21 @@ def in_columns(data: list[dict[str, Any]]) -> dict[str, Any]:
                 columns.append(packed(column, LEVELS[key == "y"]))
             trace[key] = places[id(column)]
     return {"columns": columns, "data": data}
+
+
+def force_figure(loop: ForceLoop) -> dict[str, Any]:
+    """Data and layout for Plotly in the page: force over position to the left, over speed to the right."""
+    length, unit = loop.units
+    word = "force" if unit == "N" else "torque"
+    data = []
+    for k, axes in enumerate(({}, {"xaxis": "x2", "yaxis": "y2"})):
+        for row, name, colour in ((2, "recorded", INK), (3, "as given", BEFORE), (4, "corrected", AFTER)):
+            data.append(curve(loop.columns[k], loop.columns[row], name, colour, lines=True) | axes)
+    layout = page_layout(330, {"l": 62, "r": 10, "t": 8, "b": 44}) | {
+        "xaxis": {**AXIS, "domain": [0.0, 0.47], "title": titled(f"position [{length}]")},
+        "xaxis2": {**AXIS, "domain": [0.53, 1.0], "anchor": "y2", "title": titled(f"speed [{length}/s]")},
+        "yaxis": {**AXIS, "title": titled(f"{word} [{unit}]")},
+        "yaxis2": {**AXIS, "anchor": "x2", "matches": "y", "showticklabels": False},
+        "showlegend": False,
+    }
+    return {**in_columns(data), "layout": layout, "config": CONFIG}

@@ -7,38 +7,22 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from flexdyn.diagnose.report.experiment import Experiment
-from flexdyn.diagnose.report.force import ForceLoop
-from flexdyn.diagnose.report.measures import Calibration, Gap, JointError, Left, RecordingSpan, ResidualPlace, Role
-from flexdyn.diagnose.report.record import Record, Shares, Statistics, record
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Number, Structure, Suspect
-from flexdyn.diagnose.report.trace import ResidualTrace
-from flexdyn.diagnose.report.trajectory import Trajectory
+from flexdyn.diagnose.report.measures import (
+    Calibration,
+    Gap,
+    JointError,
+    Left,
+    Record,
+    RecordingSpan,
+    ResidualPlace,
+    Shares,
+    Statistics,
+    record,
+)
+from flexdyn.diagnose.report.suspects import Considered, Finding, Structure
+from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, Trajectory
 from flexdyn.io.notebook import Public
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-
-__all__ = [
-    "ESTABLISHED",
-    "VERDICTS",
-    "Calibration",
-    "Considered",
-    "Diagnosis",
-    "Experiment",
-    "Finding",
-    "Gap",
-    "Interrupted",
-    "JointError",
-    "Left",
-    "Number",
-    "RecordingSpan",
-    "ResidualPlace",
-    "ResidualTrace",
-    "Role",
-    "Structure",
-    "Suspect",
-    "Trajectory",
-    "Verdict",
-]
 
 Verdict = Literal["no_discrepancy", "explained", "partly_explained", "unexplained", "not_converged", "interrupted"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
@@ -51,6 +35,7 @@ class Diagnosis(Public):
     Attributes:
         verdict: about the test data (contract, section 8).
         findings: in the order of their share of the gap.
+        model: the corrected model.
         calibration: numbers that moved within three sigma of their tolerance.
         gap_fit: on the data of the fit; None where it could not be simulated.
         gap_test: on the test data; None where they were not opened or could not be simulated.
@@ -59,7 +44,6 @@ class Diagnosis(Public):
         left: what the corrected model leaves unexplained, the largest share of the torque first.
         structures: sets of effects that were compared, the most probable first.
         data: what was read, and what for.
-        model: the corrected model.
         notes: numbers that the data do not determine, and assumptions; one sentence each.
         seconds: that it took [s].
         record: version, date, command line and files.
@@ -68,11 +52,9 @@ class Diagnosis(Public):
         stopped_at: the stage in which the user stopped it; empty if it was not stopped.
         trajectories: measured and simulated motion of every joint, over the test data and the data of the fit.
         loops: recorded and simulated force of joints whose motion a test rig prescribes.
-        residuals: pictures of what the model left unexplained, before and after, the most telling first.
-        decisions: further reasons, by what was decided: a target of `explain` or a few words.
+        residuals: pictures of the residuals before and after the correction, the most informative first.
         considered: every candidate that the search compared, the most probable first.
-        write_model: False where the corrected model is worse than the given one on the data of the fit: then
-            model.yaml is not written.
+        no_model: why model.yaml is not written; empty where it is.
         stopped: estimates that stopped short of a stationary point, in words such as "damping of elbow".
 
     Example:
@@ -94,21 +76,20 @@ class Diagnosis(Public):
 
     verdict: Verdict
     findings: tuple[Finding, ...]
-    calibration: tuple[Calibration, ...]
-    gap_fit: Gap | None
-    gap_test: Gap | None
-    errors: Mapping[str, JointError]
-    where: tuple[ResidualPlace, ...]
-    left: tuple[Left, ...]
-    structures: tuple[Structure, ...]
-    data: tuple[RecordingSpan, ...]
     model: FlexibleJointModel
+    calibration: tuple[Calibration, ...] = ()
+    gap_fit: Gap | None = None
+    gap_test: Gap | None = None
+    errors: Mapping[str, JointError] = field(default_factory=dict)
+    where: tuple[ResidualPlace, ...] = ()
+    left: tuple[Left, ...] = ()
+    structures: tuple[Structure, ...] = ()
+    data: tuple[RecordingSpan, ...] = ()
     notes: tuple[str, ...] = ()
     seconds: float = 0.0
     residuals: tuple[ResidualTrace, ...] = ()
-    decisions: Mapping[str, str] = field(default_factory=dict)
     considered: tuple[Considered, ...] = ()
-    write_model: bool = True
+    no_model: str = ""
     stopped: tuple[str, ...] = ()
     trajectories: tuple[Trajectory, ...] = ()
     stopped_at: str = ""
@@ -133,8 +114,8 @@ class Diagnosis(Public):
         """Write report.html, report.json and model.yaml; all of them, or nothing.
 
         model.yaml is the corrected model, ready to be simulated: calibration, parameter errors and elasticities are
-        folded into its numbers. Where numbers of links changed, a corrected URDF lies beside it. It is left out where
-        `write_model` says so, and one of an earlier report is then removed.
+        folded into its numbers. Where numbers of links changed, a corrected URDF lies beside it. It is not written if
+        `no_model` gives a reason, and one of an earlier report is then removed.
 
         Args:
             folder: is created if it does not exist; files of an earlier report in it are replaced.

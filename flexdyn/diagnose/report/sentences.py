@@ -52,17 +52,17 @@ def error_sentence(diagnosis: Diagnosis) -> str:
     known = [
         (joint, entry)
         for joint, entry in diagnosis.errors.items()
-        if math.isfinite(entry.torque_share_before + entry.torque_share_after)
+        if math.isfinite(entry.torque.share_before + entry.torque.share_after)
     ]
     if not known:
         return ""
-    joint, entry = max(known, key=lambda each: each[1].torque_share_before)
+    joint, entry = max(known, key=lambda each: each[1].torque.share_before)
     worst = ", the joint with the greatest share before," if len(known) > 1 else ""
     return (
-        f"At {joint}{worst} the torque error goes from {rounded(entry.torque_before, 2)} to"
-        f" {rounded(entry.torque_after, 2)} {entry.torque_unit}, from"
-        f" {percent(entry.torque_share_before)} to"
-        f" {percent(entry.torque_share_after)} of its torque."
+        f"At {joint}{worst} the torque error goes from {rounded(entry.torque.before, 2)} to"
+        f" {rounded(entry.torque.after, 2)} {entry.torque.unit}, from"
+        f" {percent(entry.torque.share_before)} to"
+        f" {percent(entry.torque.share_after)} of its torque."
     )
 
 
@@ -78,12 +78,7 @@ def stopped_sentence(diagnosis: Diagnosis) -> str:
 
 def model_sentence(diagnosis: Diagnosis) -> str:
     """Why there is no corrected model; empty where there is one."""
-    if diagnosis.write_model:
-        return ""
-    if diagnosis.verdict == "interrupted":
-        return "model.yaml was not written: there was no corrected model yet."
-    worse = "on the data of the fit the corrected model is worse than the model as it was given"
-    return diagnosis.decisions.get("model.yaml", f"model.yaml was not written: {worse}.")
+    return f"model.yaml was not written: {diagnosis.no_model}." if diagnosis.no_model else ""
 
 
 def next_measurements(diagnosis: Diagnosis) -> list[str]:

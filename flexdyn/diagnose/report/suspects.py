@@ -3,16 +3,58 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from flexdyn.diagnose.report.experiment import Experiment
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.control.commands import PD
+from flexdyn.io.locked import Locked
 
 ESTABLISHED = 0.95
 """Posterior probability from which an effect, or an "A or B", counts as established [1] (contract, section 8)."""
 CONFIDENCE = 1.96
 """Standard deviations on either side that hold 95 % of a normal distribution [1]."""
 Key = tuple[str, str | None, str | None, tuple[tuple[str, str], ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment(Locked):
+    """A motion that separates a finding from its rivals in simulation.
+
+    Attributes:
+        motion: what to do, in words.
+        seconds: its duration with repetitions [s].
+        passes: number of repetitions.
+        payload: known mass to be added at the tip [kg].
+        delta_bic: expected delta BIC of the right name to the nearest other one, for any of them being right.
+        command: of the simulation: joint control along one pass of the motion.
+        names: of the finding and of its nearest rival.
+        t: times (points,) [s].
+        position: of the moving joint (points,) [rad or m].
+        left: residual of the rival with fitted numbers, if the finding is right (points,).
+        noise: standard deviation of `left` (points,).
+        labels: of position and residual, with their units.
+    """
+
+    motion: str
+    seconds: float
+    passes: int
+    payload: float
+    delta_bic: float
+    command: PD
+    names: tuple[str, str]
+    t: NDArray[np.float64]
+    position: NDArray[np.float64]
+    left: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    labels: tuple[str, str]
+
+    @property
+    def apart(self) -> float:
+        """Difference between the names in units of the noise: the root of the expected delta BIC."""
+        return math.sqrt(self.delta_bic)
 
 
 @dataclass(frozen=True)
@@ -126,3 +168,50 @@ class Structure:
     effects: tuple[Suspect, ...]
     probability: float
     log_evidence: float
+
+
+@dataclass(frozen=True)
+class Ranks:
+    """The structures that hold one of some effects, and those that hold none of them.
+
+    Attributes:
+        among: number of structures that were ranked.
+        holding: places of those that hold it, counted from 1.
+        probability: that these have together [1].
+        best: the one of the highest evidence with it; None where there is none.
+        other: the one of the highest evidence without it; None where there is none.
+    """
+
+    among: int
+    holding: tuple[int, ...]
+    probability: float
+    best: Structure | None
+    other: Structure | None
+
+    @property
+    def log_bayes_factor(self) -> float | None:
+        """Of the best structure with it against the best without it; None where one of them is missing."""
+        if self.best is None or self.other is None:
+            return None
+        return self.best.log_evidence - self.other.log_evidence
+
+
+def ranks(structures: Sequence[Structure], suspects: Sequence[Suspect]) -> Ranks:
+    """The structures that hold any of the effects of a finding."""
+    keys = {each.key for each in suspects}
+    held = [bool(keys & {each.key for each in structure.effects}) for structure in structures]
+    within = [structure for structure, it_is in zip(structures, held, strict=True) if it_is]
+    without = [structure for structure, it_is in zip(structures, held, strict=True) if not it_is]
+    return Ranks(
+        len(structures),
+        tuple(place for place, it_is in enumerate(held, start=1) if it_is),
+        sum(each.probability for each in within),
+        max(within, key=lambda each: each.log_evidence, default=None),
+        max(without, key=lambda each: each.log_evidence, default=None),
+    )
+
+
+def beyond(structure: Structure, other: Structure) -> list[Suspect]:
+    """Effects that one structure holds and the other does not."""
+    keys = {each.key for each in other.effects}
+    return [each for each in structure.effects if each.key not in keys]

@@ -1,7 +1,8 @@
-"""How a candidate is called where somebody asks about it: ``coulomb_friction@elbow``, ``channel_lag@q.elbow``."""
+"""Names of candidates for ``--explain``: ``coulomb_friction@elbow``, ``channel_lag@q.elbow``."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 
 from flexdyn.diagnose.report.result import Diagnosis
@@ -16,7 +17,7 @@ SIDES = ("link", "motor", "transmission", "sensor")
 
 
 def target_of(suspect: Suspect) -> str:
-    """What a suspect is called: its effect, and after ``@`` where it acts, without the side."""
+    """The name of a suspect: its effect, and after ``@`` where it acts, without the side."""
     place = suspect.place
     if "channel" in place:
         where = place["channel"]
@@ -28,7 +29,7 @@ def target_of(suspect: Suspect) -> str:
 
 
 def known_suspects(diagnosis: Diagnosis) -> list[Suspect]:
-    """Every candidate that stands anywhere in a diagnosis, findings first, then the most probable."""
+    """Every candidate in a diagnosis, findings first, then the most probable."""
     found: dict[Key, Suspect] = {}
     for suspect in _mentioned(diagnosis):
         found.setdefault(suspect.key, suspect)
@@ -72,7 +73,7 @@ def check_target(model: FlexibleJointModel, target: str) -> None:
     places = list(model.joint_names)
     if issubclass(catalogue()[effect], SensorEffect):
         where = where.removesuffix(".sensor").partition(".")[2]
-    elif effect == "payload":
+    elif any(field.name == "frame" for field in dataclasses.fields(catalogue()[effect])):  # type: ignore[arg-type]
         places += model.robot.frame_names
     if where not in places and not any(where == f"{joint}.{side}" for joint in model.joint_names for side in SIDES):
         raise InputError("no such place", key=KEY, value=target, remedy=did_you_mean(where, places))

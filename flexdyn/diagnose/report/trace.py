@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexdyn.errors import InputError
-from flexdyn.io.locked import Locked, locked_copy
+from flexdyn.diagnose.report.measures import Role
+from flexdyn.io.locked import Locked
 
+Array = NDArray[np.float64]
 NARROW = 500
 """Slices of time whose extremes are drawn: such a picture is half as wide as the page."""
+MODELS = ("as given", "calibrated", "corrected")
+"""Models whose errors a curve holds."""
+MOST_LOOP_POINTS = 4000
+"""Points of a loop of force that are drawn."""
+MOST_TRAJECTORY_POINTS = 6000
+"""Points of one joint's curves in a whole page, so that six joints over a minute stay below a megabyte."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +37,7 @@ class ResidualTrace(Locked):
         means: of dots: x, before and after averaged over neighbours in x (averages, 3); none of a line.
         law: of a finding: x and what its law puts into the residual there, in the order of x (points, 2); else none.
         note: what else there is to know of the picture, a sentence or nothing.
-        explains: what goes of the squared residuals of all equations, in units of noise, from before to after, over
+        explains: decrease of the squared residuals of all equations, in units of noise, from before to after, over
             those of the model as given [1]; where nothing was found, the equation's share of what is left.
     """
 
@@ -43,22 +51,6 @@ class ResidualTrace(Locked):
     law: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
     note: str = ""
     explains: float = math.nan
-
-    def __post_init__(self) -> None:
-        """Copy and lock.
-
-        Raises:
-            InputError: the columns are of different lengths, or x is not finite.
-        """
-        for name in ("x", "before", "after"):
-            column = locked_copy(getattr(self, name))
-            if column.ndim != 1 or len(column) != np.size(self.x):
-                raise InputError("columns of one length are needed", key=f"trace.{name}", value=column.shape)
-            object.__setattr__(self, name, column)
-        for name in ("means", "law"):
-            object.__setattr__(self, name, locked_copy(getattr(self, name)))
-        if not np.isfinite(self.x).all():
-            raise InputError("finite numbers are needed", key="trace.x", value=self.title)
 
     @classmethod
     def thinned(
@@ -82,3 +74,110 @@ class ResidualTrace(Locked):
             means = averages(np.stack(columns, axis=1))
         across, *up = (column[kept] for column in columns)
         return cls(title, x_label, y_label, across, up[0], up[1], means)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredCurve(Locked):
+    """A measured signal and how far each model is off.
+
+    Attributes:
+        label: what it is, with its unit, such as "q [rad]".
+        t: times within the recording (points,) [s].
+        measured: in the label's unit (points,).
+        errors: of the model as given, calibrated and corrected (3, points); NaN leaves the line open.
+    """
+
+    label: str
+    t: Array
+    measured: Array
+    errors: Array
+
+    def thinned(self, most: int) -> MeasuredCurve:
+        """At most so many points: of every slice of time the first one, and the extremes of what is drawn.
+
+        Points at which a line is open are kept besides.
+        """
+        count = len(self.t)
+        if count <= most:
+            return self
+        drawn = np.stack([self.measured, self.errors[0], self.errors[2]])
+        open_ends = np.isnan(self.errors).any(axis=0)
+        edges = np.linspace(0, count, max(2, most // 9) + 1).astype(np.intp)[:-1]
+        pieces = [np.split(row, edges[1:]) for row in np.nan_to_num(drawn)]
+        kept: list[Any] = [
+            edges,
+            edges - 1,
+            np.flatnonzero(open_ends & ~np.roll(open_ends, 1))[: most // 9],
+            [count - 1],
+        ]
+        for row in pieces:
+            kept.append(edges + [int(piece.argmin()) for piece in row])
+            kept.append(edges + [int(piece.argmax()) for piece in row])
+        at = np.unique(np.clip(np.concatenate(kept), 0, count - 1)).astype(np.intp)
+        return MeasuredCurve(self.label, self.t[at], self.measured[at], self.errors[:, at])
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One joint over one span of a recording.
+
+    Attributes:
+        joint: its name.
+        file: name of the recording.
+        role: what the span was used for.
+        position: measured, and simulated without feedback over windows of 0.5 s; None: it was not simulated.
+        torque: recorded, and needed by each model for the motion that was measured.
+    """
+
+    joint: str
+    file: str
+    role: Role
+    position: MeasuredCurve | None
+    torque: MeasuredCurve
+
+    def thinned(self, most: int) -> Trajectory:
+        """At most so many points of each curve."""
+        position = None if self.position is None else self.position.thinned(most)
+        return Trajectory(self.joint, self.file, self.role, position, self.torque.thinned(most))
+
+
+def packed(column: ArrayLike, levels: int = 4000) -> dict[str, Any]:
+    """A column as whole numbers, each as its step from the one before, which a page holds in little room.
+
+    Args:
+        column: numbers; None where it is not finite.
+        levels: between zero and the largest of them.
+    """
+    values = np.asarray(column, dtype=float)
+    there = np.isfinite(values)
+    unit = float(np.abs(values[there]).max(initial=0.0)) / levels or 1.0
+    whole = np.rint(values[there] / unit).astype(np.int64)
+    steps: list[int | None] = [None] * len(values)
+    for place, step in zip(np.flatnonzero(there).tolist(), np.diff(whole, prepend=0).tolist(), strict=True):
+        steps[place] = step
+    return {"unit": float(f"{unit:.9g}"), "steps": steps}
+
+
+@dataclass(frozen=True, eq=False)
+class ForceLoop(Locked):
+    """Recorded and simulated force of a joint over one span, where a test rig prescribes its motion.
+
+    Attributes:
+        joint: its name.
+        file: name of the recording.
+        role: what the span was used for.
+        units: of position and force.
+        columns: position, speed, recorded force, that of the model as given, that of the corrected one (5, points).
+    """
+
+    joint: str
+    file: str
+    role: Role
+    units: tuple[str, str]
+    columns: Array
+
+    @classmethod
+    def thinned(cls, joint: str, file: str, role: Role, units: tuple[str, str], columns: Array) -> ForceLoop:
+        """Of long columns as many points as the eye needs, evenly."""
+        every = max(1, -(-columns.shape[1] // MOST_LOOP_POINTS))
+        return cls(joint, file, role, units, columns[:, ::every].copy())

@@ -30,17 +30,24 @@ def finding_phrase(model: FlexibleJointModel, finding: Finding, *, each: bool = 
 
     Args:
         model: whose numbers may be wrong.
-        finding: to be told.
-        each: with the probability of every name by itself, where there are several.
+        finding: to be named.
+        each: with the probability of each single name, if there are several.
     """
     several = each and bool(finding.rivals)
     here = where_phrase(model, finding.suspect)
-    alike = [] if is_number(finding.suspect) else [rival for rival in finding.rivals if _is_at(model, rival, here)]
+    alike = in_one_place(model, finding)
     others = [f"{suspect_phrase(model, rival)}{_own(rival, several)}" for rival in finding.rivals if rival not in alike]
     if not alike:
         return ", or ".join([f"{suspect_phrase(model, finding.suspect)}{_own(finding.suspect, several)}", *others])
     names = " or ".join(f"{effect_name(one.effect)}{_own(one, several)}" for one in (finding.suspect, *alike))
     return ", or ".join([f"{article(finding.suspect.effect)}{names} {here}".strip(), *others])
+
+
+def in_one_place(model: FlexibleJointModel, finding: Finding) -> list[Suspect]:
+    """Rivals that act where the finding acts; none of a wrong number."""
+    here = where_phrase(model, finding.suspect)
+    rivals = [] if is_number(finding.suspect) else finding.rivals
+    return [rival for rival in rivals if where_phrase(model, rival) == here]
 
 
 def suspect_phrase(model: FlexibleJointModel, suspect: Suspect) -> str:
@@ -63,7 +70,7 @@ def plain_phrase(phrase: str) -> str:
 
 
 def grouped_phrases(model: FlexibleJointModel, suspects: Iterable[Suspect]) -> list[str]:
-    """Effects in few words: one effect on one side of several joints is said once."""
+    """Effects in few words: one effect on one side of several joints is one phrase."""
     groups: dict[object, list[Suspect]] = {}
     for place, suspect in enumerate(suspects):
         groups.setdefault(kind_of(suspect) or place, []).append(suspect)
@@ -153,10 +160,6 @@ def noise_lines(model: FlexibleJointModel, span: RecordingSpan) -> list[str]:
     """The noise of each channel with its unit."""
     given = span.noise.items()
     return [f"{name} {rounded(level, 2)} {channel_unit(model, name)}".strip() for name, level in given]
-
-
-def _is_at(model: FlexibleJointModel, suspect: Suspect, here: str) -> bool:
-    return not is_number(suspect) and where_phrase(model, suspect) == here
 
 
 def _own(suspect: Suspect, told: bool) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,7 +114,7 @@ def _from(
         before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
         better = active & (after < before)
         factor = np.where(better, 1.0, SHORTENED_CORRECTION * factor)
-        motion = _chosen(better, again, fit.motion)
+        motion = fit.motion.replaced(better, again.part(better))
         moved = np.where(better[:, None], wanted, fit.moved)
         fit = Matched(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
         stray = some & fit.stray(used)
@@ -141,7 +140,7 @@ def _filter(
 def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matched, other: Matched) -> Matched:
     """For each window the fit with the smaller residual."""
     wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
-    motion = _chosen(wins, other.motion, one.motion)
+    motion = one.motion.replaced(wins, other.motion.part(wins))
     moved = np.where(wins[:, None], other.moved, one.moved)
     residual = np.where(wins[:, None, None], other.residual, one.residual)
     return Matched(moved, residual, motion, _filter(shooter, starts, used, motion, wins, one))
@@ -157,13 +156,3 @@ def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: NDArray[n
     reached = np.arange(windows.rows) < motion.written[:, None]
     difference = np.where(reached[:, :, None] & np.isfinite(difference), difference, limit)
     return np.where(used & np.isfinite(shooter.measured), np.clip(difference, -limit, limit), 0.0)
-
-
-def _chosen(better: NDArray[np.bool_], one: SimulatedWindows, other: SimulatedWindows) -> SimulatedWindows:
-    """For each window the better of two results."""
-
-    def pick(name: str) -> Any:
-        a, b = getattr(one, name), getattr(other, name)
-        return np.where(better.reshape(-1, *[1] * (a.ndim - 1)), a, b)
-
-    return SimulatedWindows(pick("q"), pick("theta"), pick("x"), pick("written"))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.effects import ChannelLag, SensorEffect, measure
+from flexdyn.effects import SensorEffect, measure
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
@@ -24,12 +24,12 @@ def sensors(model: FlexibleJointModel, channel: str) -> tuple[SensorEffect, ...]
 
 def lag(effects: Sequence[SensorEffect]) -> float:
     """The lag of a channel [s]."""
-    return math.fsum(effect.delay for effect in effects if isinstance(effect, ChannelLag))
+    return math.fsum(effect.lateness for effect in effects)
 
 
 def seen(effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
     """A simulated channel as the sensor reports it, without its lag (see `early`)."""
-    return measure([effect for effect in effects if not isinstance(effect, ChannelLag)], x, t)
+    return measure([effect for effect in effects if not effect.lateness], x, t)
 
 
 def early(recording: Recording, channel: str, late: float, t: Array) -> Array:
@@ -49,7 +49,7 @@ def early(recording: Recording, channel: str, late: float, t: Array) -> Array:
 
 def slope(effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
     """Derivative of a reported channel by the true one, without its lag [1]."""
-    instant = [effect for effect in effects if not isinstance(effect, ChannelLag)]
+    instant = [effect for effect in effects if not effect.lateness]
     step = 1e-6
     return (measure(instant, x + step, t) - measure(instant, x - step, t)) / (2.0 * step)
 

@@ -16,8 +16,8 @@ from flexdyn.analysis.analysed_model import command_delays, without
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
 from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors
-from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.effects import CommandDelay, MemoryEffect, recovered
+from flexdyn.diagnose.shooting.windows import PerWindow, Windows
+from flexdyn.effects import MemoryEffect, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.at_time import at_time, is_timed
 from flexdyn.simulation.inputs_and_signals import SIGNALS
@@ -37,7 +37,7 @@ AT_ONCE = 256
 
 
 @dataclass(frozen=True, eq=False)
-class SimulatedWindows:
+class SimulatedWindows(PerWindow):
     """Simulated windows.
 
     Attributes:
@@ -51,14 +51,6 @@ class SimulatedWindows:
     theta: Array
     x: Array
     written: NDArray[np.int64]
-
-    def copy(self) -> SimulatedWindows:
-        """A copy with its own arrays."""
-        return SimulatedWindows(self.q.copy(), self.theta.copy(), self.x.copy(), self.written.copy())
-
-    def part(self, which: NDArray[np.int64]) -> SimulatedWindows:
-        """A selection of the windows."""
-        return SimulatedWindows(self.q[which], self.theta[which], self.x[which], self.written[which])
 
 
 class Shooter:
@@ -75,7 +67,7 @@ class Shooter:
 
     def __init__(self, model: FlexibleJointModel, windows: Windows, extra: Array | None = None) -> None:
         self.given = model
-        self.model = without(model.resolved(), lambda effect: isinstance(effect, CommandDelay))
+        self.model = without(model.resolved(), lambda effect: effect.stage == "actuator" and effect.lateness > 0.0)
         self.windows = windows
         self.elastic = np.flatnonzero(self.model.elastic)
         self.memory = [effect for effect in acting_effects(self.model) if isinstance(effect, MemoryEffect)]
@@ -112,10 +104,11 @@ class Shooter:
         windows, n = self.windows, self.model.n
         count, rows = len(windows), windows.rows
         solver = core_settings(self._solver(x0, tight), MOST_EVALUATIONS)
-        motion = others.copy() if others is not None else SimulatedWindows(
+        motion = SimulatedWindows(
             np.zeros((count, rows, n)), np.zeros((count, rows, n)), np.zeros((count, windows.blocks, self.size)),
             np.zeros(count, np.int64),
         )  # fmt: skip
+        motion = motion if others is None else others.part(np.arange(count))
         which = np.arange(count) if which is None else which
         for begin in range(0, len(which), AT_ONCE):
             check()

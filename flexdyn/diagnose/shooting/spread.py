@@ -11,7 +11,7 @@ from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.shooting.sensing import of_windows, sensors, slope
 from flexdyn.diagnose.shooting.shooter import Shooter, SimulatedWindows
-from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.diagnose.shooting.windows import PerWindow, Windows
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -26,7 +26,7 @@ SLOW_CONTACT_RATIO = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class Spread(PerWindow):
     """The linear response of every window, from the middle of one block to that of the next.
 
     Attributes:
@@ -39,13 +39,6 @@ class Spread:
     flow: Array
     push: Array
     seen: Array
-
-    def replaced(self, which: Indices, other: Spread) -> Spread:
-        """A copy with the responses of some windows from another object, which has only these."""
-        parts = {"flow": self.flow.copy(), "push": self.push.copy(), "seen": self.seen.copy()}
-        for name, part in parts.items():
-            part[which] = getattr(other, name)
-        return Spread(**parts)
 
 
 def spread(shooter: Shooter, whole: SimulatedWindows, which: Indices) -> Spread:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.diagnose.shooting.sensing import lag, sensors
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.effects import DeflectionEffect, SpringHysteresis, recovered
+from flexdyn.effects import DeflectionEffect, recovered
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -41,18 +41,6 @@ class Starts:
     stuck: Array | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class _Local:
-    """One channel near the starts: value, first and second derivative with their errors, and whether it rests."""
-
-    value: Array
-    rate: Array
-    bend: Array
-    value_std: Array
-    rate_std: Array
-    rests: NDArray[np.bool_]
-
-
 def first_states(shooter: Shooter) -> Starts:
     """First states of every window for a model.
 
@@ -69,14 +57,14 @@ def first_states(shooter: Shooter) -> Starts:
     both = np.zeros(n, bool)
     for j, joint in enumerate(model.joint_names):
         link, rotor = found.get(f"q.{joint}"), found.get(f"theta.{joint}")
-        one, two = (link or rotor), (rotor or link)
+        one, two = (rotor if link is None else link), (link if rotor is None else rotor)
         if one is None or two is None:
             v_std[:, j] = omega_std[:, j] = q_std[:, j] = theta_std[:, j] = 0.1
             continue
         both[j] = link is not None and rotor is not None
-        q[:, j], v[:, j], q_std[:, j], v_std[:, j] = one.value, one.rate, one.value_std, one.rate_std
-        theta[:, j], omega[:, j], theta_std[:, j], omega_std[:, j] = two.value, two.rate, two.value_std, two.rate_std
-        bend[:, j], rests[:, j] = one.bend, one.rests & two.rests
+        q[:, j], v[:, j], bend[:, j], q_std[:, j], v_std[:, j], link_rests = one.T
+        theta[:, j], omega[:, j], _, theta_std[:, j], omega_std[:, j], rotor_rests = two.T
+        rests[:, j] = (link_rests > 0) & (rotor_rests > 0)
     delta = _wound(shooter, np.where(both, 0.5 * (q + theta), q), v, bend)
     for j, joint in enumerate(model.joint_names):
         if both[j] or not model.elastic[j]:
@@ -99,31 +87,30 @@ def first_states(shooter: Shooter) -> Starts:
     return Starts(np.hstack([x, z]), np.hstack([std, z_std]), stuck if unseen else None)
 
 
-def _around(shooter: Shooter, name: str) -> _Local:
-    """Local cubics of one channel at every start."""
+def _around(shooter: Shooter, name: str) -> Array:
+    """One channel at every start (windows, 6): value, two derivatives, errors of value and rate, whether it rests."""
     windows, effects = shooter.windows, sensors(shooter.model, name)
     noise = windows.sensor_noise[windows.channels.index(name)]
-    parts: list[Array] = [np.full((0, 7), np.nan)]
+    parts: list[Array] = [np.full((0, 6), np.nan)]
     order = np.argsort(windows.places[:, 0], kind="stable")
     for k, recording in enumerate(windows.recordings):
         rows = windows.places[windows.places[:, 0] == k, 1]
         if not len(rows):
             continue
         if name not in recording:
-            parts.append(np.tile([0.0, 0.0, 0.0, 0.1, 0.1, 0.0, 0.0], (len(rows), 1)))
+            parts.append(np.tile([0.0, 0.0, 0.0, 0.1, 0.1, 0.0], (len(rows), 1)))
             continue
         late = lag(effects)
         x = recovered(effects, np.asarray(recording[name]), recording.t)
         parts.append(_cubics(recording.t - late, x, recording.t[rows], rows, noise, windows.period))
-    table = np.empty((len(windows), 7))
+    table = np.empty((len(windows), 6))
     table[order] = np.concatenate(parts)
-    value, rate, bend, value_std, rate_std, rests, _ = table.T
-    return _Local(value, rate, bend, value_std, rate_std, rests > 0)
+    return table
 
 
 def _cubics(t: Array, x: Array, at: Array, rows: NDArray[np.int64], noise: float, period: float) -> Array:
-    """Value, two derivatives, their errors and rest (starts, 7), by the widest cubic that leaves only noise."""
-    best = np.full((len(rows), 7), np.nan)
+    """Value, two derivatives, their errors and rest (starts, 6), by the widest cubic that leaves only noise."""
+    best = np.full((len(rows), 6), np.nan)
     open_ = np.ones(len(rows), bool)
     for reach in REACHES:
         half = max(4, round(reach / period))
@@ -148,7 +135,7 @@ def _cubics(t: Array, x: Array, at: Array, rows: NDArray[np.int64], noise: float
         value_std, rate_std = (error * np.sqrt(inverse[:, i, i]) for i in (0, 1))
         row = np.stack([
             first + fit[:, 0], fit[:, 1] * scale, 2.0 * fit[:, 2] * scale**2, value_std, rate_std * scale,
-            np.zeros(len(rows)), size,
+            np.zeros(len(rows)),
         ], axis=1)  # fmt: skip
         best[open_] = row[open_]
         open_ &= size > 1.3 * noise
@@ -244,7 +231,7 @@ def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
 
     q, theta = position("q"), position("theta")
     path: Array | None
-    if isinstance(effect, SpringHysteresis):
+    if getattr(effect, "side", "") == "transmission":
         if q is None or theta is None:
             return None
         path = theta - q

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.diagnose.shooting.spread import LARGEST_SLOPE, Indices, Spread
-from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.diagnose.shooting.windows import Index, PerWindow, Windows
 
 Array = NDArray[np.float64]
 EXCUSED_SHARE = 0.2
@@ -17,7 +18,7 @@ EXCUSED_SHARE = 0.2
 
 
 @dataclass(frozen=True, eq=False)
-class Filter:
+class Filter(PerWindow):
     """A filter with the propagation of noise through every window; it is linear in the residuals.
 
     Its state is the error e of the simulated state (simulated - true): e' = flow e + torque noise, and the block means
@@ -93,13 +94,11 @@ class Filter:
         wild = ((carried > most) | (left > most)).any(axis=(1, 2))
         return cls(response, gain, first_gain, whitener, variance, unfitted, counted, windows.block, wild)
 
-    def replaced(self, which: Indices, other: Filter) -> Filter:
-        """A copy in which some windows come from another filter, which has only these."""
-        names = [field.name for field in dataclasses.fields(self) if field.name not in ("response", "block")]
-        parts = {name: getattr(self, name).copy() for name in names}
-        for name, part in parts.items():
-            part[which] = getattr(other, name)
-        return dataclasses.replace(self, response=self.response.replaced(which, other.response), **parts)
+    def replaced(self, which: Index, other: Self) -> Self:
+        """See the base class; the response too."""
+        return dataclasses.replace(
+            super().replaced(which, other), response=self.response.replaced(which, other.response)
+        )
 
     def _run(self, residual: Array, error: Array) -> tuple[Array, Array]:
         """Whitened innovations (windows, blocks, channels) and estimated errors of the first states (windows, nx)."""

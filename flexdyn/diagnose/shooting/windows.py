@@ -4,59 +4,50 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64] | NDArray[np.bool_]
 WINDOW_LENGTH = 0.5
 """Length of a window [s]: contract, section 8."""
 MOST_WINDOWS = 400
 """Largest number of windows; of more, evenly spaced ones are used: 200 s are enough, and memory stays bounded."""
 WINDOW_GAP_STEPS = 1.5
 """A time step longer than this multiple of the usual one is a gap [1]."""
+LEAST_NOISE = 1e-12
+"""Least standard deviation of a sensor [rad or m]: residuals are divided by it."""
 POSITIONS = ("q", "theta")
 
 
 @dataclass(frozen=True, eq=False)
-class WindowNoise:
-    """Standard deviations by joint, in the order of the model's q; those of unmeasured channels are not used.
+class PerWindow:
+    """Base of what has one entry per window in each of its arrays."""
 
-    Attributes:
-        q: of the link encoders, quantisation included (n,) [rad or m].
-        theta: of the motor encoders, reflected (n,).
-        tau: white noise of the torque, independent from one sample to the next (n,) [N m or N].
-    """
+    def part(self, which: Index) -> Self:
+        """A selection of the windows."""
+        return dataclasses.replace(self, **{name: array[which] for name, array in self._arrays().items()})
 
-    q: Array
-    theta: Array
-    tau: Array
+    def replaced(self, which: Index, other: Self) -> Self:
+        """A copy in which some windows come from another object, which has only these."""
+        arrays = {name: array.copy() for name, array in self._arrays().items()}
+        for name, array in arrays.items():
+            array[which] = getattr(other, name)
+        return dataclasses.replace(self, **arrays)
 
-    def __post_init__(self) -> None:
-        """Copy the arrays and make them read-only.
-
-        Raises:
-            InputError: a torque without a level, or a level below 0.
-        """
-        for name in ("q", "theta", "tau"):
-            array = np.array(getattr(self, name), dtype=float)
-            if (array < 0.0).any() or (name == "tau" and not np.isfinite(array).all()):
-                raise InputError("a finite level of at least 0 is needed", key=f"noise.{name}", value=array)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
-
-    @classmethod
-    def of(cls, q: ArrayLike, theta: ArrayLike, tau: ArrayLike, n: int) -> WindowNoise:
-        """Convert one number for all joints, or n numbers."""
-        return cls(*(np.broadcast_to(np.asarray(level, dtype=float), (n,)) for level in (q, theta, tau)))
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +67,7 @@ class Windows:
     recordings: tuple[Recording, ...]
     joints: tuple[str, ...]
     channels: tuple[str, ...]
-    noise: WindowNoise
+    noise: SampleNoise
     places: NDArray[np.int64]
     rows: int
     block: int
@@ -86,8 +77,7 @@ class Windows:
         cls,
         model: FlexibleJointModel,
         recordings: Sequence[Recording],
-        noise: WindowNoise,
-        seconds: float = WINDOW_LENGTH,
+        noise: SampleNoise,
         most: int = MOST_WINDOWS,
     ) -> Windows:
         """Cut recordings into windows; a window never crosses a gap in time, and the last partial one is dropped.
@@ -96,7 +86,6 @@ class Windows:
             model: that names the joints.
             recordings: of one rate; each with tau and a measured position.
             noise: of the channels.
-            seconds: length of a window [s].
             most: largest number of windows; of more, evenly spaced ones are used.
 
         Raises:
@@ -107,11 +96,6 @@ class Windows:
         channels = tuple(name for name in names if any(name in recording for recording in recordings))
         if not channels:
             raise InputError("no position was measured", key="channels", remedy="q.JOINT or theta.JOINT is needed")
-        for name in channels:
-            signal, _, joint = name.partition(".")
-            level = float(getattr(noise, signal)[joints.index(joint)])
-            if not 0.0 < level < math.inf:
-                raise InputError("a finite level above 0 is needed", key=f"noise.{name}", value=level)
         periods = [float(np.median(np.diff(recording.t))) for recording in recordings]
         period = float(np.median(periods))
         for own in periods:
@@ -119,12 +103,12 @@ class Windows:
                 remedy = "resample it, or diagnose it by itself"
                 raise InputError("recordings of different rates", key="rate", value=1.0 / own, remedy=remedy)
         block = max(1, round((0.005 if model.n <= 3 else 0.01) / period))
-        rows = block * int(seconds / (period * block) + 1e-6)
+        rows = block * int(WINDOW_LENGTH / (period * block) + 1e-6)
         places = (
             [(k, row) for k, each in enumerate(recordings) for row in _starts(each.t, period, rows)] if rows else []
         )
         if not places:
-            remedy = f"windows of {seconds:g} s without a gap are needed"
+            remedy = f"windows of {WINDOW_LENGTH:g} s without a gap are needed"
             raise InputError("the recordings are too short", key="t", remedy=remedy)
         return cls(tuple(recordings), joints, channels, noise, np.array(places, np.int64), rows, block).thinned(most)
 
@@ -159,9 +143,10 @@ class Windows:
 
     @property
     def sensor_noise(self) -> Array:
-        """Standard deviation of every channel (channels,)."""
+        """Standard deviation of every channel (channels,); of a channel without noise, a tiny number."""
         parts = (name.partition(".") for name in self.channels)
-        return np.array([getattr(self.noise, signal)[self.joints.index(joint)] for signal, _, joint in parts])
+        levels = [getattr(self.noise, signal)[self.joints.index(joint)] for signal, _, joint in parts]
+        return np.maximum(levels, LEAST_NOISE)
 
     @property
     def blocks(self) -> int:

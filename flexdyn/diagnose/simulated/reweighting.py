@@ -29,7 +29,7 @@ EQUATIONS_FIT_STEPS = 6
 class Simulated:
     """Structures that were simulated, each with its log posterior.
 
-    The likelihood of the windows stands in place of that of the equations; priors and volumes stay.
+    The likelihood is that of the windows instead of the equations; priors and volumes are the same.
 
     Args:
         found: the posterior by the equations.
@@ -125,7 +125,7 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
 
 
 def reweighed(found: Posterior, windows: Windows) -> Posterior:
-    """The posterior with the numbers, and where needed the structures, that simulated windows tell.
+    """The posterior with the numbers, and if needed the structures, that fit simulated windows.
 
     Where the numbers of the best structure bring its windows to noise, structures stay as the equations have them.
     Else its neighbours are simulated, and theirs. What comes to noise in the end takes its place, and the structures

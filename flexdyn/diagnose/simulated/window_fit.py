@@ -1,4 +1,4 @@
-"""A hypothesis fitted to simulated windows by Gauss-Newton: what equations cannot tell, as where a joint reverses."""
+"""A hypothesis fitted to simulated windows by Gauss-Newton; windows include reversals, which the equations mask."""
 
 from __future__ import annotations
 
@@ -14,15 +14,45 @@ from flexdyn.diagnose.hypothesis.linear import priors, tangent_scale, within_bou
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.slopes import slopes
 
 Array = NDArray[np.float64]
+SCALED_STEP = 0.1
+"""Step of the differences, in scales of the fit; a factor's in the part of its tolerance that this is."""
 WINDOW_FIT_STEPS = 8
 """Gauss-Newton steps at most."""
 STEP_SHARES = (1.0, 0.3, 0.1)
 """Shares of a step that are tried."""
 WORTHWHILE_GAIN = 5.0
 """Log posterior that a step must gain for another one [1]."""
+
+
+def slopes(here: Hypothesis, shot: Shot, scales: tuple[float, ...]) -> Array:
+    """Differences of the whitened windows by every number, from the same first states (rows, numbers).
+
+    Args:
+        here: the hypothesis that was simulated.
+        shot: its windows.
+        scales: of the effects' unknowns.
+    """
+    white = shot.whitened().ravel()
+    columns = []
+    for k in range(len(here.factors) + len(scales)):
+        stepped, step = _with_a_step(here, k, scales)
+        columns.append((shot.whitened(stepped.seen()).ravel() - white) / step)
+    return np.stack(columns, axis=1)
+
+
+def _with_a_step(here: Hypothesis, k: int, scales: tuple[float, ...]) -> tuple[Hypothesis, float]:
+    """The hypothesis with one number moved, and by how much."""
+    numbers = len(here.factors)
+    if k < numbers:
+        number, factor = list(here.factors.items())[k]
+        step = SCALED_STEP * max(number.tolerance, 1e-3)
+        return dataclasses.replace(here, factors={**here.factors, number: factor + step}), step
+    effect, name = here.unknowns()[k - numbers]
+    changed = effect.replace(**{name: getattr(effect, name) + SCALED_STEP * scales[k - numbers]})
+    effects = tuple(changed if each is effect else each for each in here.effects)
+    return dataclasses.replace(here, effects=effects), SCALED_STEP
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +78,7 @@ class WindowFit:
 
 
 def fit_to_windows(start: WindowFit) -> WindowFit:
-    """Gauss-Newton from where a hypothesis stands; never worse than there.
+    """Fit by Gauss-Newton; the result is never worse than the start.
 
     ``max  sum_w log p(window w | numbers) + log p(numbers)``: the windows' first states are eliminated by a Kalman
     filter, and each window weighs by the error that it leaves beyond noise (iteratively reweighted least squares).
