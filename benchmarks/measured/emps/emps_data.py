@@ -146,8 +146,6 @@ def inverse(model: fd.FlexibleJointModel, record: fd.Recording) -> Inverse:
     q, v, a = _motion(data.theta, data.dt)
     rests = np.zeros(q.shape, dtype=np.bool_)
     seen = Smoothed(data.t, data.dt, q, v, a, q, v, a, data.tau, np.zeros_like(q), data, 0, rests)
-        data.t, data.dt, q, v, a, q, v, a, data.tau, np.zeros_like(q), data, 0, np.zeros(q.shape, dtype=np.bool_)
-    )
     along = motion(fd.LinkSide(true), seen)
     terms = joint_terms(true, true.all_effects, along, 0)
     missing = terms.motor + terms.link - along.inverse_dynamics[:, 0]
