@@ -5,12 +5,12 @@ from __future__ import annotations
 import bz2
 import sqlite3
 import struct
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from backports import zstd
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags import rosbag1
@@ -22,6 +22,11 @@ from flexdyn.records import read_recording
 from flexdyn.records.ros.guard import Chunk, check_index
 from flexdyn.records.ros.walk import lay_out
 from tests.records.ros_bags import JOINT_STATE, Maker, Message, refused
+
+if sys.version_info >= (3, 14):
+    from compression import zstd
+else:
+    from backports import zstd
 
 MAGIC = b"\x89MCAP0\r\n"
 ZEROS = bytes(2**25)
