@@ -264,6 +264,16 @@ def test_many_layouts_in_one_block(tmp_path: Path) -> None:
     np.testing.assert_array_equal(rec["q.a"], np.arange(1.0, 400.0))
 
 
+def test_a_database_without_its_last_bytes(tmp_path: Path) -> None:
+    """Some versions of SQLite read on, as long as the end is not needed."""
+    path = made(tmp_path, "db3")
+    data = path.read_bytes()
+    path.write_bytes(data[:-1])
+    refused(path, f"truncated: {len(data)} bytes are announced, got '{len(data) - 1} bytes'")
+    path.write_bytes(data + bytes(4096))
+    assert read_recording(path).t.size == 4
+
+
 def test_messages_that_are_left_in_a_journal(tmp_path: Path) -> None:
     """A recorder that was killed leaves messages beside the database: none is lost in silence."""
     path = made(tmp_path, "db3")
