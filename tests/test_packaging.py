@@ -91,3 +91,23 @@ def test_the_core_needs_no_other_package() -> None:
     words = [sys.executable, "-I", "-S", "-c", ALONE, str(_core.__file__)]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert (done.stdout, done.stderr) == ("False False Plant\n", "")
+
+
+@pytest.mark.parametrize(("library", "remedy"), [("libgomp.so.1", "apt install libgomp1"), ("libz.so.1", "has it")])
+def test_a_library_of_the_system_is_missing(library: str, remedy: str, tmp_path: Path) -> None:
+    """Pinocchio's wheel brings all but one: small images lack it, and the program says so in one line."""
+    (tmp_path / "flexdyn").mkdir()
+    said = f"{library}: cannot open shared object file: No such file or directory"
+    (tmp_path / "flexdyn" / "__init__.py").write_text(f"raise ImportError({said!r})\n", encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "flexdyn_program", "doctor"],
+        cwd=tmp_path,  # which stands first on the path: that folder is its flexdyn
+        env={"PYTHONPATH": str(ROOT / "scripts")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert library in done.stderr
+    assert remedy in done.stderr

@@ -43,7 +43,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             _mute()
             return BROKEN_PIPE
         except (Exception, KeyboardInterrupt) as error:
-            return report(error)
+            code = report(error)
+            _drop_the_rest()
     return code
 
 
@@ -60,6 +61,14 @@ def _run(arguments: list[str]) -> int:
     if result == INTERRUPTED:  # while the arguments were read
         raise KeyboardInterrupt
     return result if isinstance(result, int) else 0
+
+
+def _drop_the_rest() -> None:
+    """What a full disk did not take, Python 3.14 tries to write once more at its end, and would tell that at length."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        _mute()
 
 
 def _mute() -> None:

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import logging
 import os
+import re
 import signal
+import sys
 from types import FrameType
 
 INTERRUPTED = 130
@@ -25,7 +27,14 @@ def main() -> int:
     ours = asked is signal.default_int_handler  # else whoever started us has said what is to become of it
     if ours:
         signal.signal(signal.SIGINT, _leave)
-    from flexdyn.cli import main as run
+    try:
+        from flexdyn.cli import main as run
+    except ImportError as error:
+        answer = _missing(error)
+        if answer is None:
+            raise
+        sys.stderr.write(answer)
+        return 2
 
     if ours:
         signal.signal(signal.SIGINT, asked)
@@ -35,6 +44,17 @@ def main() -> int:
     if code == INTERRUPTED:
         logging.disable()  # what they were at then, they would tell at length
     return code
+
+
+def _missing(error: ImportError) -> str | None:
+    """One line, if a library of the system is missing that a wheel counts on, as in small images of Linux."""
+    found = re.match(r"(\S+\.so\S*): cannot open shared object file", str(error))
+    if found is None:
+        return None
+    remedy = "install the package of your system that has it"
+    if found[1].startswith("libgomp.so"):
+        remedy = "Pinocchio needs it. Debian, Ubuntu: apt install libgomp1. Fedora: dnf install libgomp"
+    return f"flexdyn: {found[1]}, a library of the system, is missing: {remedy}\n"
 
 
 def _leave(number: int, frame: FrameType | None) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -96,12 +97,13 @@ def test_paths_that_are_no_files(tmp_path: Path) -> None:
     """Missing files, folders and pipes are said, never waited for."""
     (tmp_path / "dir.csv").mkdir()
     os.mkfifo(tmp_path / "pipe.csv")
+    too_long = "no such file" if sys.version_info >= (3, 14) else "cannot be read"  # as Path.exists answers
     for name, words in {
         "none.csv": "no such file",
         "dir.csv": "not a regular file",
         "pipe.csv": "not a regular file",
         "a\0b.csv": "no such file",
-        "x" * 300 + ".csv": "cannot be read",
+        "x" * 300 + ".csv": too_long,
     }.items():
         with pytest.raises(InputError, match=words):
             read_recording(tmp_path / name)

@@ -15,6 +15,7 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from flexdyn.errors import InputError
 from flexdyn.io.yaml import read_yaml
+from flexdyn.records.ros.database import check_database
 from flexdyn.records.ros.definitions import stored
 from flexdyn.records.ros.guard import MOST_MESSAGE, BoundedReader, check_index, check_mcap, unpack_file, unpacked
 from flexdyn.records.ros.walk import Fields, MessageLayout, lay_out
@@ -126,7 +127,7 @@ def _storage(path: Path, stack: ExitStack) -> Any:
             chunks = check_mcap(path)
             storage = McapReader(path)
         elif suffix == ".db3":
-            _check_journal(path)
+            check_database(path)
             storage = Sqlite3Reader(Path(quote(str(path))))  # rosbags makes a URI of it
         else:
             storage = BoundedReader(path)
@@ -137,16 +138,6 @@ def _storage(path: Path, stack: ExitStack) -> Any:
         elif suffix == ".db3":
             storage.dbconn.limit(_SQLITE_LIMIT_LENGTH, MOST_MESSAGE)
     return storage
-
-
-def _check_journal(path: Path) -> None:
-    """Refuse a database whose last messages are still in its journal: rosbags reads only the main file."""
-    journal = path.with_name(f"{path.name}-wal")
-    if journal.is_file() and journal.stat().st_size:
-        remedy = "open it once with sqlite3 and run PRAGMA wal_checkpoint(TRUNCATE) to take them in"
-        raise InputError(
-            "the recorder was stopped: messages are left in the journal", value=journal.name, remedy=remedy
-        )
 
 
 def _list(bag: Bag, number: int, storage: Any) -> None:
