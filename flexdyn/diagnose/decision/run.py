@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -127,6 +128,7 @@ def _diagnosed(
 ) -> Diagnosis:
     from flexdyn.diagnose.decision.conclusion import concluded
     from flexdyn.diagnose.decision.corrected import corrected
+    from flexdyn.diagnose.decision.refitted import share_in_forces
     from flexdyn.diagnose.inference.passes import posterior
 
     _say(STAGES[0], 0.0)
@@ -138,7 +140,8 @@ def _diagnosed(
     _say(STAGES[1], 0.05)
     compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
     plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
-    found = corrected(compared, plain)
+    by_fits = functools.partial(share_in_forces, compared) if bare.equations.replayed.any() else None
+    found = corrected(compared, plain, by_fits)
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test), _after_comparison)
     return _finished(answer, notes, began)
