@@ -15,15 +15,8 @@ def check_diagnosable(model: FlexibleJointModel) -> None:
         model: as it was given.
 
     Raises:
-        InputError: inductance of a motor, dry friction between two motors, a stop or spring on a joint of several axes.
+        InputError: dry friction between two motors, a stop or spring on a joint of several axes.
     """
-    for name, joint in model.joints.items():
-        if joint.actuator is not None and joint.actuator.dc_motor.inductance > 0.0:
-            motor = joint.actuator.dc_motor
-            lag = 1e3 * motor.inductance / motor.resistance
-            key, problem = f"joints.{name}.actuator.dc_motor.inductance", "a diagnosis does not know inductance"
-            remedy = f"leave it out; the current then follows the voltage at once and not in L/R = {lag:.3g} ms"
-            raise InputError(problem, key=key, value=motor.inductance, remedy=remedy)
     for i, effect in enumerate(model.effects):
         if isinstance(effect, JointCoupling) and effect.level > 0.0:
             remedy = "leave it out, or use coulomb_friction of each motor"

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
+from flexdyn.diagnose.data.windings import with_inductance, with_lagging_current, without_inductance
 from flexdyn.diagnose.decision.background import Progress, beside
 from flexdyn.diagnose.decision.bar import shown
 from flexdyn.diagnose.decision.blocks import checked_blocks, without_blocks
@@ -132,7 +133,10 @@ def _diagnosed(
     from flexdyn.diagnose.inference.passes import posterior
 
     _say(STAGES[0], 0.0)
-    fitted, test = parts(model, *([with_asked_torque(model, each) for each in given] for given in (fit, check)))
+    given = model
+    fit, check = ([with_lagging_current(model, with_asked_torque(model, each)) for each in some] for some in (fit, check))
+    model = without_inductance(model)
+    fitted, test = parts(model, fit, check)
     data = tuple(each.data for each in fitted)
     notes = (*said, *check_recordings(model, data), *advice(model, data))
     know(fitted=fitted, notes=notes, noise=recorded_noise(data))
@@ -144,7 +148,7 @@ def _diagnosed(
     found = corrected(compared, plain, by_fits)
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test), _after_comparison)
-    return _finished(answer, notes, began)
+    return _finished(answer, notes, began, given)
 
 
 def _after_comparison(stage: str, share: float) -> None:
@@ -165,8 +169,9 @@ def _known(model: FlexibleJointModel, course: Course, began: float) -> Diagnosis
     if "noise" not in known:
         return None
     answer = interrupted(model, known)
-    return dataclasses.replace(_finished(answer, known["notes"], began), stopped_at=course.stage)
+    return dataclasses.replace(_finished(answer, known["notes"], began, model), stopped_at=course.stage)
 
 
-def _finished(found: Diagnosis, notes: tuple[str, ...], began: float) -> Diagnosis:
-    return dataclasses.replace(found, notes=(*notes, *found.notes), seconds=time.monotonic() - began)
+def _finished(found: Diagnosis, notes: tuple[str, ...], began: float, given: FlexibleJointModel) -> Diagnosis:
+    corrected, notes = with_inductance(found.model, given), (*notes, *found.notes)
+    return dataclasses.replace(found, model=corrected, notes=notes, seconds=time.monotonic() - began)
