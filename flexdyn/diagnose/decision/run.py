@@ -14,7 +14,6 @@ from flexdyn.diagnose.decision.background import Progress, beside
 from flexdyn.diagnose.decision.bar import shown
 from flexdyn.diagnose.decision.blocks import checked_blocks, without_blocks
 from flexdyn.diagnose.decision.held_out import recorded_noise
-from flexdyn.diagnose.decision.refused import check_diagnosable
 from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
@@ -80,7 +79,6 @@ def diagnose(
         >>> [(finding.suspect.effect, finding.suspect.joint) for finding in answer.findings]
         [('coulomb_friction', 'elbow')]
     """
-    check_diagnosable(model)
     fit, check = (as_recordings(given, key) for given, key in ((fit, "fit"), (check, "check")))
     if blocks := checked_blocks(hold_out):
         fit, apart = without_blocks(fit, blocks)
@@ -134,7 +132,9 @@ def _diagnosed(
 
     _say(STAGES[0], 0.0)
     given = model
-    fit, check = ([with_lagging_current(model, with_asked_torque(model, each)) for each in some] for some in (fit, check))
+    fit, check = (
+        [with_lagging_current(model, with_asked_torque(model, each)) for each in some] for some in (fit, check)
+    )
     model = without_inductance(model)
     fitted, test = parts(model, fit, check)
     data = tuple(each.data for each in fitted)
