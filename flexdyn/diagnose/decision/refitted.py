@@ -16,7 +16,7 @@ from flexdyn.diagnose.inference.apart import beyond_noise
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.whitening import Tempered
 
-STEPS = 6
+STEPS_WITHOUT = 6
 """Of a fit without the law."""
 
 
@@ -40,7 +40,7 @@ def share_in_forces(found: Posterior, candidate: int) -> float:
         return 0.0
     rest = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
     given = dataclasses.replace(rest, factors=dict.fromkeys(rest.factors, 1.0))
-    without = min((fit(start, made.space, steps=STEPS) for start in (rest, given)), key=_reached)
+    without = min((fit(start, made.space, steps=STEPS_WITHOUT) for start in (rest, given)), key=_reached)
     error = whiten.error
     squares = (made.regression.left[: len(made.regression.y)] ** 2).reshape(-1, len(error.scale)).sum(axis=0)
     left = float(error.weights @ beyond_noise(error, squares / error.weights))
