@@ -39,12 +39,8 @@ def record_of(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequ
 
 
 def check_targets(path: str, model: FlexibleJointModel, targets: Sequence[str]) -> None:
-    """What is to be explained exists, and the model can be diagnosed: better said now than after the work."""
-    from flexdyn.diagnose.decision.refused import check_diagnosable
+    """What is to be explained exists: better said now than after the work."""
     from flexdyn.diagnose.report.targets import check_target
-
-    with naming({}, file=path, files={}):
-        check_diagnosable(model)
 
     with naming({"explain": EXPLAIN}, file="", files={}):
         for target in targets:

@@ -101,7 +101,6 @@ class Effect:
         bends_spring: with it, the transmission is no linear spring.
         makes_elastic: a joint that the model takes for rigid becomes elastic.
         is_constant: a torque that neither the motion nor the command changes; a force sensor may have it too.
-        undiagnosed: parameters that a diagnosis does not know where they are above 0: what that is, and the remedy.
     """
 
     name: ClassVar[str]
@@ -128,7 +127,6 @@ class Effect:
     bends_spring: ClassVar[bool] = False
     makes_elastic: ClassVar[bool] = False
     is_constant: ClassVar[bool] = False
-    undiagnosed: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
     def __init_subclass__(cls, abstract: bool = False) -> None:
         """Make the subclass a frozen dataclass and register it in the catalogue under its name."""

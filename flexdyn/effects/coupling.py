@@ -34,7 +34,6 @@ class JointCoupling(JointEffect):
     shown = {"coefficient": 0.5}
     linear = ("coefficient",)
     prevalence = "often"
-    undiagnosed = {"level": ("dry friction between motors", "leave it out, or use coulomb_friction of each motor")}
 
     coefficient: float = parameter("N m s/rad", default=0.0)
     level: float = parameter("N m", lower=0.0, default=0.0)

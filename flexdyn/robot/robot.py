@@ -167,12 +167,19 @@ class Robot(Locked, Public):
         raise InputError("no such joint", key="joint", value=joint, remedy=remedy)
 
     def angle_unit(self, joint: str | int) -> str:
-        """Unit of a joint's position: "rad" or "m"."""
-        return "rad" if self.kinds[self.joint_index(joint)] == "revolute" else "m"
+        """Unit of a joint's position, also of one that axes move: "rad" or "m"."""
+        return "m" if self._slides(joint) else "rad"
 
     def torque_unit(self, joint: str | int) -> str:
         """Unit of a joint's torque or force: "N m" or "N"."""
-        return "N m" if self.kinds[self.joint_index(joint)] == "revolute" else "N"
+        return "N" if self._slides(joint) else "N m"
+
+    def _slides(self, joint: str | int) -> bool:
+        """Whether a joint is prismatic; an axis that moves one is, where all of its joints are."""
+        moved_by: list[str | int] = [
+            x for x, entry in self.axes.items() if joint in entry and joint not in self.joint_names
+        ]
+        return any(self.kinds[self.joint_index(each)] == "prismatic" for each in moved_by or [joint])
 
     def frame(self, name: str) -> FramePlacement:
         """The joint and placement of a frame; if a link and a joint have the same name, it is the link.

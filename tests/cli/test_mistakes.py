@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-import flexdyn as fd
 from tests.cli.conftest import Runner
 
 ARM = """flexdyn: 1
@@ -186,15 +185,3 @@ def _one_line(err: str, said: list[str]) -> None:
     assert err.endswith("\n")
     for words in said:
         assert words in err
-
-
-def test_a_model_that_cannot_be_diagnosed_is_named(flexdyn: Runner, tmp_path: Path) -> None:
-    """The line is of the model file, not of the recording."""
-    motor = {"torque_constant": 0.05, "resistance": 1.2, "inductance": 6e-4}
-    arm = fd.load_model("scara_two_link").replace(joints={"elbow": {"actuator": {"dc_motor": motor}}})
-    fd.save_model(arm, tmp_path / "arm.yaml")
-    fd.write_recording(fd.Recording([0.0, 1.0], {"q.elbow": [0.0, 0.0]}), tmp_path / "log.csv")
-    told = flexdyn("diagnose", tmp_path / "arm.yaml", tmp_path / "log.csv", "-o", tmp_path / "report")
-    assert told.code == 2
-    assert "arm.yaml: joints.elbow.actuator.dc_motor.inductance: a diagnosis does not know inductance" in told.err
-    assert "L/R = 0.5 ms" in told.err

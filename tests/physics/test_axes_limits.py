@@ -125,16 +125,10 @@ def test_limits_of_the_urdf_stay_with_their_joints() -> None:
 
 
 def test_what_does_not_act_on_one_joint_alone_is_refused() -> None:
-    """Friction between links of a coupled joint, and a diagnosis with a stop on one, in a line."""
+    """Friction between links of a coupled joint, in a line."""
     problem = "coulomb_friction acts on axes, got 'elbow'; name an axis that moves it, left and right; end_stop, para"
     with pytest.raises(InputError, match=problem):
         model(fd.effects.CoulombFriction("elbow", side="link", level=1.0), spring=False)
-    arm = model(fd.effects.EndStop("elbow", **STOP), spring=False)
-    log = fd.simulate(model(spring=False), TAU, 1.0).to_recording()
-    with pytest.raises(
-        InputError, match=r"effects\[0\].joint: a diagnosis does not know effects on joints that several"
-    ):
-        fd.diagnose(arm, log)
 
 
 def test_it_is_saved_and_shown(tmp_path: Any) -> None:

@@ -233,16 +233,13 @@ def test_levels_add_up_and_the_drag_stays(tmp_path: Path) -> None:
 
 
 def test_what_is_refused(tmp_path: Path) -> None:
-    """A ratio of 0, a negative level, a chain of motors, and a diagnosis: one line each."""
+    """A ratio of 0, a negative level, and a chain of motors: one line each."""
     with pytest.raises(InputError, match=r"joint_coupling.ratio: a ratio other than 0 is needed, got 0"):
         rubbing(ratio=0.0)
     with pytest.raises(InputError, match=r"joint_coupling.level: it must be at least 0"):
         rubbing(-0.1)
     with pytest.raises(InputError, match=r"effects\[1\].level: \w+ has a dry coupling already"):
         wheels(tmp_path, rubbing(), JointCoupling(TWO, other=ONE, level=0.1))
-    log = fd.simulate(wheels(tmp_path), [0.1, 0.0], 1.0).to_recording()
-    with pytest.raises(InputError, match=r"effects\[0\].level: a diagnosis does not know dry friction between motors"):
-        fd.diagnose(wheels(tmp_path, rubbing()), log)
 
 
 def test_without_a_level_it_is_the_drag_alone(tmp_path: Path) -> None:

@@ -194,18 +194,14 @@ def test_without_inductance_nothing_changes(tmp_path: Path) -> None:
     assert not given.energy.magnetic.any()
 
 
-def test_it_is_read_written_and_refused(tmp_path: Path) -> None:
-    """The model file holds it; a negative one, and a diagnosis with it, are one line."""
+def test_it_is_read_and_written(tmp_path: Path) -> None:
+    """The model file holds it; a negative one is one line."""
     arm = wound(tmp_path)
     fd.save_model(arm, tmp_path / "again.yaml")
     assert "inductance: 0.02" in (tmp_path / "again.yaml").read_text()
     assert fd.load_model(tmp_path / "again.yaml").joints == arm.joints
     with pytest.raises(InputError, match="inductance: it must be finite and at least 0, got -1"):
         wound(tmp_path, inductance=-1.0)
-    run = fd.simulate(arm, steps(6.0))
-    problem = r"joints.swing.actuator.dc_motor.inductance: a diagnosis does not know inductance, got 0.02; .* = 8 ms"
-    with pytest.raises(InputError, match=problem):
-        fd.diagnose(arm, run.to_recording())
 
 
 def test_a_motor_that_turns_the_other_way(tmp_path: Path) -> None:

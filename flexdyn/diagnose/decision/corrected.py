@@ -95,7 +95,7 @@ class Corrected:
         return converged(self.fitted)
 
 
-def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None = None) -> Corrected:
+def corrected(found: Posterior, plain: Workspace, simulated_share: Share | None = None) -> Corrected:
     """Name what is established, and fit the model with it and no more.
 
     For an "A or B" the model contains A. If more than noise is left, something without a name may have displaced the
@@ -104,8 +104,8 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     Args:
         found: the posterior over structures.
         plain: the equations of the model as given, with the sensors' weights.
-        share_in_windows: own part of a candidate in simulated windows over what is left there, where the equations do
-            not make it stand out [1]; None: the equations alone decide.
+        simulated_share: own part of a candidate in simulations over what is left there, where the linear equations do
+            not make it stand out [1]; None: they alone decide.
     """
     space, here = found.space, found.fitted.hypothesis
     masses = _masses(found)
@@ -115,14 +115,14 @@ def corrected(found: Posterior, plain: Workspace, share_in_windows: Share | None
     own = {c: genuine(space.candidates[c], each, found.expected) for c, each in share.items()}
     may = functools.partial(_may_stand_in, space, masses)
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
-    by_windows = {c: share_in_windows(c) for c in sure} if share_in_windows else {}
-    seen = {c: genuine(space.candidates[c], each, found.expected) for c, each in by_windows.items()}
+    simulated = {c: simulated_share(c) for c in sure} if simulated_share else {}
+    seen = {c: genuine(space.candidates[c], each, found.expected) for c, each in simulated.items()}
     own = {c: max(each, seen.get(c, 0.0)) for c, each in own.items()}
     named = names(masses, best, own, there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
-    # An effect that explains more in the windows than remains there may be small in the equations.
-    least = {c: 0.0 if each > 1.0 else SMALLEST_TORQUE_SHARE for c, each in by_windows.items()}
+    # An effect that explains more in simulations than remains there may be small in the equations.
+    least = {c: 0.0 if each > 1.0 else SMALLEST_TORQUE_SHARE for c, each in simulated.items()}
     large = tuple(
         each
         for each in kept

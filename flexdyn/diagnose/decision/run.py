@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import time
 from collections.abc import Sequence
 from typing import Any
 
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
+from flexdyn.diagnose.data.windings import with_inductance, with_lagging_current, without_inductance
 from flexdyn.diagnose.decision.background import Progress, beside, shown
 from flexdyn.diagnose.decision.held_out import recorded_noise
-from flexdyn.diagnose.decision.refused import check_diagnosable
 from flexdyn.diagnose.decision.split import checked_blocks, parts, without_blocks
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
@@ -76,7 +77,6 @@ def diagnose(
         >>> [(finding.suspect.effect, finding.suspect.joint) for finding in answer.findings]
         [('coulomb_friction', 'elbow')]
     """
-    check_diagnosable(model)
     fit, check = (as_recordings(given, key) for given, key in ((fit, "fit"), (check, "check")))
     if blocks := checked_blocks(hold_out):
         fit, apart = without_blocks(fit, blocks)
@@ -125,10 +125,16 @@ def _diagnosed(
 ) -> Diagnosis:
     from flexdyn.diagnose.decision.conclusion import concluded
     from flexdyn.diagnose.decision.corrected import corrected
+    from flexdyn.diagnose.decision.refitted import share_in_forces
     from flexdyn.diagnose.inference.passes import posterior
 
     _say(STAGES[0], 0.0)
-    fitted, test = parts(model, *([with_asked_torque(model, each) for each in given] for given in (fit, check)))
+    given = model
+    fit, check = (
+        [with_lagging_current(model, with_asked_torque(model, each)) for each in some] for some in (fit, check)
+    )
+    model = without_inductance(model)
+    fitted, test = parts(model, fit, check)
     data = tuple(each.data for each in fitted)
     notes = (*said, *check_recordings(model, data), *advice(model, data))
     know(fitted=fitted, notes=notes, noise=recorded_noise(data))
@@ -136,10 +142,11 @@ def _diagnosed(
     _say(STAGES[1], 0.05)
     compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
     plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
-    found = corrected(compared, plain)
+    by_fits = functools.partial(share_in_forces, compared) if bare.equations.replayed.any() else None
+    found = corrected(compared, plain, by_fits)
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test), _after_comparison)
-    return _finished(answer, notes, began)
+    return _finished(answer, notes, began, given)
 
 
 def _after_comparison(stage: str, share: float) -> None:
@@ -160,8 +167,9 @@ def _known(model: FlexibleJointModel, course: Course, began: float) -> Diagnosis
     if "noise" not in known:
         return None
     answer = interrupted(model, known)
-    return dataclasses.replace(_finished(answer, known["notes"], began), stopped_at=course.stage)
+    return dataclasses.replace(_finished(answer, known["notes"], began, model), stopped_at=course.stage)
 
 
-def _finished(found: Diagnosis, notes: tuple[str, ...], began: float) -> Diagnosis:
-    return dataclasses.replace(found, notes=(*notes, *found.notes), seconds=time.monotonic() - began)
+def _finished(found: Diagnosis, notes: tuple[str, ...], began: float, given: FlexibleJointModel) -> Diagnosis:
+    corrected, notes = with_inductance(found.model, given), (*notes, *found.notes)
+    return dataclasses.replace(found, model=corrected, notes=notes, seconds=time.monotonic() - began)

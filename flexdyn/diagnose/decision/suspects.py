@@ -73,7 +73,7 @@ def numbers_of(
         std: standard deviations of those that were estimated, others were chosen; None: they are not known.
     """
     joint = getattr(effect, "joint", None)
-    prismatic = joint is not None and model.robot.kinds[model.index(joint)] == "prismatic"
+    prismatic = joint is not None and model.robot.angle_unit(joint) == "m"
     return {
         entry.name: Number(
             float(getattr(effect, entry.name)),

@@ -10,7 +10,7 @@ from flexdyn.diagnose.data.sensors import true_channel
 from flexdyn.diagnose.equations.compliance import of_compliance
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import adds_up, own_torque
+from flexdyn.diagnose.equations.terms import adds_up, own_torque, spreads
 from flexdyn.effects import (
     ChannelLag,
     Effect,
@@ -53,6 +53,8 @@ def moves_links(equations: Equations, effect: Effect) -> bool:
     if isinstance(effect, SensorEffect):
         return effect.signal != "tau"
     if not isinstance(effect, JointEffect):
+        return True
+    if spreads(effect, equations.true):
         return True
     return bool(equations.replayed[equations.true.index(effect.joint)]) and effect.side != "motor"
 

@@ -9,6 +9,7 @@ from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.rest import borders, near, uncertain_sign
+from flexdyn.effects import JointCoupling
 
 Array = NDArray[np.float64]
 
@@ -52,6 +53,20 @@ def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
             continue
         sigma = level if there else max(noise.q[j], noise.theta[j]) * 3.0
         uncertain |= uncertain_sign(u, sigma, equations.filters.first)
+    return uncertain | _rubbing(equations, along, noise, j) if kind in (MOTOR, TOTAL) else uncertain
+
+
+def _rubbing(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int) -> NDArray[np.bool_]:
+    """The same of the velocities of a motor relative to others that rub on it."""
+    true, uncertain = equations.true, np.zeros(len(along.t), dtype=bool)
+    levels = np.maximum(noise.q, noise.theta)
+    for effect in true.all_effects:
+        if isinstance(effect, JointCoupling) and effect.level > 0.0:
+            one, other = true.index(effect.joint), true.index(effect.other)
+            if j in (one, other):
+                u = along.omega[:, one] - effect.ratio * along.omega[:, other]
+                sigma = float(np.hypot(levels[one], effect.ratio * levels[other]))
+                uncertain |= uncertain_sign(u, sigma, equations.filters.first)
     return uncertain
 
 

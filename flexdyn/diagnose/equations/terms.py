@@ -19,6 +19,7 @@ from flexdyn.effects import (
     MemoryEffect,
 )
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.robot.axes import joint_row
 
 Array = NDArray[np.float64]
 
@@ -85,6 +86,37 @@ def friction_torque(
     return total
 
 
+def spreads(effect: Effect, model: FlexibleJointModel) -> bool:
+    """Whether an effect acts on several axes: dry friction between two motors, a law of a joint that several move."""
+    if isinstance(effect, JointCoupling) and effect.level != 0.0:
+        return True
+    return isinstance(effect, JointEffect) and joint_row(model.robot, effect.joint) is not None
+
+
+def spread_torques(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedMotion) -> tuple[str, Array]:
+    """Side of an effect that acts on several axes, and its torques (samples, n) on the right side of its equations."""
+    torques, row = np.zeros_like(motion.q), joint_row(model.robot, effect.joint)
+    if row is not None:
+        own = effect.torque(motion.q @ row, motion.v @ row, t=motion.t)
+        return "link", torques + own[:, None] * row
+    assert isinstance(effect, JointCoupling)  # noqa: S101 - see `spreads`
+    one, other = model.index(effect.joint), model.index(effect.other)
+    rubbing = effect.level * np.sign(motion.omega[:, one] - effect.ratio * motion.omega[:, other])
+    torques[:, one] = -rubbing - effect.coefficient * motion.omega[:, other]
+    torques[:, other] = effect.ratio * rubbing
+    return "motor", torques
+
+
+def _spread(effects: Sequence[Effect], model: FlexibleJointModel, motion: SmoothedMotion, j: int) -> dict[str, Array]:
+    """What effects that act on several axes do to one of them, by side (samples,)."""
+    found = {side: np.zeros(len(motion.t)) for side in ("motor", "link")}
+    for effect in effects:
+        if isinstance(effect, JointEffect) and spreads(effect, model):
+            side, torques = spread_torques(effect, model, motion)
+            found[side] += torques[:, j]
+    return found
+
+
 def adds_up(effect: JointEffect) -> bool:
     """Whether an effect's torque does not depend on the other effects of its joint."""
     plain = effect.stage in ("friction", "dry", "link") and not effect.takes_load
@@ -131,9 +163,10 @@ class Terms:
 
 def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: SmoothedMotion, j: int) -> Terms:
     """The torques on a joint's rotor and link along a motion."""
-    acting = of_joint(effects, model.joint_names[j])
-    motor = applied_torque(acting, motion, j)
-    link = link_torque(acting, motion, j)
+    acting = [each for each in of_joint(effects, model.joint_names[j]) if not spreads(each, model)]
+    spread = _spread(effects, model, motion, j)
+    motor = applied_torque(acting, motion, j) + spread["motor"]
+    link = link_torque(acting, motion, j) + spread["link"]
     link = link - friction_torque(acting, model, motion, j, "link", np.zeros(len(motion.t)))
     carried = motion.inverse_dynamics[:, j] - link
     if model.elastic[j]:

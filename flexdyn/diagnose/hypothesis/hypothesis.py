@@ -21,6 +21,8 @@ POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "leve
 """Parameters that a step may change only by a limited factor, because their laws degenerate at 0."""
 STEP_ROUNDING = 1e-9
 """A smaller share of a step counts as no step [1]."""
+LEAST_FACTOR = 0.02
+"""Smallest factor of a number of the file: masses, stiffnesses, dampings and levels are positive [1]."""
 IN_TOLERANCE = 3.0
 """Standard deviations of its tolerance within which a number of the file is calibrated and not wrong."""
 
@@ -74,7 +76,8 @@ class Hypothesis:
 
 def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
     """The hypothesis after a step of its numbers; bounds are respected."""
-    factors = {n: max(f + float(dx), 0.02) for (n, f), dx in zip(hypothesis.factors.items(), step, strict=False)}
+    pairs = zip(hypothesis.factors.items(), step, strict=False)
+    factors = {n: max(f + float(dx), LEAST_FACTOR) for (n, f), dx in pairs}
     changes: dict[Effect, dict[str, float]] = {}
     for (effect, name), dx, scale in zip(hypothesis.unknowns(), step[len(factors) :], scales, strict=False):
         changes.setdefault(effect, {})[name] = bounded(effect, name, float(dx) * scale)

@@ -13,7 +13,7 @@ from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis.hypothesis import STEP_ROUNDING, Hypothesis, bounded
+from flexdyn.diagnose.hypothesis.hypothesis import LEAST_FACTOR, STEP_ROUNDING, Hypothesis, bounded
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.effects import Effect, SensorEffect
 from flexdyn.errors import SimulationError
@@ -71,13 +71,13 @@ def linearised(
 
 
 def within_bounds(made: Fit) -> Fit:
-    """The problem with fixed values for unknowns at a bound that would leave it."""
+    """The problem with fixed values for numbers and unknowns at a bound that would leave it."""
     regression, held = made.regression, _held(made.hypothesis, made.regression, made.scales)
     if not held:
         return made
-    X, sigma = regression.X.copy(), regression.sigma.copy()
-    X[:, held], sigma[list(held)] = 0.0, 1e-9  # the others are fitted without them
-    bound = dataclasses.replace(regression, X=X, sigma=sigma)
+    X, sigma, centre = regression.X.copy(), regression.sigma.copy(), regression.centre.copy()
+    X[:, held], sigma[list(held)], centre[list(held)] = 0.0, 1e-9, 0.0  # the others are fitted without them
+    bound = dataclasses.replace(regression, X=X, sigma=sigma, centre=centre)
     return dataclasses.replace(made, regression=bound, held=held, free=regression)
 
 
@@ -111,10 +111,10 @@ def _rows(
 
 
 def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:
-    """Columns of the unknowns at a bound that would leave it."""
+    """Columns of the numbers and unknowns at a bound that would leave it."""
     first = len(hypothesis.factors)
     wanted = regression.values[first : first + len(scales)] * np.array(scales)
-    held = []
+    held = [k for k, f in enumerate(hypothesis.factors.values()) if f <= LEAST_FACTOR and regression.values[k] < 0.0]
     for k, ((effect, name), dx) in enumerate(zip(hypothesis.unknowns(), wanted.tolist(), strict=True)):
         value = getattr(effect, name)
         if abs(bounded(effect, name, dx) - value) < STEP_ROUNDING * abs(dx):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, stands_alone
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.terms import spreads
 from flexdyn.effects import JointEffect
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -56,10 +57,10 @@ def _heavier(true: FlexibleJointModel, number: FileNumber) -> FlexibleJointModel
 def _of_joint(equations: Equations, number: FileNumber) -> Array:
     """Derivative of the residual (rows,) by the factor of a joint's number."""
     true = equations.true
-    if number.joint is None:
+    effect = _true_effect(equations, number)
+    if number.joint is None or (effect is not None and spreads(effect, true)):
         return _of_all(equations, number)
     j = true.index(str(number.joint))
-    effect = _true_effect(equations, number)
     if effect is not None and stands_alone(equations, effect):
         more = (1.0 + RELATIVE_NUMBER_STEP) * getattr(effect, number.parameter)
         return of_change(equations, effect, effect.replace(**{number.parameter: more})) / RELATIVE_NUMBER_STEP

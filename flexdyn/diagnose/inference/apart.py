@@ -11,11 +11,11 @@ resembles it,
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
+from scipy.linalg import cho_solve
 
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
@@ -64,7 +64,7 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
     squares = space.products.squares(columns, mean)
     below = _undetected(space.noise)
-    excess = np.maximum(squares - space.noise.count - below, 0.0) * (1.0 - 1.0 / space.noise.times)
+    excess = beyond_noise(space.noise, squares)
     typical, weights = _typical(space, excess), space.gram.weights
     point, found = dict(structure), {}
     numbers = list(space.library.start.factors.values())
@@ -81,8 +81,13 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
         share = float(np.sqrt(((space.size[mine] * does) ** 2).sum()))
         hidden = whole[there].sum() * (typical / share) ** 2 if share > 0.0 else 0.0
         left = max(float((weights * excess)[there].sum()), min(hidden, float((weights * below)[there].sum())))
-        found[c] = _own(space, structure, c, mine, does) / max(left, 1e-9)
+        found[c] = _own(space, structure, c, value, does) / max(left, 1e-9)
     return found
+
+
+def beyond_noise(noise: Discrepancy, squares: Array) -> Array:
+    """What of white sums of squares (equations,) is more than noise, chance and a wrong level of the noise make."""
+    return np.asarray(np.maximum(squares - noise.count - _undetected(noise), 0.0) * (1.0 - 1.0 / noise.times))
 
 
 def _undetected(noise: Discrepancy) -> Array:
@@ -104,18 +109,37 @@ def _typical(space: Space, excess: Array) -> float:
     return float(np.sqrt(np.mean(shares))) if shares else 0.0
 
 
-def _own(space: Space, structure: Structure, c: int, mine: Indices, does: Array) -> float:
+def _own(space: Space, structure: Structure, c: int, value: Mapping[int, float], does: Array) -> float:
     """Weighted squares of what some columns do that all others of a structure cannot, their priors included.
 
-    ``min_b sum_k w_k |X_k does - Z_k b|^2 + b^T Lambda b``: a number that must leave its tolerance for it counts.
+    ``min_b sum_k w_k |X_k does - Z_k b|^2 + b^T Lambda b``: a number that must leave its tolerance for it counts. Where
+    a number is so little known that its prior allows it to be negative, b stays where it is positive.
     """
+    numbers = list(space.library.start.factors.values())
+    mine = space.candidates[c].columns[dict(structure)[c]] if c in dict(structure) else np.zeros(0, np.intp)
+    mine = mine if c >= len(numbers) else np.array([c, *mine], np.intp)
     others = [k for other in structure if other[0] != c for k in space.candidates[other[0]].columns[other[1]].tolist()]
     plain = [k for each in space.contained[c] for k in space.candidates[each].columns[0].tolist()]
-    numbers = range(len(space.library.start.factors))
-    columns = np.setdiff1d(np.array([*numbers, *others, *plain], np.intp), mine)
+    columns = np.setdiff1d(np.array([*range(len(numbers)), *others, *plain], np.intp), mine)
     weights, products = space.gram.weights, space.products
     G = np.diag(space.prior.precision[columns]) + np.tensordot(weights, products.of(columns, columns), 1)
     b = np.tensordot(weights, products.of(columns, mine), 1) @ does
     power = float(does @ np.tensordot(weights, products.of(mine, mine), 1) @ does)
-    factor = lower_factor(G)
-    return max(power - float((solve_triangular(factor, b, lower=True) ** 2).sum()), 0.0)
+    least = np.full(len(columns), -np.inf)
+    for k in set(space.loose) & set(columns.tolist()):
+        least[np.searchsorted(columns, k)] = min(-numbers[k] - value[k], 0.0)
+    x = at_least(G, b, least)
+    return max(power - float(x @ (2.0 * b - G @ x)), 0.0)
+
+
+def at_least(G: Array, b: Array, least: Array) -> Array:
+    """Minimum of ``x^T G x - 2 b^T x`` with lower bounds (k,): what would fall below its bound stays there."""
+    x, free = least.copy(), np.ones(len(b), bool)
+    while free.any():
+        right = b[free] - G[np.ix_(free, ~free)] @ x[~free]
+        x[free] = cho_solve((lower_factor(G[np.ix_(free, free)]), True), right)
+        below = free & (x < least)
+        if not below.any():
+            break
+        x[below], free = least[below], free & ~below
+    return x

@@ -116,6 +116,18 @@ class Gram:
         order = np.concatenate([np.arange(self.base), own.columns]).astype(np.intp)
         return order, np.concatenate([first, own.mean])
 
+    def of_base(self, own: Estimate, which: Indices) -> tuple[Array, Array]:
+        """Mean and standard deviation of some coefficients that every structure has (k,).
+
+        Args:
+            own: a structure's posterior, of its own columns alone.
+            which: columns among those of every structure (k,).
+        """
+        w = self.inverse[:, which]
+        T = w.T @ self.V[:, own.columns]
+        variance = (w**2).sum(axis=0) + ((T @ own.covariance) * T).sum(axis=1)
+        return w.T @ self.z - T @ own.mean, np.sqrt(variance)
+
     def whole(self, columns: Indices) -> Estimate:
         """The posterior of one structure, the columns of every structure before its own."""
         own = self.estimate(columns)

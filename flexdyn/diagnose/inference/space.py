@@ -13,7 +13,7 @@ from scipy.special import betaln, log_ndtr
 
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
-from flexdyn.diagnose.inference.gram import Estimate, Gram, Prior
+from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram, Prior
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, EVERY_MOTOR
 from flexdyn.diagnose.inference.products import Products
@@ -184,7 +184,27 @@ class Space:
             own: its coefficients; None: they are estimated.
         """
         own = own or self.gram.estimate(self.columns(structure))
-        return own.log_volume + self.log_prior(structure) + self.log_large(structure, own)
+        signs = self.log_large(structure, own) + self._log_positive(structure, own)
+        return own.log_volume + self.log_prior(structure) + signs
+
+    def _log_positive(self, structure: Structure, own: Estimate) -> float:
+        """Log probability that masses, stiffnesses, dampings and levels of the file are positive, less that before.
+
+        Only of numbers that are so little known that the normal prior does not say so.
+        """
+        loose = [k for k in self.loose if (k, 0) not in structure]
+        if not loose:
+            return 0.0
+        mean, spread = self.gram.of_base(own, np.array(loose, np.intp))
+        numbers = list(self.library.start.factors.items())
+        start = np.array([numbers[k][1] for k in loose])
+        tolerance = np.array([numbers[k][0].tolerance for k in loose])
+        return float((log_ndtr((start + mean) / spread) - log_ndtr(1.0 / tolerance)).sum())
+
+    @lazy
+    def loose(self) -> tuple[int, ...]:
+        """Numbers of the file whose prior reaches below zero: their places."""
+        return tuple(k for k, n in enumerate(self.library.start.factors) if n.tolerance * NEGATIVE_SIGMAS > 1.0)
 
     def log_large(self, structure: Structure, own: Estimate) -> float:
         """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes."""

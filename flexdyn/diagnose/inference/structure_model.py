@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.hypothesis import LEAST_FACTOR, Hypothesis
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.effects import Effect, JointEffect, JointElasticity
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -42,7 +42,7 @@ def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole
             if effect is not None and not effect.is_neutral:
                 effects.append(effect)
     effects = _softened(space, structure, effects)
-    factors = {n: max(f, 0.02) for n, f in factors.items()}
+    factors = {n: max(f, LEAST_FACTOR) for n, f in factors.items()}
     return dataclasses.replace(here, factors=factors, freed=frozenset(freed), effects=tuple(effects))
 
 
