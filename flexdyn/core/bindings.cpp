@@ -9,4 +9,5 @@ NB_MODULE(_core, m) {
   flexdyn::bind_kinematics(m);
   flexdyn::bind_simulate(m);
   flexdyn::bind_pack(m);
+  flexdyn::bind_rows(m);
 }

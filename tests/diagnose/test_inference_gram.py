@@ -63,9 +63,8 @@ class Problem:
 
     def take(self, products: Products, first: int, last: int) -> None:
         """Take some of the columns in."""
-        table = self.X[:, :, first:last].transpose(1, 0, 2).reshape(-1, last - first)
+        table = self.X[:, :, first:last].transpose(0, 2, 1)
         assert products.put(first, table.astype(np.float32)) == last
-        products.multiply(last)
 
     def gram(self, base: int = BASE, used: int = COLUMNS) -> Gram:
         """Under the problem's weights."""

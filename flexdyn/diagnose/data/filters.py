@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn import _core
 from flexdyn.diagnose.data.kernel import Kernel
 
 Array = NDArray[np.float64]
@@ -39,13 +40,10 @@ class Filters:
 
     def rows(self, x: Array, order: int = 0) -> Array:
         """The second filter's derivative of that order of x (samples, ...), one row of every `every` samples."""
-        from scipy.signal import upfirdn
-
-        first = 2 * self.second.half  # part of the full convolution where the kernel is within the samples
-        shift = -first % self.every
-        padded = np.concatenate([np.zeros((shift, *x.shape[1:])), x])
-        y = upfirdn(self.second.taps[order][::-1], padded, down=self.every, axis=0)
-        return np.asarray(y[(first + shift) // self.every :][: self.count(len(x))])
+        table = np.ascontiguousarray(x.reshape(len(x), -1), dtype=float)
+        y = np.empty((self.count(len(x)), table.shape[1]))
+        _core.filter_rows(table, self.second.taps[order], self.every, y)
+        return y.reshape(-1, *x.shape[1:])
 
     def count(self, samples: int) -> int:
         """Number of rows for a number of samples after the first filter."""
