@@ -6,7 +6,7 @@ namespace flexdyn {
 namespace {
 
 using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Singles = nb::ndarray<float, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using Singles = nb::ndarray<float, nb::ndim<3>, nb::device::cpu>;
 
 void filtered(Matrix x, Array taps, std::size_t every, OutArray out) {
   const std::size_t columns = x.shape(1), rows = columns ? out.size() / columns : 0;
@@ -37,10 +37,12 @@ void white(Matrix factor, Flags masked, Matrix raw, OutArray out) {
 
 void white_apart(Matrix factor, Flags masked, Matrix raw, Singles out) {
   const BandFactor band = checked(factor, masked, raw);
-  const std::size_t many = out.shape(0);
+  const std::size_t many = out.shape(0), times = out.shape(2);
   require(out.size() == raw.size() && out.shape(1) == raw.shape(0), "as many white rows as raw ones");
+  require(out.size() == 0 || (out.stride(2) == 1 && out.stride(1) == static_cast<std::int64_t>(times)),
+          "the columns of an equation are contiguous");
   nb::gil_scoped_release release;
-  whiten_apart(band, raw.data(), raw.shape(0), many, out.data());
+  whiten_apart(band, raw.data(), raw.shape(0), many, out.data(), static_cast<std::size_t>(out.stride(0)));
 }
 
 }  // namespace

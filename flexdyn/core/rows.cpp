@@ -65,10 +65,10 @@ FLEXDYN_CLONES void batch(const BandFactor& band, const double* const* raw, doub
 }
 
 FLEXDYN_CLONES void batch_apart(const BandFactor& band, const double* const* raw, double* window, std::size_t count,
-                                std::size_t columns, std::size_t many, float* white) {
+                                std::size_t many, float* white, std::size_t apart) {
   const std::size_t times = band.rows / many;
   substitute(band, raw, window, [&](std::size_t i, const double* row) {
-    float* at = white + (i % many) * columns * times + i / many;
+    float* at = white + (i % many) * apart + i / many;
     for (std::size_t c = 0; c < count; ++c) at[c * times] = band.masked[i] ? 0.0F : static_cast<float>(row[c]);
   });
 }
@@ -136,9 +136,10 @@ void whiten(const BandFactor& band, const double* raw, std::size_t columns, doub
   });
 }
 
-void whiten_apart(const BandFactor& band, const double* raw, std::size_t columns, std::size_t many, float* white) {
+void whiten_apart(const BandFactor& band, const double* raw, std::size_t columns, std::size_t many, float* white,
+                  std::size_t apart) {
   in_batches(band, raw, columns, [&](const double* const* from, double* window, std::size_t first, std::size_t count) {
-    batch_apart(band, from, window, count, columns, many, white + first * (band.rows / many));
+    batch_apart(band, from, window, count, many, white + first * (band.rows / many), apart);
   });
 }
 

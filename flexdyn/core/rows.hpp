@@ -24,8 +24,9 @@ void by_rows(const double* band, std::size_t rows, std::size_t width, double* fa
 // L^-1 of many columns, each contiguous (columns, rows).
 void whiten(const BandFactor& band, const double* raw, std::size_t columns, double* white);
 
-// The same in single precision, the equations apart: rows of `many` equations alternate in `raw`, white is
-// (many, columns, rows / many).
-void whiten_apart(const BandFactor& band, const double* raw, std::size_t columns, std::size_t many, float* white);
+// The same in single precision, the equations apart: rows of `many` equations alternate in `raw`; white is
+// (many, columns, rows / many), an equation `apart` numbers after the one before.
+void whiten_apart(const BandFactor& band, const double* raw, std::size_t columns, std::size_t many, float* white,
+                  std::size_t apart);
 
 }  // namespace flexdyn

@@ -20,6 +20,7 @@ from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import (
     NEGLIGIBLE_SHARE,
@@ -268,7 +269,12 @@ class GivenLibrary(Library):
 
     given: tuple[Case, list[Candidate], list[Column]]
 
-    def candidates(self) -> tuple[list[Candidate], list[Column]]:
+    def most_columns(self) -> int:
+        """Enough for those of the case."""
+        case, _, columns = self.given
+        return len(case.always.std) + 2 * sum(len(each.std) for each in columns)
+
+    def candidates(self, products: Products) -> tuple[list[Candidate], list[Column]]:
         """Those of the case."""
         return self.given[1:]
 

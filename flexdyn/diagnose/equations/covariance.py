@@ -51,11 +51,9 @@ class Whitener:
         _core.whiten(self.factor, self.mask, raw, white)
         return np.asarray(white.T.reshape(rows.shape))
 
-    def apart(self, raw: Array, equations: int) -> NDArray[np.float32]:
-        """White columns, the rows of the equations one after another: (columns, rows) -> (equations, columns, rows)."""
-        white = np.empty((equations, len(raw), raw.shape[1] // equations), np.float32)
+    def apart(self, raw: Array, white: NDArray[np.float32]) -> None:
+        """White columns of raw ones (columns, rows), the equations one after another (equations, columns, times)."""
         _core.whiten_apart(self.factor, self.mask, np.ascontiguousarray(raw), white)
-        return white
 
 
 def whitener(equations: Equations, noise: SampleNoise, mask: NDArray[np.bool_], extra: Array | None = None) -> Whitener:

@@ -98,6 +98,7 @@ class Column:
         log_jacobian: what a law that forgets the recorded torque costs (see `Library.log_jacobian`).
         gained: rows that a gain of the torque scales, if the coefficient is one.
         smallest: share of its joint's torque from which an effect is one [1].
+        kept: where in `Products.X` the rows have been written; None: nowhere.
     """
 
     apart: NDArray[np.float32]
@@ -108,6 +109,7 @@ class Column:
     log_jacobian: float = 0.0
     gained: int = 0
     smallest: float = SMALLEST_TORQUE_SHARE
+    kept: int | None = None
 
     @classmethod
     def of(

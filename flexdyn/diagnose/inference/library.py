@@ -30,6 +30,7 @@ from flexdyn.diagnose.inference.priors import (
     SMALLEST_TORQUE_SHARE,
     UNKNOWN_WIDTH,
 )
+from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
 
@@ -100,15 +101,31 @@ class Library:
 
     def columns(self, proposal: Proposal, point: Point) -> Column | None:
         """Of a proposal at a grid point; None where it does nothing there, or nothing finite."""
-        return self.of_points(proposal, (point,))[0]
+        width, times = len(proposal.units(point)), self.mask.size // self._many
+        return self.of_points(proposal, (point,), np.empty((self._many, width, times), np.float32))[0]
 
-    def of_points(self, proposal: Proposal, points: Sequence[Point]) -> list[Column | None]:
-        """Of a proposal at several grid points: rows of many columns are made white at once."""
+    def of_points(
+        self, proposal: Proposal, points: Sequence[Point], white: NDArray[np.float32], kept: int | None = None
+    ) -> list[Column | None]:
+        """Of a proposal at several grid points: rows of many columns are made white at once.
+
+        Args:
+            proposal: of which.
+            points: of its grid.
+            white: takes the rows (equations, columns of all points, rows of an equation).
+            kept: where in `Products.X` that is; None: nowhere.
+        """
         raw = [columns_of(self.equations, proposal, point) for point in points]
-        white = self.whiten.apart(np.concatenate(raw), self._many)
-        ends = np.cumsum([0, *(len(each) for each in raw)]).tolist()
-        parts = [white[:, first:last] for first, last in itertools.pairwise(ends)]
-        return [self._column(proposal, *each) for each in zip(points, raw, parts, strict=True)]
+        self.whiten.apart(np.concatenate(raw), white)
+        ends, found = np.cumsum([0, *(len(each) for each in raw)]).tolist(), []
+        for point, each, (first, last) in zip(points, raw, itertools.pairwise(ends), strict=True):
+            column = self._column(proposal, point, each, white[:, first:last])
+            if column is None:
+                white[:, first:last] = 0.0
+            elif kept is not None:
+                column = dataclasses.replace(column, kept=kept + first)
+            found.append(column)
+        return found
 
     def _column(self, proposal: Proposal, point: Point, raw: Array, white: NDArray[np.float32]) -> Column | None:
         width, largest = len(raw), self._size(raw)
@@ -283,8 +300,21 @@ class Library:
         table = raw.reshape(len(raw), -1, self._many)
         return np.asarray((np.sqrt(np.einsum("kte,kte->ke", table, table) / table.shape[1]) / self.reference).max(axis=1))
 
-    def candidates(self) -> tuple[list[Candidate], list[Column]]:
-        """All of them, with the columns of their grids in the order of their places."""
+    @property
+    def _open(self) -> list[Proposal]:
+        """Proposals of effects that the start does not hold."""
+        return [p for p in self.proposals if not any(p.is_of(effect) for effect in self.start.effects)]
+
+    def most_columns(self) -> int:
+        """Columns that all candidates and every structure have, at most."""
+        numbers = 2 * self.numbers.shape[1] + self.offsets.shape[1] + len(self.start.effects)
+        tangents = len(self.start.unknowns())
+        laws = [len(p.units(point)) for p in self._open for point in p.grid]
+        plain = [len(p.units(p.grid[0])) for p in self._open if len(p.grid) == 1]  # small amounts of every law
+        return numbers + 2 * tangents + sum(laws) + sum(plain)
+
+    def candidates(self, products: Products) -> tuple[list[Candidate], list[Column]]:
+        """All of them, with the columns of their grids in the order of their places; many are written into products."""
         first = self.numbers.shape[1] + self.offsets.shape[1]
         found, columns = [], []
         for k, number in enumerate(self.start.factors):
@@ -299,8 +329,13 @@ class Library:
             first += len(column.std)
             found.append(Candidate(effect.name, proposal, None, [()], [place], len(proposal.grid), effect))
             columns.append(column)
-        open_ = [p for p in self.proposals if not any(p.is_of(effect) for effect in self.start.effects)]
-        jobs = [(p, p.grid[k : k + POINTS_AT_ONCE]) for p in open_ for k in range(0, len(p.grid), POINTS_AT_ONCE)]
+        jobs = []
+        for p in (open_ := self._open):
+            for k in range(0, len(p.grid), POINTS_AT_ONCE):
+                points = p.grid[k : k + POINTS_AT_ONCE]
+                width = sum(len(p.units(point)) for point in points)
+                kept = products.reserve(width)
+                jobs.append((p, points, products.X[:, kept : kept + width], kept))
         made = itertools.chain.from_iterable(abreast(lambda job: self.of_points(*job), jobs))
         for proposal in open_:
             pairs = [(point, next(made)) for point in proposal.grid]

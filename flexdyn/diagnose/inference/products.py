@@ -25,20 +25,21 @@ class Products:
     known; half of the memory is worth that. The products are those of the rounded columns, in double precision.
 
     Args:
-        rows: what the columns are to explain (rows, equations).
+        equations: how many there are.
+        rows: of each.
         capacity: columns at most.
 
     Attributes:
+        X: columns where they are kept (equations, capacity, rows); of those that nobody puts no memory is taken.
         y: rows of each equation (equations, rows).
         b: X^T y (equations, capacity).
         count: columns that are there.
     """
 
-    def __init__(self, rows: Array, capacity: int) -> None:
-        self.y = np.ascontiguousarray(rows.T)
-        self.yy: Array = np.einsum("er,er->e", self.y, self.y)
-        many = len(self.y)
-        self.X = np.zeros((many, capacity, len(rows)), np.float32)
+    def __init__(self, equations: int, rows: int, capacity: int) -> None:
+        many = equations
+        self.explain(np.zeros((rows, many)))
+        self.X = np.zeros((many, capacity, rows), np.float32)
         self.b = np.zeros((many, capacity))
         self.count = 0
         self._kept = 0
@@ -50,21 +51,38 @@ class Products:
         self._full = 0
         self._held = np.zeros((many, 0, 0))  # products of the columns that every structure has
 
-    def put(self, place: int, white: Columns) -> int:
-        """Put a block of white columns (equations, columns, rows) at a place; the next place."""
-        many, width, _ = white.shape
+    def explain(self, rows: Array) -> None:
+        """What the columns are to explain (rows, equations), before any is put."""
+        self.y = np.ascontiguousarray(rows.T)
+        self.yy: Array = np.einsum("er,er->e", self.y, self.y)
+
+    def reserve(self, width: int) -> int:
+        """Room for a block of columns, whose rows may be written into `X`; where it begins."""
         first, self._kept = self._kept, self._kept + width
-        here, end = slice(first, self._kept), place + width
-        self.X[:, here] = white
-        self._source[place:end], self._block[here] = np.arange(first, self._kept), first
+        return first
+
+    def put(self, place: int, white: Columns, kept: int | None = None) -> int:
+        """Put a block of white columns (equations, columns, rows) at a place; the next place.
+
+        Args:
+            place: of the first one.
+            white: their rows.
+            kept: where in `X` they have been written; None: nowhere.
+        """
+        many, width, _ = white.shape
+        first = self.reserve(width) if kept is None else kept
+        here, end = slice(first, first + width), place + width
+        if kept is None:
+            self.X[:, here] = white
+        self._source[place:end], self._block[here] = np.arange(first, first + width), first
         exact = white.astype(float)
         self.b[:, place:end] = np.einsum("ekr,er->ek", exact, self.y)
         if width > self._own.shape[2]:
             more = width - self._own.shape[2]
             self._own = np.concatenate([self._own, np.zeros((many, self._own.shape[1], more))], axis=2)
         for d in range(width):
-            self._own[:, first : self._kept - d, d] = np.einsum("ekr,ekr->ek", exact[:, : width - d], exact[:, d:])
-        full = np.flatnonzero(self._row[:first] >= 0)
+            self._own[:, first : first + width - d, d] = np.einsum("ekr,ekr->ek", exact[:, : width - d], exact[:, d:])
+        full = np.flatnonzero(self._row >= 0)
         for X, rows, new in zip(self.X, self._rows, exact, strict=True):
             rows[self._row[full], here] = X[full].astype(float) @ new.T
         self.count = max(self.count, end)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections import deque
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -52,7 +51,10 @@ class Space:
 
     def __init__(self, library: Library, rows: Array, seen: Seen) -> None:
         self.library, self.seen = library, seen
-        self.candidates, made = library.candidates()
+        times, many = seen.valid.shape
+        capacity = library.most_columns() + SPARE_COLUMNS
+        self.products = Products(many, times, capacity)
+        self.candidates, made = library.candidates(self.products)
         always, small = library.always(), self._negligible(made)
         self.base = len(always.std) + sum(len(each.std) for each, _ in small)
         shift = self.base - len(always.std)
@@ -60,16 +62,14 @@ class Space:
             candidate.columns = [each + shift for each in candidate.columns]
         standing = [column for each, column in zip(self._owners(), made, strict=True) if each.stands is not None]
         rows = rows - sum((each.white[:, 0] for each in standing), np.zeros_like(rows))
-        capacity = self.base + sum(len(each.std) for each in made) + SPARE_COLUMNS
-        self.products = Products(-rows.reshape(-1, len(seen.count)), capacity)
+        self.products.explain(-rows.reshape(times, many))
         self.size, self.cost, self.gained = np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
         self.smallest, self.of = np.zeros(capacity), np.zeros(capacity, np.intp)
         self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
         self._put(0, always)
-        self.used, waiting = self.base, deque(made)
-        made.clear()
-        while waiting:  # none is kept twice: of six joints they are half a gigabyte
-            self.used = self._put(self.used, waiting.popleft())
+        self.used = self.base
+        for column in made:
+            self.used = self._put(self.used, column)
         place = len(always.std)
         for column, alike in small:
             place = self._put(place, column, alike + self.base)
@@ -109,7 +109,7 @@ class Space:
     def _put(self, first: int, column: Column, alike: Indices | None = None) -> int:
         """Take a block of columns in, which may be there elsewhere; the place after it."""
         if alike is None:
-            end = self.products.put(first, column.apart)
+            end = self.products.put(first, column.apart, column.kept)
         else:
             end = self.products.again(first, alike)
         here = slice(first, end)
