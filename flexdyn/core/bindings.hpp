@@ -50,5 +50,6 @@ void bind_kinematics(nb::module_& m);
 void bind_simulate(nb::module_& m);
 void bind_pack(nb::module_& m);
 void bind_rows(nb::module_& m);
+void bind_innovations(nb::module_& m);
 
 }  // namespace flexdyn
