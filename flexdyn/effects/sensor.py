@@ -19,7 +19,7 @@ HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 SAME_INSTANT = 1e-10
 """Times closer than this are one [s]."""
 DISC_ROUNDS, DISC_ROUNDING = 20, 4.0
-"""Rounds for the angle under an eccentric disc, at most, and the change that is rounding, in units of the last place."""
+"""Rounds for the angle under an eccentric disc, at most, and the change that is rounding [units of the last place]."""
 NEWTON_ROUNDS, NEWTON_ROUNDING = 30, 1e-14
 """Steps of Newton's method, at most, and the share of the largest value below which a step is rounding."""
 NEWTON_DIFFERENCE, SMALLEST_SLOPE = 1e-6, 0.05

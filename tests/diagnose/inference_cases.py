@@ -20,8 +20,8 @@ from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.library import Library
-from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE
+from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.inference.space import (
     NEGLIGIBLE_SHARE,
     PLACE_BETA,

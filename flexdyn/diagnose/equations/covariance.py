@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ Array = NDArray[np.float64]
 Add = Callable[[tuple[str, int], int, int, float | Array], None]
 Terms = dict[int, float | Array]
 """A coefficient by equation: one number, or one for each time (times,)."""
+Coefficients = dict[tuple[str, int], dict[int, Terms]]
 MASKED = 1e8
 """Variance of a masked row in units of the median one."""
 
@@ -95,18 +97,13 @@ def _kernels(equations: Equations) -> dict[str, list[Array]]:
     return {"position": whole, "tau": held, "tau_s": whole[:1]}
 
 
-def _coefficients(equations: Equations, along: SmoothedMotion) -> dict[tuple[str, int], dict[int, Terms]]:
+def _coefficients(equations: Equations, along: SmoothedMotion) -> Coefficients:
     """C by channel, order of derivative and equation; those that are zero are left out."""
     model = equations.true
     at = equations.filters.instants(len(along.t))
     M, K, D, J = along.M[at].transpose(1, 2, 0).copy(), model.stiffness, model.damping, model.rotor_inertia
-    found: dict[tuple[str, int], dict[int, Terms]] = {}
-
-    def add(channel: tuple[str, int], order: int, row: int, value: float | Array) -> None:
-        if np.any(value):
-            rows = found.setdefault(channel, {}).setdefault(order, {})
-            rows[row] = rows.get(row, 0.0) + value
-
+    found: Coefficients = {}
+    add = partial(_add, found)
     for row, (j, kind) in enumerate(equations.kinds):
         if kind in (MOTOR, TOTAL):
             add(("tau", j), 0, row, 1.0)
@@ -130,6 +127,13 @@ def _coefficients(equations: Equations, along: SmoothedMotion) -> dict[tuple[str
         if kind in (LINK, TOTAL):
             _links(equations, along.data, M, row, j, kind, add)
     return found
+
+
+def _add(found: Coefficients, channel: tuple[str, int], order: int, row: int, value: float | Array) -> None:
+    """Add to the coefficient of a channel's derivative in one equation."""
+    if np.any(value):
+        rows = found.setdefault(channel, {}).setdefault(order, {})
+        rows[row] = rows.get(row, 0.0) + value
 
 
 def _links(equations: Equations, data: Measured, M: Array, row: int, j: int, kind: str, add: Add) -> None:

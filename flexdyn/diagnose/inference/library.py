@@ -298,7 +298,9 @@ class Library:
     def _size(self, raw: Array) -> Array:
         """Largest share of what an equation is about that columns have, (columns, rows) -> (columns,)."""
         table = raw.reshape(len(raw), -1, self._many)
-        return np.asarray((np.sqrt(np.einsum("kte,kte->ke", table, table) / table.shape[1]) / self.reference).max(axis=1))
+        return np.asarray(
+            (np.sqrt(np.einsum("kte,kte->ke", table, table) / table.shape[1]) / self.reference).max(axis=1)
+        )
 
     @property
     def _open(self) -> list[Proposal]:
