@@ -45,10 +45,23 @@ void white_apart(Matrix factor, Flags masked, Matrix raw, Singles out) {
   whiten_apart(band, raw.data(), raw.shape(0), many, out.data(), static_cast<std::size_t>(out.stride(0)));
 }
 
+void products(nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu> one,
+              nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> which, Matrix other,
+              OutArray out) {
+  const std::size_t rows = one.shape(1);
+  require(other.shape(1) == rows && out.size() == which.size() * other.shape(0), "rows differ in number");
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    require(which.data()[i] >= 0 && static_cast<std::size_t>(which.data()[i]) < one.shape(0), "no such column");
+  }
+  nb::gil_scoped_release release;
+  mixed_products(one.data(), which.data(), which.size(), other.data(), other.shape(0), rows, out.data());
+}
+
 }  // namespace
 
 void bind_rows(nb::module_& m) {
   m.def("filter_rows", &filtered, nb::arg("x"), nb::arg("taps"), nb::arg("every"), nb::arg("out"));
+  m.def("mixed_products", &products, nb::arg("one"), nb::arg("which"), nb::arg("other"), nb::arg("out"));
   m.def("by_rows", &banded, nb::arg("band"), nb::arg("factor"));
   m.def("whiten", &white, nb::arg("factor"), nb::arg("masked"), nb::arg("raw"), nb::arg("out"));
   m.def("whiten_apart", &white_apart, nb::arg("factor"), nb::arg("masked"), nb::arg("raw"), nb::arg("out"));

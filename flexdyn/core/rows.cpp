@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t EIGHT = 8;
 typedef double Eight __attribute__((vector_size(64)));
 typedef double Loose __attribute__((vector_size(64), aligned(8), may_alias));
+typedef float LooseSingles __attribute__((vector_size(32), aligned(4), may_alias));
 
 constexpr std::size_t LANES = 2 * EIGHT;  // columns at once: their window stays in the first cache
 
@@ -120,6 +121,25 @@ FLEXDYN_CLONES void filter_rows(const double* x, std::size_t columns, const doub
       }
       one += two;
       for (std::size_t k = 0; k < some; ++k) out[r * columns + first + k] = one[k];
+    }
+  }
+}
+
+FLEXDYN_CLONES void mixed_products(const float* one, const std::int64_t* which, std::size_t columns,
+                                   const double* other, std::size_t others, std::size_t rows, double* out) {
+  for (std::size_t i = 0; i < columns; ++i) {
+    const float* mine = one + static_cast<std::size_t>(which[i]) * rows;
+    for (std::size_t k = 0; k < others; ++k) {
+      const double* theirs = other + k * rows;
+      Eight sum = {};
+      std::size_t r = 0;
+      for (; r + EIGHT <= rows; r += EIGHT) {
+        sum += __builtin_convertvector(*reinterpret_cast<const LooseSingles*>(mine + r), Eight) *
+               *reinterpret_cast<const Loose*>(theirs + r);
+      }
+      double rest = 0.0;
+      for (; r < rows; ++r) rest += static_cast<double>(mine[r]) * theirs[r];
+      out[i * others + k] = rest + (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])));
     }
   }
 }

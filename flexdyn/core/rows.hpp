@@ -29,4 +29,8 @@ void whiten(const BandFactor& band, const double* raw, std::size_t columns, doub
 void whiten_apart(const BandFactor& band, const double* raw, std::size_t columns, std::size_t many, float* white,
                   std::size_t apart);
 
+// out[i * others + k] = one[which[i]] . other[k] of rows in single and in double precision, `rows` numbers each.
+void mixed_products(const float* one, const std::int64_t* which, std::size_t columns, const double* other,
+                    std::size_t others, std::size_t rows, double* out);
+
 }  // namespace flexdyn

@@ -56,7 +56,7 @@ class Problem:
 
     def empty(self) -> Products:
         """Of no column yet."""
-        found = Products(*self.y.shape, COLUMNS)
+        found = Products(len(self.y), ROWS, COLUMNS)
         found.explain(self.y.T)
         return found
 

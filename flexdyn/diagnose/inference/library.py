@@ -309,7 +309,7 @@ class Library:
 
     def most_columns(self) -> int:
         """Columns that all candidates and every structure have, at most."""
-        numbers = 2 * self.numbers.shape[1] + self.offsets.shape[1] + len(self.start.effects)
+        numbers = 2 * int(self.numbers.shape[1]) + int(self.offsets.shape[1]) + len(self.start.effects)
         tangents = len(self.start.unknowns())
         laws = [len(p.units(point)) for p in self._open for point in p.grid]
         plain = [len(p.units(p.grid[0])) for p in self._open if len(p.grid) == 1]  # small amounts of every law
@@ -334,10 +334,10 @@ class Library:
         jobs = []
         for p in (open_ := self._open):
             for k in range(0, len(p.grid), POINTS_AT_ONCE):
-                points = p.grid[k : k + POINTS_AT_ONCE]
-                width = sum(len(p.units(point)) for point in points)
-                kept = products.reserve(width)
-                jobs.append((p, points, products.X[:, kept : kept + width], kept))
+                some = p.grid[k : k + POINTS_AT_ONCE]
+                width = sum(len(p.units(point)) for point in some)
+                begin = products.reserve(width)
+                jobs.append((p, some, products.X[:, begin : begin + width], begin))
         made = itertools.chain.from_iterable(abreast(lambda job: self.of_points(*job), jobs))
         for proposal in open_:
             pairs = [(point, next(made)) for point in proposal.grid]

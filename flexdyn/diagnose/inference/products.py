@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn import _core
+
 Array = NDArray[np.float64]
 Columns = NDArray[np.float32]
 Indices = NDArray[np.intp]
@@ -69,7 +71,7 @@ class Products:
             white: their rows.
             kept: where in `X` they have been written; None: nowhere.
         """
-        many, width, _ = white.shape
+        many, width = len(white), int(white.shape[1])
         first = self.reserve(width) if kept is None else kept
         here, end = slice(first, first + width), place + width
         if kept is None:
@@ -83,8 +85,10 @@ class Products:
         for d in range(width):
             self._own[:, first : first + width - d, d] = np.einsum("ekr,ekr->ek", exact[:, : width - d], exact[:, d:])
         full = np.flatnonzero(self._row >= 0)
+        products = np.empty((len(full), width))
         for X, rows, new in zip(self.X, self._rows, exact, strict=True):
-            rows[self._row[full], here] = X[full].astype(float) @ new.T
+            _core.mixed_products(X, full, np.ascontiguousarray(new), products)
+            rows[self._row[full], here] = products
         self.count = max(self.count, end)
         return end
 
