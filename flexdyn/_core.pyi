@@ -119,6 +119,21 @@ def simulate(job: Job, progress: Callable[[float], None] | None) -> dict[str, An
 def simulate_many(
     jobs: Sequence[Job], threads: int, progress: Callable[[int], None] | None
 ) -> list[dict[str, Any]]: ...
+def filter_rows(x: Array, taps: Array, every: int, out: Array) -> None: ...
+def by_rows(band: Array, factor: Array) -> None: ...
+def mixed_products(
+    one: NDArray[np.float32], which: NDArray[np.int64], other: Array, out: Array
+) -> None: ...  # fmt: skip
+def whiten(factor: Array, masked: NDArray[np.bool_], raw: Array, out: Array) -> None: ...
+def whiten_apart(factor: Array, masked: NDArray[np.bool_], raw: Array, out: NDArray[np.float32]) -> None: ...
+def window_gains(
+    flow: Array, push: Array, seen: Array, counted: Array, sensor: Array, std: Array, limit: float,
+    gain: Array, first_gain: Array, whitener: Array, carried: Array, doubt: Array,
+) -> None: ...  # fmt: skip
+def window_innovations(
+    flow: Array, seen: Array, counted: Array, limit: float,
+    gain: Array, first_gain: Array, whitener: Array, mean: Array, first: Array, white: Array,
+) -> None: ...  # fmt: skip
 def simulate_pack(
     links: LinkDynamics,
     laws: Sequence[Law],

@@ -9,4 +9,6 @@ NB_MODULE(_core, m) {
   flexdyn::bind_kinematics(m);
   flexdyn::bind_simulate(m);
   flexdyn::bind_pack(m);
+  flexdyn::bind_rows(m);
+  flexdyn::bind_innovations(m);
 }

@@ -49,5 +49,7 @@ void bind_plant(nb::module_& m);
 void bind_kinematics(nb::module_& m);
 void bind_simulate(nb::module_& m);
 void bind_pack(nb::module_& m);
+void bind_rows(nb::module_& m);
+void bind_innovations(nb::module_& m);
 
 }  // namespace flexdyn

@@ -20,8 +20,8 @@ HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that keep their value from one sample to the next."""
 SAME_INSTANT = 1e-10
 """Times closer than this are one [s]."""
-DISC_ROUNDS, DISC_ROUNDING = 20, 1e-15
-"""Rounds for the angle under an eccentric disc, at most, and the change that is none [rad]."""
+DISC_ROUNDS, DISC_ROUNDING = 20, 4.0
+"""Rounds for the angle under an eccentric disc, at most, and the change that is rounding [units of the last place]."""
 NEWTON_ROUNDS, NEWTON_ROUNDING = 30, 1e-14
 """Steps of Newton's method, at most, and the share of the largest value below which a step is rounding."""
 NEWTON_DIFFERENCE, SMALLEST_SLOPE = 1e-6, 0.05
@@ -273,7 +273,7 @@ def recovered(effects: Iterable[SensorEffect], reported: ArrayLike, t: ArrayLike
     seen = x
     for _ in range(DISC_ROUNDS if discs else 0):
         before, x = x, seen - sum(effect.error(x) for effect in discs)
-        if np.abs(x - before).max(initial=0.0) < DISC_ROUNDING:
+        if np.abs(x - before).max(initial=0.0) < DISC_ROUNDING * np.spacing(np.abs(x).max(initial=0.0)):
             break
     return x
 

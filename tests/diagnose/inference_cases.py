@@ -21,6 +21,7 @@ from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE
+from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.inference.space import (
     NEGLIGIBLE_SHARE,
     PLACE_BETA,
@@ -84,7 +85,7 @@ def column(white: NDArray[np.floating[Any]], std: Numbers = 0.4, mean: Numbers =
     """Of rows (rows, width), its numbers free of bounds."""
     width = white.shape[1]
     wide = [np.broadcast_to(np.asarray(each, float), width).copy() for each in (std, mean, size)]
-    return Column(white.astype(np.float32), wide[0], wide[1], np.zeros(width, bool), wide[2])
+    return Column.of(white, EQUATIONS, wide[0], wide[1], wide[2])
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,12 +264,17 @@ class GivenLibrary(Library):
 
     def __init__(self, case: Case, candidates: list[Candidate], columns: list[Column]) -> None:
         start = Hypothesis(two_link(ARM), case.factors)
-        for name, value in {"numbers": case.always.white, "start": start, "given": (case, candidates, columns)}.items():
+        for name, value in {"start": start, "given": (case, candidates, columns)}.items():
             object.__setattr__(self, name, value)
 
     given: tuple[Case, list[Candidate], list[Column]]
 
-    def candidates(self) -> tuple[list[Candidate], list[Column]]:
+    def most_columns(self) -> int:
+        """Enough for those of the case."""
+        case, _, columns = self.given
+        return len(case.always.std) + 2 * sum(len(each.std) for each in columns)
+
+    def candidates(self, products: Products) -> tuple[list[Candidate], list[Column]]:
         """Those of the case."""
         return self.given[1:]
 

@@ -216,9 +216,9 @@ def test_the_noise_of_a_row_is_the_diagonal_of_the_covariance(tmp_path: Path) ->
     space, start, _ = workspace(model, data)
     rows = held_out(space.equations, start, data)
     factor = rows.whiten.factor
-    L = np.zeros((factor.shape[1],) * 2)
-    for lag, line in enumerate(factor):
-        L += np.diag(line[: len(L) - lag], -lag)
+    L = np.zeros((len(factor),) * 2)
+    for lag, line in enumerate(factor.T):
+        L += np.diag(line[lag:], -lag)
     np.testing.assert_allclose(rows.variance.ravel(), np.diag(L @ L.T), rtol=1e-12)
 
 

@@ -54,22 +54,27 @@ class Problem:
         bounded[list(positive)] = True
         return cls(X, y, draw.uniform(0.02, 2.0, 3), Prior(draw.uniform(0.3, 4.0, COLUMNS), mean, bounded))
 
+    def empty(self) -> Products:
+        """Of no column yet."""
+        found = Products(len(self.y), ROWS, COLUMNS)
+        found.explain(self.y.T)
+        return found
+
     def products(self, *until: int) -> Products:
         """Of the columns, taken in up to such numbers one after another."""
-        found = Products(self.y.T, COLUMNS)
+        found = self.empty()
         for first, last in zip((0, *until), (*until, COLUMNS), strict=True):
             self.take(found, first, last)
         return found
 
     def take(self, products: Products, first: int, last: int) -> None:
         """Take some of the columns in."""
-        table = self.X[:, :, first:last].transpose(1, 0, 2).reshape(-1, last - first)
+        table = self.X[:, :, first:last].transpose(0, 2, 1)
         assert products.put(first, table.astype(np.float32)) == last
-        products.multiply(last)
 
     def gram(self, base: int = BASE, used: int = COLUMNS) -> Gram:
         """Under the problem's weights."""
-        products = Products(self.y.T, COLUMNS)
+        products = self.empty()
         self.take(products, 0, used)
         return Gram(products, self.weights, self.prior, base)
 
@@ -210,7 +215,7 @@ def test_an_addition_far_below_its_bound_is_none() -> None:
 def test_columns_that_come_later_are_as_good(until: tuple[int, ...]) -> None:
     """Products and their sums that grew, against some that were whole from the beginning and dense algebra."""
     problem = Problem.of(6)
-    products = Products(problem.y.T, COLUMNS)
+    products = problem.empty()
     grown: Gram | None = None
     for first, last in zip((0, *until), (*until, COLUMNS), strict=True):
         problem.take(products, first, last)

@@ -121,7 +121,7 @@ def test_units_of_coefficients_do_not_matter(data: st.DataObject, unit: float) -
         if each.number
         else replace(
             each,
-            columns=tuple(replace(k, white=unit * k.white, std=k.std / unit, size=unit * k.size) for k in each.columns),
+            columns=tuple(replace(k, apart=unit * k.apart, std=k.std / unit, size=unit * k.size) for k in each.columns),
         )
         for each in case.given
     )
@@ -192,7 +192,7 @@ def test_what_is_left_is_the_residual_of_least_squares(data: st.DataObject, seed
     np.testing.assert_allclose(space.left(structure), case.dense(structure, TOLD).left, atol=1e-6)
     assert not space.left(structure)[~case.valid.ravel()].any()
     everything = frozenset((c, p) for c, each in enumerate(case.given) for p in range(len(each.columns)))
-    np.testing.assert_allclose(space.left(None), case.dense(everything, TOLD).left, atol=1e-6)
+    np.testing.assert_allclose(space.left(everything), case.dense(everything, TOLD).left, atol=1e-6)
 
 
 def test_what_stands_is_there_or_not() -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn import _core
 from flexdyn.records.signals.gaussian import GaussianSmoother
 
 Array = NDArray[np.float64]
@@ -40,13 +41,10 @@ class Filters:
 
     def rows(self, x: Array, order: int = 0) -> Array:
         """The second filter's derivative of that order of x (samples, ...), one row of every `every` samples."""
-        from scipy.signal import upfirdn
-
-        first = 2 * self.second.half  # part of the full convolution where the kernel is within the samples
-        shift = -first % self.every
-        padded = np.concatenate([np.zeros((shift, *x.shape[1:])), x])
-        y = upfirdn(self.second.taps[order][::-1], padded, down=self.every, axis=0)
-        return np.asarray(y[(first + shift) // self.every :][: self.count(len(x))])
+        table = np.ascontiguousarray(x.reshape(len(x), -1), dtype=float)
+        y = np.empty((self.count(len(x)), table.shape[1]))
+        _core.filter_rows(table, self.second.taps[order], self.every, y)
+        return y.reshape(-1, *x.shape[1:])
 
     def calmed(self, x: Array) -> Array:
         """A signal (samples, ...) through the second filter at every sample; its first and last values hold beyond."""

@@ -46,11 +46,7 @@ class HeldOut:
     @property
     def variance(self) -> Array:
         """Variance of the rows from noise (rows of an equation, equations)."""
-        factor = self.whiten.factor
-        total = np.zeros(factor.shape[1])
-        for lag, line in enumerate(factor):
-            total[lag:] += line[: len(total) - lag] ** 2
-        return total.reshape(self.seen.shape)
+        return np.asarray((self.whiten.factor**2).sum(axis=1).reshape(self.seen.shape))
 
     def white(self, hypothesis: Hypothesis | None = None) -> Array:
         """White rows of a hypothesis; None: of the corrected model (rows of an equation, equations)."""

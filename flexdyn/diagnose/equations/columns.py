@@ -10,7 +10,7 @@ from flexdyn.diagnose.data.sensors import true_channel
 from flexdyn.diagnose.equations.compliance import of_compliance
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import adds_up, own_torque, spreads
+from flexdyn.diagnose.equations.terms import adds_up, applied_torque, of_joint, own_torque, spreads
 from flexdyn.effects import (
     ChannelLag,
     Effect,
@@ -21,6 +21,7 @@ from flexdyn.effects import (
     TorqueConstantError,
 )
 from flexdyn.errors import InputError
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]
@@ -108,8 +109,18 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return equations.of_torque(j, lambda along: ("motor", effect.gain * _given(equations, along, j))) / scale
     if stands_alone(equations, effect):
         return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
+    if effect.stage == "actuator":
+        return equations.of_torque(j, lambda along: ("motor", _on_its_way(true, effect, along, j))) / scale
+    if effect.side == "transmission" and true.elastic[j] and not is_loaded(equations, j):
+        return equations.of_spring(j, effect) / scale
     with_it = equations.of_joint(j, true, [*true.all_effects, effect])
     return (with_it - equations.own(j)) / scale
+
+
+def _on_its_way(true: FlexibleJointModel, effect: JointEffect, along: SmoothedMotion, j: int) -> Array:
+    """What an effect does to the recorded torque on its way to the rotor (samples,)."""
+    acting = of_joint(true.all_effects, effect.joint)
+    return applied_torque([*acting, effect], along, j) - applied_torque(acting, along, j)
 
 
 def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -> Array:

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn import _core
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION, Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 
 Array = NDArray[np.float64]
 Add = Callable[[tuple[str, int], int, int, float | Array], None]
+Terms = dict[int, float | Array]
+"""A coefficient by equation: one number, or one for each time (times,)."""
+Coefficients = dict[tuple[str, int], dict[int, Terms]]
 MASKED = 1e8
 """Variance of a masked row in units of the median one."""
 
@@ -29,23 +35,26 @@ class SampleNoise:
 
 @dataclass(frozen=True, eq=False)
 class Whitener:
-    """The banded Cholesky factor of the residuals' covariance; masked rows have the weight zero."""
+    """The banded Cholesky factor L of the residuals' covariance; masked rows have the weight zero.
+
+    Attributes:
+        factor: row by row, L(i, i - d) at (i, d), zero before the first column (rows, width).
+        mask: rows that are not used (rows,).
+    """
 
     factor: Array
     mask: NDArray[np.bool_]
 
     def __call__(self, rows: Array) -> Array:
         """White rows of unit variance (rows, ...); zero where masked."""
-        from scipy.linalg import lapack
+        raw = np.ascontiguousarray(rows.reshape(len(rows), -1).T, dtype=float)
+        white = np.empty_like(raw)
+        _core.whiten(self.factor, self.mask, raw, white)
+        return np.asarray(white.T.reshape(rows.shape))
 
-        flat = rows.reshape(len(rows), -1)
-        if not flat.size:  # LAPACK does not accept empty tables
-            return rows.copy()
-        white, info = lapack.dtbtrs(self.factor, flat, uplo="L")
-        if info:
-            raise ArithmeticError(f"dtbtrs: {info}")
-        white[self.mask] = 0.0
-        return np.asarray(white).reshape(rows.shape)
+    def apart(self, raw: Array, white: NDArray[np.float32]) -> None:
+        """White columns of raw ones (columns, rows), the equations one after another (equations, columns, times)."""
+        _core.whiten_apart(self.factor, self.mask, np.ascontiguousarray(raw), white)
 
 
 def whitener(equations: Equations, noise: SampleNoise, mask: NDArray[np.bool_], extra: Array | None = None) -> Whitener:
@@ -70,7 +79,10 @@ def whitener(equations: Equations, noise: SampleNoise, mask: NDArray[np.bool_], 
     if extra is not None:
         band[0] += extra
     band[0] = np.where(mask, band[0] + MASKED * np.median(band[0]), band[0] * (1.0 + 1e-9))
-    return Whitener(cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False), mask)
+    by_columns = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
+    factor = np.empty(by_columns.T.shape)
+    _core.by_rows(np.ascontiguousarray(by_columns.T), factor)
+    return Whitener(factor, mask)
 
 
 def error_of_rests(equations: Equations) -> Array:
@@ -106,17 +118,13 @@ def _kernels(equations: Equations) -> dict[str, list[Array]]:
     return {"position": whole, "tau": held, "tau_s": whole[:1]}
 
 
-def _coefficients(equations: Equations, along: SmoothedMotion) -> dict[tuple[str, int], dict[int, Array]]:
-    """C (times, equations) by channel and order of derivative."""
+def _coefficients(equations: Equations, along: SmoothedMotion) -> Coefficients:
+    """C by channel, order of derivative and equation; those that are zero are left out."""
     model = equations.true
     at = equations.filters.instants(len(along.t))
-    M, K, D, J = along.M[at], model.stiffness, model.damping, model.rotor_inertia
-    shape = (len(at), len(equations.kinds))
-    found: dict[tuple[str, int], dict[int, Array]] = {}
-
-    def add(channel: tuple[str, int], order: int, row: int, value: float | Array) -> None:
-        found.setdefault(channel, {}).setdefault(order, np.zeros(shape))[:, row] += value
-
+    M, K, D, J = along.M[at].transpose(1, 2, 0).copy(), model.stiffness, model.damping, model.rotor_inertia
+    found: Coefficients = {}
+    add = partial(_add, found)
     for row, (j, kind) in enumerate(equations.kinds):
         if kind in (MOTOR, TOTAL):
             add(("tau", j), 0, row, 1.0)
@@ -142,6 +150,13 @@ def _coefficients(equations: Equations, along: SmoothedMotion) -> dict[tuple[str
     return found
 
 
+def _add(found: Coefficients, channel: tuple[str, int], order: int, row: int, value: float | Array) -> None:
+    """Add to the coefficient of a channel's derivative in one equation."""
+    if np.any(value):
+        rows = found.setdefault(channel, {}).setdefault(order, {})
+        rows[row] = rows.get(row, 0.0) + value
+
+
 def _links(equations: Equations, along: SmoothedMotion, M: Array, row: int, j: int, kind: str, add: Add) -> None:
     """The links' accelerations in one equation: measured, or computed from those of the rotors."""
     model = equations.true
@@ -150,18 +165,18 @@ def _links(equations: Equations, along: SmoothedMotion, M: Array, row: int, j: i
     moves = ~along.resting[equations.filters.instants(len(along.t))]
     for i in range(model.n):
         if model.elastic[i] and not has_q[i]:
-            add(("theta", i), 2, row, -M[:, j, i])
-            soft = np.where(moves[:, i], M[:, j, i] / K[i], 0.0)  # of a resting joint the load is known, and smoothed
+            add(("theta", i), 2, row, -M[j, i])
+            soft = np.where(moves[:, i], M[j, i] / K[i], 0.0)  # of a resting joint the load is known, and smoothed
             add(("theta", i), 4, row, -soft * J[i])
             add(("tau", i), 2, row, soft)
             add(("theta", i), 5, row, soft * D[i] * J[i] / K[i])
             add(("tau", i), 3, row, -soft * D[i] / K[i])
         else:
             channel = "q" if has_q[i] else "theta"
-            add((channel, i), 2, row, -M[:, j, i])
+            add((channel, i), 2, row, -M[j, i])
             if kind == TOTAL and model.elastic[j] and not has_theta[j]:
-                add((channel, i), 4, row, -M[:, j, i] * J[j] / K[j])
-                add((channel, i), 5, row, M[:, j, i] * J[j] * D[j] / K[j] ** 2)
+                add((channel, i), 4, row, -M[j, i] * J[j] / K[j])
+                add((channel, i), 5, row, M[j, i] * J[j] * D[j] / K[j] ** 2)
     if kind == TOTAL and model.elastic[j]:
         add(("theta" if has_theta[j] else "q", j), 2, row, -J[j])
     elif kind == TOTAL and has_q[j] and has_theta[j]:  # M includes the rotor, whose acceleration follows from theta
@@ -171,29 +186,31 @@ def _links(equations: Equations, along: SmoothedMotion, M: Array, row: int, j: i
 
 def _band(equations: Equations, along: SmoothedMotion, noise: SampleNoise, kernels: dict[str, list[Array]]) -> Array:
     """Lower band of the covariance of one recording's rows."""
-    coefficients = _coefficients(equations, along)
     every, many = equations.filters.every, len(equations.kinds)
     times = equations.filters.count(len(along.t))
     length = max(len(k) for group in kernels.values() for k in group)
     lags = min((length - 1) // every, times - 1)
-    band = np.zeros(((lags + 1) * many, times * many))
-    columns = np.arange(times)
-    for lag in range(lags + 1):
-        covariance = np.zeros((times - lag, many, many))
-        for (signal, j), orders in coefficients.items():
-            variance = float(getattr(noise, signal)[j]) ** 2
-            group = kernels["position" if signal in ("q", "theta") else signal]
-            for o, later in orders.items():
-                for p, now in orders.items():
-                    weight = variance * _correlation(group[o], group[p], lag * every)
-                    if weight:
-                        covariance += weight * later[lag:, :, None] * now[: times - lag, None, :]
-        for a in range(many):
-            for b in range(many):
-                place = lag * many + a - b
-                if place >= 0:
-                    band[place, columns[: times - lag] * many + b] += covariance[:, a, b]
-    return band
+    band = np.zeros(((lags + 1) * many, times, many))
+    for (signal, j), orders in _coefficients(equations, along).items():
+        variance = float(getattr(noise, signal)[j]) ** 2
+        group = kernels["position" if signal in ("q", "theta") else signal]
+        for lag in range(lags + 1):
+            for o, p in itertools.product(orders, orders):
+                weight = variance * _correlation(group[o], group[p], lag * every)
+                if weight:
+                    _add_products(band, weight, orders[o], orders[p], lag)
+    return band.reshape(len(band), -1)
+
+
+def _add_products(band: Array, weight: float, later: Terms, now: Terms, lag: int) -> None:
+    """Add what two coefficients of one channel make of the covariance at one lag to a band (band, times, equations)."""
+    many, last = band.shape[2], band.shape[1] - lag
+    for (a, one), (b, other) in itertools.product(later.items(), now.items()):
+        place = lag * many + a - b
+        if place >= 0:
+            then = one[lag:] if isinstance(one, np.ndarray) else one
+            before = other[:last] if isinstance(other, np.ndarray) else other
+            band[place, :last, b] += weight * then * before
 
 
 def _correlation(a: Array, b: Array, shift: int) -> float:
@@ -231,7 +248,7 @@ def variances(
         group = kernels["position" if signal in ("q", "theta") else signal]
         for o, later in orders.items():
             for p, now in orders.items():
-                size = float(np.median(later[:, row] * now[:, row])) * variance
+                size = float(np.median(later.get(row, 0.0) * now.get(row, 0.0))) * variance
                 R = sum(w * _correlation(group[o], group[p], lag * every) for lag, w in weights.items())
                 totals[mine] += size * R
     return totals[0], totals[1]

@@ -17,10 +17,10 @@ from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, hidden_links, motion, smoothed
 from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import same_links, same_signals
-from flexdyn.diagnose.equations.terms import joint_terms
+from flexdyn.diagnose.equations.terms import joint_terms, of_joint, spring_torque
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
-from flexdyn.effects import Effect, TorqueConstantError
+from flexdyn.effects import Effect, JointEffect, TorqueConstantError
 from flexdyn.effects.motor import MotorTorque
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
@@ -162,6 +162,18 @@ class Equations:
 
         In columns it replaces the commanded torque, whose noise is also in the residual and would cause a bias.
         """
+        known = self._needed.setdefault(j, [])
+        found = next((torque for motion, torque in known if motion is along), None)
+        if found is None:
+            found = self._needs(along, j)
+            known.append((along, found))
+        return found
+
+    @lazy
+    def _needed(self) -> dict[int, list[tuple[SmoothedMotion, Array]]]:
+        return {}
+
+    def _needs(self, along: SmoothedMotion, j: int) -> Array:
         effects = [e for e in self.true.all_effects if e.stage != "actuator"]
         terms = joint_terms(self.true, effects, along, j)
         left = along.tau[:, j] - terms.motor
@@ -172,6 +184,22 @@ class Equations:
         for law in self.motors[j]:
             left = left / law.gain + self.lost(along, j)
         return np.asarray(left)
+
+    def of_spring(self, j: int, effect: JointEffect) -> Array:
+        """Change of the rows (rows,) by an effect more in a transmission whose torque nothing else depends on."""
+        parts = []
+        for k, along in enumerate(self.motions):
+            acting = of_joint(self.true.all_effects, self.true.joint_names[j])
+            if (k, j) not in self._springs:
+                self._springs[k, j] = spring_torque(self.true, acting, along, j)
+            link, motor = (spring_torque(self.true, [*acting, effect], along, j) - self._springs[k, j]).T.copy()
+            sensed = -link if along.data.both[j] or self.replayed[j] else None
+            parts.append(self.combined(along, -motor, link, sensed, only=j).ravel())
+        return np.concatenate(parts)
+
+    @lazy
+    def _springs(self) -> dict[tuple[int, int], Array]:
+        return {}
 
     def lost(self, along: SmoothedMotion, j: int) -> Array:
         """The part of the commanded torque (samples,) that the back-EMF of a motor under voltage takes; else zero."""
@@ -221,28 +249,27 @@ class Equations:
         parts = []
         model = self.true
         for along in self.motions:
-            d0, d1, d2 = (self._smoothed(along, error(along.data), k) for k in range(3))
-            motor, link, tau_s, wound = (np.zeros_like(along.q) for _ in range(4))
-            if signal == "tau":
-                motor[:, j] = d0
-            elif signal == "tau_s":
-                tau_s[:, j] = d0
-            else:
-                alone = not along.data.both[j]
-                sign = 1.0 if signal == "theta" else -1.0
-                if model.elastic[j] and (signal == "theta" or alone):
-                    motor[:, j] -= model.rotor_inertia[j] * d2
-                if signal == "q" or alone:
-                    link -= along.dragged(j, (d0, d1, d2))
-                if not alone and not model.elastic[j]:
-                    motor[:, j] -= sign * model.rotor_inertia[j] * d2
-                    wound[:, j] = sign * d0
-                elif not alone:
-                    bent = sign * (model.stiffness[j] * d0 + model.damping[j] * d1)
-                    motor[:, j] -= bent
-                    link[:, j] += bent
-                    tau_s[:, j] -= bent
-            parts.append(self.combined(along, motor, link, tau_s, wound=wound).ravel())
+            wrong = error(along.data)
+            d0 = self._smoothed(along, wrong, 0)
+            if signal in ("tau", "tau_s"):
+                motor, tau_s = (d0, None) if signal == "tau" else (None, d0)
+                parts.append(self.combined(along, motor, None, tau_s, only=j).ravel())
+                continue
+            d1, d2 = (self._smoothed(along, wrong, k) for k in (1, 2))
+            alone, sign = not along.data.both[j], 1.0 if signal == "theta" else -1.0
+            rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
+            if signal == "q" or alone:
+                rows += self.combined(along, None, -along.dragged(j, (d0, d1, d2)), None)
+            if model.elastic[j]:
+                rotor = -model.rotor_inertia[j] * d2 if signal == "theta" or alone else 0.0
+                bent = 0.0 * d0 if alone else sign * (model.stiffness[j] * d0 + model.damping[j] * d1)
+                rows += self.combined(along, rotor - bent, bent, -bent, only=j)
+            elif not alone:
+                wound = np.zeros_like(along.q)
+                wound[:, j] = sign * d0
+                rotor = -sign * model.rotor_inertia[j] * d2
+                rows += self.combined(along, rotor, None, None, only=j, wound=wound)
+            parts.append(rows.ravel())
         return np.concatenate(parts)
 
     def _smoothed(self, along: SmoothedMotion, x: Array, order: int) -> Array:

@@ -100,6 +100,6 @@ def _averaged(equations: Equations, whiten: Whitener, white: Array) -> tuple[Arr
 def _coloured(factor: Array, white: Array) -> Array:
     """Convert white rows (rows, columns) back to rows of the equations: the lower band times them."""
     rows = np.zeros_like(white)
-    for below, diagonal in enumerate(factor):
-        rows[below:] += diagonal[: len(white) - below, None] * white[: len(white) - below]
+    for below, diagonal in enumerate(factor.T):
+        rows[below:] += diagonal[below:, None] * white[: len(white) - below]
     return rows

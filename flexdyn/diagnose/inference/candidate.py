@@ -89,8 +89,8 @@ class Column:
     """Columns of one candidate at one grid point.
 
     Attributes:
-        white: derivatives of the residual, white but for the model error (rows, width); in single precision, as they
-            are many.
+        apart: derivatives of the residual, white but for the model error, the equations one after another (equations,
+            width, rows of an equation); in single precision, as they are many.
         std: of the coefficients' priors (width,).
         mean: of the priors (width,).
         positive: coefficients that may not be negative (width,).
@@ -98,9 +98,10 @@ class Column:
         log_jacobian: what a law that forgets the recorded torque costs (see `Library.log_jacobian`).
         gained: rows that a gain of the torque scales, if the coefficient is one.
         smallest: share of its joint's torque from which an effect is one [1].
+        kept: where in `Products.X` the rows have been written; None: nowhere.
     """
 
-    white: NDArray[np.float32]
+    apart: NDArray[np.float32]
     std: Array
     mean: Array
     positive: NDArray[np.bool_]
@@ -108,3 +109,25 @@ class Column:
     log_jacobian: float = 0.0
     gained: int = 0
     smallest: float = SMALLEST_TORQUE_SHARE
+    kept: int | None = None
+
+    @classmethod
+    def of(
+        cls,
+        white: NDArray[np.floating],
+        equations: int,
+        std: Array,
+        mean: Array | None = None,
+        size: Array | None = None,
+        log_jacobian: float = 0.0,
+        smallest: float = SMALLEST_TORQUE_SHARE,
+    ) -> Column:
+        """Of white rows (rows of all equations, width), the coefficients free of bounds."""
+        apart = white.reshape(-1, equations, white.shape[1]).transpose(1, 2, 0).astype(np.float32, order="C")
+        mean, size = (np.zeros(len(std)) if each is None else each for each in (mean, size))
+        return cls(apart, std, mean, np.zeros(len(std), bool), size, log_jacobian, smallest=smallest)
+
+    @property
+    def white(self) -> NDArray[np.float32]:
+        """The derivatives (rows of all equations, width)."""
+        return self.apart.transpose(2, 0, 1).reshape(-1, self.apart.shape[1])

@@ -52,8 +52,8 @@ def _loaded(equations: Equations) -> list[Proposal]:
 
 
 def columns_of(equations: Equations, proposal: Proposal, point: Point) -> Array:
-    """Derivatives of the residual (rows, linear numbers) of a proposal at a grid point."""
-    return np.stack([_of_effect(equations, unit, scale) for unit, scale in proposal.units(point)], axis=1)
+    """Derivatives of the residual (linear numbers, rows) of a proposal at a grid point."""
+    return np.stack([_of_effect(equations, unit, scale) for unit, scale in proposal.units(point)])
 
 
 def _of_effect(equations: Equations, effect: Effect, scale: float) -> Array:

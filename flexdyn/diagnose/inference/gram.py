@@ -5,7 +5,7 @@
 The rows of equation k have the weight w_k. With A = X^T W X + lambda and c = X^T W y + lambda mu, the coefficients are
 A^-1 c (Bishop, 2006, 3.5). Products are computed once for each equation; weights only add them up. Columns that every
 structure has are eliminated once (Schur's complement), so that a structure takes a Cholesky factor of its own columns
-alone.
+alone. A block of columns that is added needs its products with itself and with those that are there, and no others.
 """
 
 from __future__ import annotations
@@ -70,38 +70,62 @@ class Gram:
 
     def __init__(self, products: Products, weights: Array, prior: Prior, base: int) -> None:
         self.products, self.weights, self.prior, self.base, self.used = products, weights, prior, base, products.count
+        products.hold(base)
         capacity = len(prior.mean)
-        self.G, self.b, self.V = np.zeros((capacity,) * 2), np.zeros(capacity), np.zeros((base, capacity))
-        self.G[: self.used, : self.used], self.b[: self.used] = products.weighted(weights)
+        self.b, self.V = np.zeros(capacity), np.zeros((base, capacity))
+        self.own = np.zeros((capacity, 0))
+        self._rows: dict[int, Array] = {}
+        first = products.weighted(weights, np.arange(base))
         lam, mu = prior.precision[:base], prior.mean[:base]
-        self.factor = lower_factor(self.G[:base, :base] + np.diag(lam))
-        self.z = solve_triangular(self.factor, self.b[:base] + lam * mu, lower=True)
+        self.factor = lower_factor(first[:, :base] + np.diag(lam))
+        self.z = solve_triangular(self.factor, weights @ products.b[:, :base] + lam * mu, lower=True)
         self.log_volume = 0.5 * float(np.log(lam).sum()) - float(np.log(np.diag(self.factor)).sum())
         self.inverse = solve_triangular(self.factor, np.eye(base), lower=True)
-        self._eliminate(slice(base, self.used))
+        self._eliminate(first, 0)
 
-    def _eliminate(self, new: slice) -> None:
-        """Take what the base explains off the products of new columns with all that are there."""
-        V = self.inverse @ self.G[: self.base, new]
-        self.V[:, new] = V
-        known = slice(self.base, new.stop)
-        products = self.G[known, new] - self.V[:, known].T @ V
-        self.G[known, new], self.G[new, known] = products, products.T
-        self.b[new] -= V.T @ self.z
+    def _eliminate(self, first: Array, new: int) -> None:
+        """Take what the base explains off the products of new columns (base, new columns)."""
+        here = slice(new, self.used)
+        V = self.V[:, here] = self.inverse @ first
+        self.b[here] = self.weights @ self.products.b[:, here] - V.T @ self.z
+        own = self.products.weighted_own(self.weights, new)
+        for d in range(min(own.shape)):
+            own[: len(own) - d, d] -= np.einsum("ki,ki->i", V[:, : len(own) - d], V[:, d:])
+        more = own.shape[1] - self.own.shape[1]
+        if more > 0:
+            self.own = np.concatenate([self.own, np.zeros((len(self.own), more))], axis=1)
+        self.own[here] = own
+        for c, row in self._rows.items():
+            row[here] = self._row(c, new)
+
+    def _row(self, c: int, first: int = 0) -> Array:
+        """Products of one column, the base eliminated, with all from the first one on."""
+        row = self.products.weighted(self.weights, np.array([c]))[0, first:]
+        return np.asarray(row - self.V[:, c] @ self.V[:, first : self.used])
+
+    def rows(self, columns: Indices) -> Array:
+        """Products of a structure's columns, the base eliminated, with all that are there (columns, used)."""
+        self.products.take_up(columns)
+        for c in columns.tolist():
+            if c not in self._rows:
+                self._rows[c] = np.zeros(len(self.b))
+                self._rows[c][: self.used] = self._row(c)
+        return np.array([self._rows[c][: self.used] for c in columns.tolist()]).reshape(len(columns), self.used)
+
+    def between(self, columns: Indices, others: Indices) -> Array:
+        """Products of columns with others, the base eliminated (columns, others)."""
+        whole = np.tensordot(self.weights, self.products.of(columns, others), 1)
+        return np.asarray(whole - self.V[:, columns].T @ self.V[:, others])
 
     def grow(self) -> None:
-        """More columns have products now."""
+        """More columns are there now."""
         first, self.used = self.used, self.products.count
-        new, known = np.arange(first, self.used), np.arange(self.used)
-        products = np.tensordot(self.weights, self.products.of(known, new), 1)
-        self.G[: self.used, first : self.used], self.G[first : self.used, : self.used] = products, products.T
-        self.b[new] = self.weights @ self.products.b[:, new]
-        self._eliminate(slice(first, self.used))
+        self._eliminate(self.products.weighted(self.weights, np.arange(self.base))[:, first:], first)
 
     def estimate(self, columns: Indices) -> Estimate:
         """The posterior of one structure, of its own columns alone."""
         lam, mu = self.prior.precision[columns], self.prior.mean[columns]
-        factor = lower_factor(self.G[np.ix_(columns, columns)] + np.diag(lam))
+        factor = lower_factor(self.between(columns, columns) + np.diag(lam))
         mean = cho_solve((factor, True), self.b[columns] + lam * mu)
         covariance = cho_solve((factor, True), np.eye(len(columns)))
         volume = self.log_volume + 0.5 * float(np.log(lam).sum()) - float(np.log(np.diag(factor)).sum())
@@ -152,15 +176,18 @@ class Gram:
         c = self.b + prior.precision * prior.mean
         if not len(columns):
             return np.concatenate([self._added(table, None, c) for table in groups])
-        factor = lower_factor(self.G[np.ix_(columns, columns)] + np.diag(prior.precision[columns]))
-        V = solve_triangular(factor, self.G[columns], lower=True, check_finite=False)
+        rows = self.rows(columns)
+        factor = lower_factor(rows[:, columns] + np.diag(prior.precision[columns]))
+        V = solve_triangular(factor, rows, lower=True, check_finite=False)
         z = solve_triangular(factor, c[columns], lower=True)
-        left = c - V.T @ z
+        left = c[: self.used] - V.T @ z
         return np.concatenate([self._added(table, V, left) for table in groups])
 
     def _added(self, table: Indices, V: Array | None, left: Array) -> Array:
         lam, mu, c = self.prior.precision[table], self.prior.mean[table], left[table]
-        S = self.G[table[:, :, None], table[:, None, :]]
+        one, other = table[:, :, None], table[:, None, :]
+        low = np.minimum(one, other)
+        S = self.own[low, np.maximum(one, other) - low]
         if V is not None:
             own = V[:, table]
             S = S - np.einsum("kgi,kgj->gij", own, own)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.equations.columns import of_parameter
-from flexdyn.diagnose.equations.covariance import SampleNoise
+from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, TRANSMISSION, Equations
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
@@ -29,11 +30,14 @@ from flexdyn.diagnose.inference.priors import (
     SMALLEST_TORQUE_SHARE,
     UNKNOWN_WIDTH,
 )
+from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+POINTS_AT_ONCE = 16
+"""Grid points whose columns are made white at once: more would not be faster, and take memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +58,7 @@ class Library:
     """
 
     equations: Equations
-    whiten: Callable[[Array], Array]
+    whiten: Whitener
     start: Hypothesis
     numbers: Array
     offsets: Array
@@ -82,26 +86,50 @@ class Library:
         centre = 1.0 - np.array(list(self.start.factors.values()))
         std = np.concatenate([[max(n.tolerance, 1e-9) for n in names], self.offset_std])
         mean = np.concatenate([centre, np.zeros(len(self.offset_std))])
-        white = np.concatenate([self.numbers, self.offsets], axis=1).astype(np.float32)
-        return Column(white, std, mean, np.zeros(len(std), bool), np.zeros(len(std)))
+        return Column.of(np.concatenate([self.numbers, self.offsets], axis=1), self._many, std, mean)
+
+    @property
+    def _many(self) -> int:
+        """Equations."""
+        return len(self.equations.kinds)
 
     def freed(self, k: int) -> Column:
         """One number of the file, not held by its tolerance."""
         tolerance = list(self.start.factors)[k].tolerance
         std = FREED_WIDTH if tolerance < FREED_WIDTH else FREED_TOLERANCES * tolerance
-        return Column(
-            self.numbers[:, [k]].astype(np.float32), np.array([std]), np.zeros(1), np.zeros(1, bool), np.ones(1)
-        )
+        return Column.of(self.numbers[:, [k]], self._many, np.array([std]), size=np.ones(1))
 
     def columns(self, proposal: Proposal, point: Point) -> Column | None:
         """Of a proposal at a grid point; None where it does nothing there, or nothing finite."""
-        raw = columns_of(self.equations, proposal, point)
-        width = raw.shape[1]
-        if not np.isfinite(raw).all():
-            return None
-        largest = self._size(raw)
-        white = self.whiten(raw).astype(np.float32)
-        if (largest == 0.0).any() or not white.any(axis=0).all():
+        width, times = len(proposal.units(point)), self.mask.size // self._many
+        return self.of_points(proposal, (point,), np.empty((self._many, width, times), np.float32))[0]
+
+    def of_points(
+        self, proposal: Proposal, points: Sequence[Point], white: NDArray[np.float32], kept: int | None = None
+    ) -> list[Column | None]:
+        """Of a proposal at several grid points: rows of many columns are made white at once.
+
+        Args:
+            proposal: of which.
+            points: of its grid.
+            white: takes the rows (equations, columns of all points, rows of an equation).
+            kept: where in `Products.X` that is; None: nowhere.
+        """
+        raw = [columns_of(self.equations, proposal, point) for point in points]
+        self.whiten.apart(np.concatenate(raw), white)
+        ends, found = np.cumsum([0, *(len(each) for each in raw)]).tolist(), []
+        for point, each, (first, last) in zip(points, raw, itertools.pairwise(ends), strict=True):
+            column = self._column(proposal, point, each, white[:, first:last])
+            if column is None:
+                white[:, first:last] = 0.0
+            elif kept is not None:
+                column = dataclasses.replace(column, kept=kept + first)
+            found.append(column)
+        return found
+
+    def _column(self, proposal: Proposal, point: Point, raw: Array, white: NDArray[np.float32]) -> Column | None:
+        width, largest = len(raw), self._size(raw)
+        if not np.isfinite(largest).all() or (largest == 0.0).any() or not white.any(axis=(0, 2)).all():
             return None
         if proposal.fixed:
             cost = sum(self.log_jacobian(effect) for effect, _ in proposal.units(point))
@@ -131,18 +159,17 @@ class Library:
                 continue
             scale = tangent_scale(effect, name)
             raw = scale * of_parameter(self.equations, effect, name, 0.1 * scale)
-            largest = self._size(raw[:, None])[0]
+            largest = self._size(raw[None])[0]
             if not np.isfinite(largest) or largest == 0.0:
                 continue
             off, spread = belief(effect, name)
             parts.append(self.whiten(raw))
             std.append(min(spread / scale, UNKNOWN_WIDTH))
             mean.append(off / scale if np.isfinite(spread) else 0.0)
-        white = np.stack(parts, axis=1).astype(np.float32)
         share, least = self.size_of(effect, change)
-        size = np.array([share, *np.zeros(len(std) - 1)])
-        signs = np.zeros(len(std), bool)
-        return Column(white, np.array(std), np.array(mean), signs, size, self.log_jacobian(effect), smallest=least)
+        size, cost = np.array([share, *np.zeros(len(std) - 1)]), self.log_jacobian(effect)
+        white = np.stack(parts, axis=1)
+        return Column.of(white, self._many, np.array(std), np.array(mean), size, cost, least)
 
     def belief(self, effect: Effect, name: str) -> tuple[float, float]:
         """Prior of a parameter: how far its centre is from its value, and its standard deviation, in its unit.
@@ -154,7 +181,7 @@ class Library:
         if nothing is not None and np.isfinite(nothing):
             scale = tangent_scale(effect, name)
             raw = of_parameter(self.equations, effect, name, 0.1 * scale)
-            largest = float(self._size(raw[:, None])[0])
+            largest = float(self._size(raw[None])[0])
             spread = _natural(effect.name, EFFECT_TORQUE_SHARE / largest) if 0.0 < largest < np.inf else np.inf
             return (float(nothing) - value, spread) if np.isfinite(spread) else (0.0, np.inf)
         proposal = next(p for p in self.proposals if p.is_of(effect))
@@ -174,7 +201,7 @@ class Library:
             change: of the residual by it (rows,).
             least: share of the torque below which an effect is none, whatever the encoders resolve [1].
         """
-        share = float(self._size(change[:, None])[0])
+        share = float(self._size(change[None])[0])
         angle = abs(float(getattr(effect, effect.position_error or "-", np.inf)))
         place = {key: str(getattr(effect, key)) for key in ("joint", "channel") if hasattr(effect, key)}
         return share, max(least, self._resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
@@ -269,12 +296,27 @@ class Library:
         return self.alone(effect).belief(effect, name)[1]
 
     def _size(self, raw: Array) -> Array:
-        """Largest share of what an equation is about that columns have (columns,)."""
-        table = raw.reshape(-1, len(self.reference), raw.shape[1])
-        return np.asarray((np.sqrt((table**2).mean(axis=0)) / self.reference[:, None]).max(axis=0))
+        """Largest share of what an equation is about that columns have, (columns, rows) -> (columns,)."""
+        table = raw.reshape(len(raw), -1, self._many)
+        return np.asarray(
+            (np.sqrt(np.einsum("kte,kte->ke", table, table) / table.shape[1]) / self.reference).max(axis=1)
+        )
 
-    def candidates(self) -> tuple[list[Candidate], list[Column]]:
-        """All of them, with the columns of their grids in the order of their places."""
+    @property
+    def _open(self) -> list[Proposal]:
+        """Proposals of effects that the start does not hold."""
+        return [p for p in self.proposals if not any(p.is_of(effect) for effect in self.start.effects)]
+
+    def most_columns(self) -> int:
+        """Columns that all candidates and every structure have, at most."""
+        numbers = 2 * int(self.numbers.shape[1]) + int(self.offsets.shape[1]) + len(self.start.effects)
+        tangents = len(self.start.unknowns())
+        laws = [len(p.units(point)) for p in self._open for point in p.grid]
+        plain = [len(p.units(p.grid[0])) for p in self._open if len(p.grid) == 1]  # small amounts of every law
+        return numbers + 2 * tangents + sum(laws) + sum(plain)
+
+    def candidates(self, products: Products) -> tuple[list[Candidate], list[Column]]:
+        """All of them, with the columns of their grids in the order of their places; many are written into products."""
         first = self.numbers.shape[1] + self.offsets.shape[1]
         found, columns = [], []
         for k, number in enumerate(self.start.factors):
@@ -289,9 +331,14 @@ class Library:
             first += len(column.std)
             found.append(Candidate(effect.name, proposal, None, [()], [place], len(proposal.grid), effect))
             columns.append(column)
-        open_ = [p for p in self.proposals if not any(p.is_of(effect) for effect in self.start.effects)]
-        jobs = [(p, point) for p in open_ for point in p.grid]
-        made = iter(abreast(lambda job: self.columns(*job), jobs))
+        jobs = []
+        for p in (open_ := self._open):
+            for k in range(0, len(p.grid), POINTS_AT_ONCE):
+                some = p.grid[k : k + POINTS_AT_ONCE]
+                width = sum(len(p.units(point)) for point in some)
+                begin = products.reserve(width)
+                jobs.append((p, some, products.X[:, begin : begin + width], begin))
+        made = itertools.chain.from_iterable(abreast(lambda job: self.of_points(*job), jobs))
         for proposal in open_:
             pairs = [(point, next(made)) for point in proposal.grid]
             kept = [(point, each) for point, each in pairs if each is not None]

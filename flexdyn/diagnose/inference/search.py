@@ -62,11 +62,16 @@ class Scan:
     def _clashing(self) -> list[NDArray[np.intp]]:
         """Candidates that may not stand beside each: itself, and laws that contain it or that it contains."""
         candidates = self.space.candidates
-        late = [_late(each) for each in candidates]
+        late = {c: signal for c, each in enumerate(candidates) if (signal := _late(each)) is not None}
+        places: dict[tuple[str | None, ...], list[int]] = {}
+        for c, each in enumerate(candidates):
+            places.setdefault(_where(each), []).append(c)
         found = []
         for c, me in enumerate(candidates):
-            there = [k for k, other in enumerate(candidates) if k == c or nested(me, other) or _undo(late[c], late[k])]
-            found.append(np.array(there))
+            there = {c, *(k for k in places[_where(me)] if nested(me, candidates[k]))}
+            if c in late:
+                there |= {k for k, other in late.items() if _undo(late[c], other)}
+            found.append(np.array(sorted(there)))
         return found
 
     def additions(self, structure: Structure) -> list[tuple[float, tuple[int, int]]]:
@@ -101,11 +106,9 @@ def nested(one: Candidate, other: Candidate) -> bool:
     return contains and _where(one) == _where(other)
 
 
-def _undo(one: tuple[str, str] | None, other: tuple[str, str] | None) -> bool:
+def _undo(one: tuple[str, str], other: tuple[str, str]) -> bool:
     """Whether two delays at one joint undo one another; those of its two encoders do not."""
-    if one is None or other is None or one[1] != other[1]:
-        return False
-    return {one[0], other[0]} != {"q", "theta"}
+    return one[1] == other[1] and {one[0], other[0]} != {"q", "theta"}
 
 
 def _late(candidate: Candidate) -> tuple[str, str] | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections import deque
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -52,46 +51,49 @@ class Space:
 
     def __init__(self, library: Library, rows: Array, seen: Seen) -> None:
         self.library, self.seen = library, seen
-        rows, columns = self._columns(rows)
-        capacity = sum(len(each.std) for each in columns) + SPARE_COLUMNS
-        self.products = Products(-rows.reshape(-1, len(seen.count)), capacity)
+        times, many = seen.valid.shape
+        capacity = library.most_columns() + SPARE_COLUMNS
+        self.products = Products(many, times, capacity)
+        self.candidates, made = library.candidates(self.products)
+        always, small = library.always(), self._negligible(made)
+        self.base = len(always.std) + sum(len(each.std) for each, _ in small)
+        shift = self.base - len(always.std)
+        for candidate in self.candidates:
+            candidate.columns = [each + shift for each in candidate.columns]
+        standing = [column for each, column in zip(self._owners(), made, strict=True) if each.stands is not None]
+        rows = rows - sum((each.white[:, 0] for each in standing), np.zeros_like(rows))
+        self.products.explain(-rows.reshape(times, many))
         self.size, self.cost, self.gained = np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
         self.smallest, self.of = np.zeros(capacity), np.zeros(capacity, np.intp)
         self.prior = Prior(np.ones(capacity), np.zeros(capacity), np.zeros(capacity, bool))
-        self.used = 0
-        while columns:  # none is kept twice: of six joints they are half a gigabyte
-            self._put(columns.popleft())
-        self._multiply()
+        self._put(0, always)
+        self.used = self.base
+        for column in made:
+            self.used = self._put(self.used, column)
+        place = len(always.std)
+        for column, alike in small:
+            place = self._put(place, column, alike + self.base)
+        self.of[: self.used] = self.products.diagonals().argmax(axis=0)
         self.places = self._counted(self.candidates)
 
-    def _columns(self, rows: Array) -> tuple[Array, deque[Column]]:
-        """What columns are to explain (rows,), and all of them: those of every structure, then the candidates'."""
-        self.candidates, made = self.library.candidates()
-        standing = [column for each, column in zip(self._owners(), made, strict=True) if each.stands is not None]
-        rows = rows - sum((each.white[:, 0] for each in standing), np.zeros_like(rows))
-        first = [self.library.always(), *self._negligible(made)]
-        self.base = sum(len(each.std) for each in first)
-        shift = self.base - len(first[0].std)
-        for candidate in self.candidates:
-            candidate.columns = [each + shift for each in candidate.columns]
-        return rows, deque([*first, *made])
+    def _negligible(self, made: list[Column]) -> list[tuple[Column, Indices]]:
+        """Small amounts of every law without nonlinear parameters: no model is free of them; they are no findings.
 
-    def _negligible(self, made: list[Column]) -> list[Column]:
-        """Small amounts of every law without nonlinear parameters: no model is free of them; they are no findings."""
-        effects = [
-            _tangents(column) if candidate.stands else column
-            for candidate, column in zip(self._owners(), made, strict=True)
-            if candidate.proposal is not None and len(candidate.proposal.grid) == 1 and not candidate.proposal.fixed
-        ]
-        return [
-            dataclasses.replace(
-                each,
-                std=NEGLIGIBLE_SHARE * np.minimum(each.std, EFFECT_TORQUE_SHARE / np.maximum(each.size, 1e-300)),
-                mean=np.zeros_like(each.mean),
-                positive=each.positive & False,
-            )
-            for each in effects
-        ]
+        Each with its place among the columns that were made.
+        """
+        found, first = [], 0
+        for candidate, column in zip(self._owners(), made, strict=True):
+            here = np.arange(first, first + len(column.std))
+            first += len(column.std)
+            proposal = candidate.proposal
+            if proposal is None or len(proposal.grid) > 1 or proposal.fixed:
+                continue
+            if candidate.stands:
+                column, here = _tangents(column), here[1:]
+            std = NEGLIGIBLE_SHARE * np.minimum(column.std, EFFECT_TORQUE_SHARE / np.maximum(column.size, 1e-300))
+            mean, free = np.zeros_like(column.mean), column.positive & False
+            found.append((dataclasses.replace(column, std=std, mean=mean, positive=free), here))
+        return found
 
     def _owners(self) -> list[Candidate]:
         """The candidate of each block of columns."""
@@ -104,20 +106,19 @@ class Space:
             places[each.group] = places.get(each.group, 0) + 1
         return places
 
-    def _put(self, column: Column) -> None:
-        """Take a block of columns in."""
-        first, self.used = self.used, self.products.put(self.used, column.white)
-        here = slice(first, self.used)
+    def _put(self, first: int, column: Column, alike: Indices | None = None) -> int:
+        """Take a block of columns in, which may be there elsewhere; the place after it."""
+        if alike is None:
+            end = self.products.put(first, column.apart, column.kept)
+        else:
+            end = self.products.again(first, alike)
+        here = slice(first, end)
         self.prior.precision[here], self.prior.mean[here] = 1.0 / column.std**2, column.mean
         self.prior.positive[here], self.smallest[here] = column.positive, column.smallest
         self.size[here] = column.size
-        if self.used > first:
+        if end > first:
             self.cost[first], self.gained[first] = column.log_jacobian, column.gained
-
-    def _multiply(self) -> None:
-        """Multiply the columns that were taken in with all that are there."""
-        self.products.multiply(self.used)
-        self.of[: self.used] = self.products.diagonals().argmax(axis=0)
+        return end
 
     def under(self, noise: Discrepancy) -> None:
         """Compare under a model error from now on."""
@@ -148,9 +149,8 @@ class Space:
         column = self.library.columns(candidate.proposal, point)
         if column is None or self.used + len(column.std) > len(self.size):
             return None
-        first = self.used
-        self._put(column)
-        self._multiply()
+        first, self.used = self.used, self._put(self.used, column)
+        self.of[first : self.used] = self.products.diagonals()[:, first:].argmax(axis=0)
         self.gram.grow()
         candidate.points.append(point)
         candidate.columns.append(np.arange(first, self.used))
@@ -249,10 +249,10 @@ class Space:
 
     def _apart(self, columns: Indices, mean: Array, others: Sequence[Indices]) -> float:
         """Share of what some columns do that others cannot [1]."""
-        G, there = self.gram.G, np.concatenate(others)
-        whole = float(mean @ G[np.ix_(columns, columns)] @ mean)
-        cross = G[np.ix_(there, columns)] @ mean
-        explained = float(cross @ np.linalg.lstsq(G[np.ix_(there, there)], cross, rcond=1e-9)[0])
+        between, there = self.gram.between, np.concatenate(others)
+        whole = float(mean @ between(columns, columns) @ mean)
+        cross = between(there, columns) @ mean
+        explained = float(cross @ np.linalg.lstsq(between(there, there), cross, rcond=1e-9)[0])
         return math.sqrt(min(max(1.0 - explained / max(whole, 1e-300), 0.0), 1.0))
 
     @lazy
@@ -301,10 +301,9 @@ class Space:
         column = int(self.candidates[c].columns[p][0])
         return float(self.cost[column]) * self.tempered(column)
 
-    def left(self, structure: Structure | None) -> Array:
-        """What a structure leaves, white but for the model error (rows,); None: all candidates at once."""
-        chosen = np.arange(self.base, self.used) if structure is None else self.columns(structure)
-        columns, mean = self.gram.with_base(self.gram.estimate(chosen))
+    def left(self, structure: Structure) -> Array:
+        """What a structure leaves, white but for the model error (rows,)."""
+        columns, mean = self.gram.with_base(self.gram.estimate(self.columns(structure)))
         return np.asarray((self.products.sum(columns, mean) - self.products.y).T.ravel())
 
 
@@ -316,7 +315,7 @@ def _same(one: Candidate, other: Candidate) -> bool:
 
 def _tangents(column: Column) -> Column:
     """Of an effect that stands, without what it does as it is."""
-    return Column(column.white[:, 1:], column.std[1:], column.mean[1:], column.positive[1:], column.size[1:])
+    return Column(column.apart[:, 1:], column.std[1:], column.mean[1:], column.positive[1:], column.size[1:])
 
 
 def odds_of(group: str) -> tuple[float, float]:

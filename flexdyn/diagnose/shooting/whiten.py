@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn import _core
 from flexdyn.diagnose.shooting.spread import LARGEST_SLOPE, Indices, Spread
 from flexdyn.diagnose.shooting.windows import Index, PerWindow, Windows
 
@@ -60,31 +61,16 @@ class Filter(PerWindow):
         flow, push, std = response.flow, response.push, std[which]
         count, blocks, nx, _ = flow.shape
         counted = used[which, :: windows.block].astype(float)
-        seen = response.seen * counted[..., None]
         sensor = windows.sensor_noise**2
-        R = np.eye(len(sensor)) * np.where(counted > 0, sensor / _averaged(windows, which), 1.0)[:, :, None, :]
-        P = np.eye(nx) * (std**2)[:, None, :]
-        cross, first, moved = P.copy(), P.copy(), np.broadcast_to(np.eye(nx), P.shape)
-        V = np.zeros_like(P)
+        R = np.where(counted > 0, sensor / _averaged(windows, which), 1.0)
         channels = len(sensor)
         gain, first_gain = np.empty((count, blocks, nx, channels)), np.empty((count, blocks, nx, channels))
         whitener = np.empty((count, blocks, channels, channels))
-        carried, lever = np.empty((count, blocks, channels)), np.empty((count, blocks, channels, nx))
-        for k in range(blocks):
-            F, C = flow[:, k], seen[:, k]
-            Ft, Ct = F.transpose(0, 2, 1), C.transpose(0, 2, 1)
-            P, V, cross, moved = F @ P @ Ft + push[:, k], F @ V @ Ft + push[:, k], cross @ Ft, F @ moved
-            P, V, cross, moved = (np.clip(each, -LARGEST_SLOPE, LARGEST_SLOPE) for each in (P, V, cross, moved))
-            PC, XC = P @ Ct, cross @ Ct
-            whitener[:, k] = W = _root(C @ PC, R[:, k])
-            inverse = W.transpose(0, 2, 1) @ W
-            gain[:, k], first_gain[:, k] = G, G0 = PC @ inverse, XC @ inverse
-            P = P - G @ PC.transpose(0, 2, 1)
-            first = first - G0 @ XC.transpose(0, 2, 1)
-            cross = cross - G0 @ PC.transpose(0, 2, 1)
-            carried[:, k] = np.einsum("wci,wci->wc", C @ V, C)
-            lever[:, k] = C @ moved
-        doubt = np.einsum("wkci,wkci->wkc", lever @ first[:, None], lever)
+        carried, doubt = np.empty((count, blocks, channels)), np.empty((count, blocks, channels))
+        _core.window_gains(
+            flow, push, response.seen, counted, R, np.ascontiguousarray(std), LARGEST_SLOPE,
+            gain, first_gain, whitener, carried, doubt,
+        )  # fmt: skip
         most = (
             EXCUSED_SHARE * (np.nanmax(windows.measured, axis=(0, 1)) - np.nanmin(windows.measured, axis=(0, 1)))
         ) ** 2
@@ -104,15 +90,12 @@ class Filter(PerWindow):
         """Whitened innovations (windows, blocks, channels) and estimated errors of the first states (windows, nx)."""
         count, rows, channels = residual.shape
         mean = residual.reshape(count, rows // self.block, self.block, channels).mean(axis=2) * self.counted
-        white, now, first = np.empty_like(mean), error[:, :, None], error[:, :, None]
-        seen = self.response.seen * self.counted[..., None]
-        for k in range(mean.shape[1]):
-            now = self.response.flow[:, k] @ now
-            innovation = mean[:, k, :, None] - seen[:, k] @ now
-            now = np.clip(now + self.gain[:, k] @ innovation, -LARGEST_SLOPE, LARGEST_SLOPE)
-            first = np.clip(first + self.first_gain[:, k] @ innovation, -LARGEST_SLOPE, LARGEST_SLOPE)
-            white[:, k] = (self.whitener[:, k] @ innovation)[:, :, 0]
-        return white, first[:, :, 0]
+        white, first = np.empty_like(mean), np.array(error)
+        _core.window_innovations(
+            self.response.flow, self.response.seen, self.counted, LARGEST_SLOPE,
+            self.gain, self.first_gain, self.whitener, mean, first, white,
+        )  # fmt: skip
+        return white, first
 
     def first_error(self, residual: Array, moved: Array) -> Array:
         """Estimated errors of the first states from all measurements (windows, nx); moved: from the prior's centre."""
@@ -132,16 +115,6 @@ class Filter(PerWindow):
         """Sum of squares of a residual in units of `variance`, of every window (windows,)."""
         blocks = residual.reshape(len(residual), -1, self.block, residual.shape[2])
         return np.asarray(((blocks**2).sum(axis=2) / self.variance * self.counted).sum(axis=(1, 2)))
-
-
-def _root(carried: Array, sensor: Array) -> Array:
-    """Inverse Cholesky factors of a sum of covariances; if rounding makes it indefinite, of its diagonal."""
-    whole = carried + sensor
-    try:
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(whole)))
-    except np.linalg.LinAlgError:
-        size = np.sqrt(np.maximum(np.diagonal(whole, axis1=1, axis2=2), np.diagonal(sensor, axis1=1, axis2=2)))
-        return np.asarray(np.eye(whole.shape[1]) / size[:, :, None])
 
 
 def _averaged(windows: Windows, which: Indices) -> Array:
