@@ -78,7 +78,7 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
             found[c] = 0.0
             continue
         there = whole > 0.01 * whole.max()
-        share = float(np.sqrt(((space.size[mine] * does) ** 2).sum()))
+        share = space.share(c, mine, does)
         hidden = whole[there].sum() * (typical / share) ** 2 if share > 0.0 else 0.0
         left = max(float((weights * excess)[there].sum()), min(hidden, float((weights * below)[there].sum())))
         found[c] = _own(space, structure, c, value, does) / max(left, 1e-9)

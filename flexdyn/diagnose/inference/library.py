@@ -152,7 +152,8 @@ class Library:
         others = tuple(each for each in self.start.effects if each is not effect)
         without = self.equations.of(dataclasses.replace(self.start, effects=others).model())
         change = self.equations.residual - without.residual
-        parts = [self.whiten(change)]
+        share, least = self.size_of(effect, change)
+        parts, size = [self.whiten(change)], [share]
         std, mean = [FITTED_SIZE_WIDTH], [1.0]
         for each, name in self.start.unknowns():
             if each is not effect:
@@ -164,12 +165,11 @@ class Library:
                 continue
             off, spread = belief(effect, name)
             parts.append(self.whiten(raw))
+            size.append(largest)
             std.append(min(spread / scale, UNKNOWN_WIDTH))
             mean.append(off / scale if np.isfinite(spread) else 0.0)
-        share, least = self.size_of(effect, change)
-        size, cost = np.array([share, *np.zeros(len(std) - 1)]), self.log_jacobian(effect)
-        white = np.stack(parts, axis=1)
-        return Column.of(white, self._many, np.array(std), np.array(mean), size, cost, least)
+        white, cost = np.stack(parts, axis=1), self.log_jacobian(effect)
+        return Column.of(white, self._many, np.array(std), np.array(mean), np.array(size), cost, least)
 
     def belief(self, effect: Effect, name: str) -> tuple[float, float]:
         """Prior of a parameter: how far its centre is from its value, and its standard deviation, in its unit.

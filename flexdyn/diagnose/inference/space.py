@@ -224,10 +224,15 @@ class Space:
                 rows = self.gained[columns[0]] * self.tempered(columns[0])
                 total += rows * math.log(max(1.0 + float(own.mean[here][0]), 0.01))
             weight = self.size[columns]
-            share = float(np.sqrt(((weight * own.mean[here]) ** 2).sum())) * self._own_part(c, columns, own.mean[here])
+            share = self.share(c, columns, own.mean[here]) * self._own_part(c, columns, own.mean[here])
             spread = float(np.sqrt((weight**2 * np.diag(own.covariance)[here]).sum()))
             total += float(log_ndtr((share - self.smallest[columns[0]]) / max(spread, 1e-12)))
         return total
+
+    def share(self, c: int, columns: Indices, mean: Array) -> float:
+        """Root mean square torque of a candidate, as a share of its joint's; an effect that stands has its present one."""
+        parts = self.size[columns] * mean
+        return float(np.linalg.norm(parts if self.candidates[c].stands is None else parts[:1]))
 
     def _own_part(self, c: int, columns: Indices, mean: Array) -> float:
         """Share of an effect that the plainer one which it contains cannot do [1]: it must be large by itself."""
@@ -244,8 +249,7 @@ class Space:
         columns = self.candidates[c].columns[dict(structure)[c]]
         place = {int(k): value for k, value in zip(own.columns, own.mean, strict=True)}
         mean = np.array([place[int(k)] for k in columns])
-        share = float(np.sqrt(((self.size[columns] * mean) ** 2).sum()))
-        return share * self._apart(columns, mean, [self.candidates[other].columns[0]])
+        return self.share(c, columns, mean) * self._apart(columns, mean, [self.candidates[other].columns[0]])
 
     def _apart(self, columns: Indices, mean: Array, others: Sequence[Indices]) -> float:
         """Share of what some columns do that others cannot [1]."""
