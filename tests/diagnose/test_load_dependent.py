@@ -69,7 +69,7 @@ def test_its_column_is_what_the_joint_carries_against_the_motion(tmp_path: Path)
     data = measured(model(tmp_path), record)
     at = Equations(model(tmp_path), (data,), Filters.of_rate(data.dt))
     (proposal,) = [each for each in everything(at) if each.place["effect"] == "load_dependent_friction"]
-    column = columns_of(at, proposal, ())[:, 0]
+    (column,) = columns_of(at, proposal, ())
     rows = at.filters.instants(len(at.motions[0].t))
     moved = at.motions[0].t[rows]
     wanted = -MASS * (GRAVITY - size * w**2 * np.sin(w * moved)) * np.sign(np.cos(w * moved))

@@ -112,7 +112,6 @@ def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:
         "its cause may lie elsewhere",
         "with presliding friction on the motor side of elbow",
         cases.RIVAL_NOTE,
-        "5212 structures",
         "monday.csv",
         "41.6 to 52 s",
         "theta.elbow 1.4e\N{MINUS SIGN}07 rad",
