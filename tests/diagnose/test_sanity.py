@@ -287,18 +287,18 @@ def test_a_measured_link_that_rests_hides_its_own_equations_alone(
     channels = {name: np.full(len(x), 0.9) if name in rests else x for name, x in rec.channels.items()}
     data = (measured(model, fd.Recording(rec.t, channels, name="log.csv")),)
     hidden = workspace(model, data)[0].whiten.mask.reshape(-1, 2 * len(signals)).all(axis=0)
-    assert hidden.tolist() == [False, True] * len(signals)
+    shoulder, elbow = hidden.reshape(2, -1)
+    assert not shoulder.any()
+    assert elbow.all()
 
 
 def test_joints_that_turn_back_all_the_time(model: fd.FlexibleJointModel) -> None:
     """Their velocities have no certain sign anywhere."""
     t = np.arange(6000) / 1000.0
     noise = np.random.default_rng(3)
-    channels = {
-        f"q.{joint}": 1e-3 * np.sin(2.0 * np.pi * 60.0 * t) + 1e-6 * noise.standard_normal(6000)
-        for joint in model.joint_names
-    }
-    channels |= {f"tau.{joint}": np.sin(2.0 * np.pi * 60.0 * t) for joint in model.joint_names}
+    wave, channels = np.sin(2.0 * np.pi * 60.0 * t), {}
+    for joint in model.joint_names:
+        channels |= {f"q.{joint}": 1e-3 * wave + 1e-6 * noise.standard_normal(len(t)), f"tau.{joint}": wave}
     data = (measured(model, fd.Recording(t, channels, name="log.csv")),)
     with pytest.raises(fd.errors.InputError, match=r"^log\.csv: t: joints rest.* let all joints move at once"):
         workspace(model, data)

@@ -230,7 +230,7 @@ class Space:
         return total
 
     def share(self, c: int, columns: Indices, mean: Array) -> float:
-        """Root mean square torque of a candidate, as a share of its joint's; an effect that stands has its present one."""
+        """Root mean square torque of a candidate over that of its joint; an effect that stands has its present one."""
         parts = self.size[columns] * mean
         return float(np.linalg.norm(parts if self.candidates[c].stands is None else parts[:1]))
 
