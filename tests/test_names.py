@@ -21,6 +21,9 @@ LISTED = ("inference", "simulated")
 BUDGETS = {
     "HARMONICS_AT_ONCE": "memory",
     "SPARE_COLUMNS": "memory",
+    "SPARE_ROWS": "memory",
+    "POINTS_AT_ONCE": "memory and time",
+    "COLUMNS_AT_ONCE": "memory and time",
     "COLUMN_COPIES": "memory",
     "MEMORY_SHARE": "memory",
     "MOST_ORDER": "a model of noise that only the studies use",

@@ -106,7 +106,7 @@ def test_the_effects_table_has_every_effect_of_flexdyn(script: ModuleType) -> No
 
 def test_every_effect_is_measured(script: ModuleType) -> None:
     """Each of flexdyn's own effects has a row of measured properties; neutral, each one changes no solver's run."""
-    rows = [row.split("`")[1] for row in script.effect_checks().splitlines()[2:]]
+    rows = [row.split("`")[1] for row in script.TABLES["effect_checks"]().splitlines()[2:]]
     assert rows == [name for name, kind in fd.effects.catalogue().items() if kind.__module__.startswith("flexdyn.")]
     results = json.loads((ROOT / "benchmarks" / "results" / "effects.json").read_text(encoding="utf-8"))
     assert set(results["solvers"]) == set(SOLVERS)

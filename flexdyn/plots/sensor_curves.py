@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.effects import ChannelLag, CommandDelay, SensorEffect
 from flexdyn.plots.friction_curves import turn
-from flexdyn.plots.page import BLUE, DASHED, GREY, LAW_LINE_WIDTH, beside, cross, legend_above, line
+from flexdyn.plots.page import BLUE, SHORT_DASHES, GREY, LAW_LINE_WIDTH, beside, cross, legend_above, line
 
 VISIBLE = 0.02
 """Smaller errors, relative to the measured value, are drawn separately [1]."""
@@ -21,7 +21,7 @@ def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
     asked, given = [-0.5 * end, 0.0, end], [-0.5 * end, effect.delay, end]
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
     step = [0.0, 1.0, 1.0]
-    axes.step(asked, step, where="post", color=GREY, linewidth=1.4, linestyle=DASHED, label=r"asked: $\tau$")
+    axes.step(asked, step, where="post", color=GREY, linewidth=1.4, linestyle=SHORT_DASHES, label=r"asked: $\tau$")
     axes.step(given, step, where="post", color=BLUE, linewidth=LAW_LINE_WIDTH, label=r"given: $\tau_\mathrm{applied}$")
     axes.legend(frameon=False, loc="center right")
     return "time $t$ [s]", "motor torque [N m]"
@@ -49,7 +49,7 @@ def _late(axes: Any, effect: ChannelLag) -> tuple[str, str]:
     t = np.linspace(0.0, 20.0 * effect.delay, 1201)
     true = np.sin(2.0 * math.pi * t / (10.0 * effect.delay))
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
-    axes.plot(t, true, color=GREY, linewidth=1.4, linestyle=DASHED, label="true")
+    axes.plot(t, true, color=GREY, linewidth=1.4, linestyle=SHORT_DASHES, label="true")
     line(axes, t, effect.measured(true, t), label="measured")
     legend_above(axes, 2)
     return "time $t$ [s]", "position [rad]"

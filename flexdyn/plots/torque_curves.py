@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.effects import DeflectionEffect, JointEffect
 from flexdyn.plots.friction_curves import span, turn, varies
-from flexdyn.plots.page import BLUE, DASHED, GREY, RED, SHADES, beside, cross, legend, line
+from flexdyn.plots.page import BLUE, SHORT_DASHES, GREY, RED, SHADES, beside, cross, legend, line
 
 ASKED = (-1.2, -0.6, 0.0, 0.6, 1.2)
 """Commanded torques in the pictures of actuator effects [N m]."""
@@ -83,6 +83,6 @@ def _family(axes: Any, effect: JointEffect, across: Array, state: tuple[Any, Any
     """One curve for each commanded torque, which is drawn dashed."""
     cross(axes)
     for tau, shade in zip(ASKED, SHADES, strict=True):
-        axes.axhline(tau, color=shade, linewidth=0.8, linestyle=DASHED)
+        axes.axhline(tau, color=shade, linewidth=0.8, linestyle=SHORT_DASHES)
         line(axes, across, effect.torque(*state, tau=tau), color=shade, label=f"{tau:g} N m")
     legend(axes, "asked (dashed)", upside_down=True)

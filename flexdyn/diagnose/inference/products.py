@@ -10,7 +10,7 @@ from flexdyn import _core
 Array = NDArray[np.float64]
 Columns = NDArray[np.float32]
 Indices = NDArray[np.intp]
-AT_ONCE = 256
+COLUMNS_AT_ONCE = 256
 """Columns that are held in double precision at once."""
 SPARE_ROWS = 64
 """Columns that get their products with all others without moving what is there."""
@@ -112,8 +112,8 @@ class Products:
         self._row[new] = np.arange(first, self._full)
         for X, rows in zip(self.X, self._rows, strict=True):
             mine = X[new].astype(float)
-            for begin in range(0, self._kept, AT_ONCE):
-                part = slice(begin, min(begin + AT_ONCE, self._kept))
+            for begin in range(0, self._kept, COLUMNS_AT_ONCE):
+                part = slice(begin, min(begin + COLUMNS_AT_ONCE, self._kept))
                 rows[first : self._full, part] = mine @ X[part].astype(float).T
 
     def hold(self, count: int) -> None:

@@ -37,7 +37,7 @@ _COMPLEX = 0x0800
 _HEAD = 2**12
 _DEEPEST = 16
 _MOST_DIMENSIONS = 32
-_HEADER = 128
+_MAT_HEADER = 128
 _VERSION = 0x0100
 
 
@@ -50,7 +50,7 @@ def read(path: Path, request: Request, columns: LeafColumns) -> None:
     size = os.path.getsize(path)
     unpacked = 0
     with open(path, "rb") as stream:
-        order = _byte_order(stream.read(_HEADER))
+        order = _byte_order(stream.read(_MAT_HEADER))
         while stream.tell() < size:
             kind, start, stop = Cursor(stream.read(8), order).tag()
             begin = stream.tell()
