@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.effects import ChannelLag, CommandDelay, SensorEffect
 from flexdyn.plots.friction_curves import turn
-from flexdyn.plots.page import BLUE, SHORT_DASHES, GREY, LAW_LINE_WIDTH, beside, cross, legend_above, line
+from flexdyn.plots.page import BLUE, GREY, LAW_LINE_WIDTH, SHORT_DASHES, beside, cross, legend_above, line
 
 VISIBLE = 0.02
 """Smaller errors, relative to the measured value, are drawn separately [1]."""

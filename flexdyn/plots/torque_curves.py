@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.effects import DeflectionEffect, JointEffect
 from flexdyn.plots.friction_curves import span, turn, varies
-from flexdyn.plots.page import BLUE, SHORT_DASHES, GREY, RED, SHADES, beside, cross, legend, line
+from flexdyn.plots.page import BLUE, GREY, RED, SHADES, SHORT_DASHES, beside, cross, legend, line
 
 ASKED = (-1.2, -0.6, 0.0, 0.6, 1.2)
 """Commanded torques in the pictures of actuator effects [N m]."""

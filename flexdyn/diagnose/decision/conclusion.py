@@ -26,9 +26,8 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.shooting.gap import NOISE_GAP
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
+from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows, unlike_noise
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
@@ -57,13 +56,16 @@ def concluded(
     made = calibrated(plain, start)
     found, named, first = _on_fit(plain, made, found, parts[0])
     windows = _contradicting(first)
-    if windows is not None and leaves_noise(compared.fitted, plain):
+    noise = leaves_noise(compared.fitted, plain)
+    if windows is not None and (noise or first.farther):
         say("comparing simulated windows", 0.25)
-        by_windows = reweighed(compared, windows)
+        by_windows = reweighed(compared, windows, lambda made: leaves_noise(made, plain)) if noise else None
         # Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
-        if leaves_noise(by_windows.fitted, plain):
-            compared = by_windows
-        again = corrected(compared, plain, functools.partial(share_in_windows, compared, windows))
+        accepted = by_windows is not None and leaves_noise(by_windows.fitted, plain)
+        compared = by_windows if by_windows is not None and accepted else compared
+        again = corrected(
+            compared, plain, functools.partial(share_in_windows, compared, windows), rejected=not accepted
+        )
         found, named, first = _on_fit(plain, made, again, parts[0])
     say("opening the test data", 0.5)
     last = on_test(plain, first, found, named, parts[1])
@@ -107,7 +109,7 @@ def _on_fit(
 
 def _contradicting(first: OnFit) -> Windows | None:
     """Windows of the fit that leave more than noise; None: they do not, or there are none."""
-    if first.shots is None or first.shots.after.gap <= NOISE_GAP * max(first.shots.gap.floor, 1.0):
+    if first.shots is None or not unlike_noise(first.shots.after, first.shots.gap.floor):
         return None
     return first.shots.after.windows
 

@@ -95,7 +95,9 @@ class Corrected:
         return converged(self.fitted)
 
 
-def corrected(found: Posterior, plain: Workspace, simulated_share: Share | None = None) -> Corrected:
+def corrected(
+    found: Posterior, plain: Workspace, simulated_share: Share | None = None, *, rejected: bool = False
+) -> Corrected:
     """Name what is established, and fit the model with it and no more.
 
     For an "A or B" the model contains A. If more than noise is left, something without a name may have displaced the
@@ -106,6 +108,7 @@ def corrected(found: Posterior, plain: Workspace, simulated_share: Share | None 
         plain: the equations of the model as given, with the sensors' weights.
         simulated_share: own part of a candidate in simulations over what is left there, where the linear equations do
             not make it stand out [1]; None: they alone decide.
+        rejected: whether simulations reject the structure: then a name must stand out in them too.
     """
     space, here = found.space, found.fitted.hypothesis
     masses = _masses(found)
@@ -117,7 +120,8 @@ def corrected(found: Posterior, plain: Workspace, simulated_share: Share | None 
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
     simulated = {c: simulated_share(c) for c in sure} if simulated_share else {}
     seen = {c: genuine(space.candidates[c], each, found.expected) for c, each in simulated.items()}
-    own = {c: max(each, seen.get(c, 0.0)) for c, each in own.items()}
+    which = min if rejected else max
+    own = {c: which(each, seen.get(c, each)) for c, each in own.items()}
     named = names(masses, best, own, there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])

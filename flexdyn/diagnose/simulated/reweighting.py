@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import math
+from collections.abc import Callable
 
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.inference.apart import NOISE_LEVEL_ERROR
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.search import neighbours
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.diagnose.shooting.gap import NOISE_GAP, shoot
+from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.errors import FlexdynError
@@ -24,6 +27,19 @@ COMPARED_WINDOWS = 16
 """Windows over which structures are compared, spread evenly: 8 s; what is found is held against all of them."""
 EQUATIONS_FIT_STEPS = 6
 """Steps of the fit to the equations, with a warm start at the linear estimate."""
+ERRORS_PER_WINDOW = 20
+"""Independent errors in a window of one joint, about [1]."""
+
+
+def unlike_noise(shot: Shot, floor: float = 1.0) -> bool:
+    """Whether windows leave together more than noise, chance and a misjudged level of the noise.
+
+    Args:
+        shot: the windows; where only a few are off, their median says nothing of it.
+        floor: the gap of a perfect model, if it is more than 1.
+    """
+    chance = CHANCE_ROOM * math.sqrt(2.0 / (ERRORS_PER_WINDOW * len(shot.x0)))
+    return shot.gap**2 > (1.0 + NOISE_LEVEL_ERROR + chance) * max(floor, 1.0) ** 2
 
 
 class Simulated:
@@ -106,7 +122,7 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
     """What a candidate of the best structure takes off the windows, over what is left of them [1].
 
     With squared gaps: ``(without it - with it) / (with it - 1)``; without it, the file's numbers stay within three
-    tolerances. Of the noise's power `NOISE_LEVEL_ERROR` is unknown. 0 where more than noise is left.
+    tolerances. Of the noise's power `NOISE_LEVEL_ERROR` is unknown.
 
     Args:
         found: the posterior.
@@ -117,37 +133,41 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
     rest = frozenset(each for each in found.best if each[0] != candidate)
     simulated.start(found.best)
     simulated.start(rest)
-    if rest not in simulated.fits or not simulated.is_noise(found.best):
+    if found.best not in simulated.fits or rest not in simulated.fits:
         return 0.0
     whole = simulated.fits[found.best].shot.gap ** 2
     without = shoot(simulated.fits[rest].made.hypothesis.tolerated().seen(), windows).gap ** 2
     return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + NOISE_LEVEL_ERROR)
 
 
-def reweighed(found: Posterior, windows: Windows) -> Posterior:
+def reweighed(found: Posterior, windows: Windows, fits: Callable[[Fit], bool]) -> Posterior | None:
     """The posterior with the numbers, and if needed the structures, that fit simulated windows.
 
-    Where the numbers of the best structure bring its windows to noise, structures stay as the equations have them.
-    Else its neighbours are simulated, and theirs. What comes to noise in the end takes its place, and the structures
-    that were simulated are weighed by their windows. If nothing does, the posterior stays as it is.
+    Where numbers of the best structure bring its windows to noise, and the equations too, structures stay as the
+    equations have them. Else its neighbours are simulated, and theirs. What comes to noise in the end takes its place,
+    and the structures that were simulated are weighed by their windows.
 
     Args:
         found: by the equations.
         windows: of the data of the fit.
+        fits: whether a fit's equations leave noise alone.
+
+    Returns:
+        None where nothing brings the windows to noise.
     """
     here = WindowFit.of(found.fitted, windows)
-    if here.shot.gap <= NOISE_GAP:
+    if not unlike_noise(here.shot):
         return found
     here = fit_to_windows(here)
-    if here.shot.gap <= NOISE_GAP:
+    if not unlike_noise(here.shot) and fits(here.made):
         return dataclasses.replace(found, fitted=here.made)
     simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
     best = simulated.climbed(found.best)
     if best not in simulated.fits:
-        return found
+        return None
     if best != found.best:
         here = fit_to_windows(WindowFit.of(simulated.fits[best].made, windows))
     if not here.shot.is_noise():
-        return found
+        return None
     # The windows have decided between what the linearisations did not agree about.
     return dataclasses.replace(found, best=best, fitted=here.made, known=simulated.known, earlier=())
