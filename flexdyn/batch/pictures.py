@@ -68,12 +68,7 @@ def draw_results(
 
 
 def _columns(
-    results: Results,
-    metrics: Sequence[str] | None,
-    parameters: Sequence[str] | None,
-    notes: list[str],
-    *,
-    chosen: bool,
+    results: Results, metrics: Sequence[str] | None, parameters: Sequence[str] | None, notes: list[str], *, chosen: bool
 ) -> MetricColumns | None:
     """The metrics and parameters to be drawn; None if there are none."""
     measured, varied = results.metrics, results.parameters

@@ -6,15 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from flexdyn.checks import check_known
-from flexdyn.effects import (
-    Effect,
-    JointCoupling,
-    JointEffect,
-    JointElasticity,
-    Payload,
-    SensorEffect,
-    effect_from_dict,
-)
+from flexdyn.effects import Effect, JointCoupling, JointEffect, JointElasticity, Payload, SensorEffect, effect_from_dict
 from flexdyn.errors import InputError, placed
 from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot

@@ -12,13 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.checks import Array
-from flexdyn.effects import (
-    CoulombFriction,
-    Effect,
-    JointElasticity,
-    ParameterError,
-    ViscousFriction,
-)
+from flexdyn.effects import CoulombFriction, Effect, JointElasticity, ParameterError, ViscousFriction
 from flexdyn.effects.motor import MotorLaw
 from flexdyn.errors import InputError, visible
 from flexdyn.io.locked import lock, plain

@@ -30,11 +30,7 @@ MOST_MESSAGE = 16 * 2**20
 _LARGEST_CHUNK = 2**30
 _MOST_OPEN = 2**31
 _PIECE = 2**20
-_UNPACK = {
-    "zstd": zstd.ZstdDecompressor,
-    "lz4": lz4.frame.LZ4FrameDecompressor,
-    "bz2": BZ2Decompressor,
-}
+_UNPACK = {"zstd": zstd.ZstdDecompressor, "lz4": lz4.frame.LZ4FrameDecompressor, "bz2": BZ2Decompressor}
 
 
 def unpacked(data: bytes, compression: str, most: int) -> bytes:
