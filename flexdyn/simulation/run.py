@@ -29,7 +29,7 @@ from flexdyn.simulation.solvers import Solver
 
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
-    from flexdyn.viewer.inline import Inline
+    from flexdyn.viewer.page import Inline
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
