@@ -1,4 +1,7 @@
-"""model.yaml <-> FlexibleJointModel, validated: every mistake is one line that names file, key and remedy."""
+"""model.yaml <-> FlexibleJointModel, validated: every mistake is one line that names file, key and remedy.
+
+A saved run has the text of such a file in its meta data.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,11 @@ from typing import Any
 from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.io.files import exists, is_file, write_text
 from flexdyn.io.locked import thawed
-from flexdyn.io.yaml import check_format, check_keys, dump_yaml, read_yaml
+from flexdyn.io.yaml import check_format, check_keys, dump_yaml, parse_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import links_entry
 from flexdyn.model.setting_checks import check_tolerance_paths
+from flexdyn.records import Recording
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.axes import plain_axes
 from flexdyn.robot.names import shipped_dir
@@ -213,3 +217,25 @@ def _path(path: Path, folder: Path | None) -> str:
         return Path(os.path.relpath(absolute, folder.resolve())).as_posix()
     except ValueError:  # another drive
         return absolute.as_posix()
+
+
+NAME_IT = "name it: model=..., on the command line --model MODEL"
+"""The remedy if a recording does not say which arm it belongs to."""
+
+
+def model_in(recording: Recording) -> FlexibleJointModel | None:
+    """The model in the meta data of a run's recording; None if there is none.
+
+    Raises:
+        InputError: the text is no model, or its URDF does not exist any more.
+    """
+    text = recording.meta.get("model")
+    if text is None:
+        return None
+    try:
+        if not isinstance(text, str):
+            raise InputError("the text of a model file is needed", value=text)
+        return model_from_dict(parse_yaml(text), Path.cwd(), name=recording.name)
+    except InputError as error:
+        problem = f"the model that the recording holds cannot be read: {error.problem}"
+        raise InputError(problem, **{**error.data, "remedy": NAME_IT}) from None

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from xml.sax.saxutils import quoteattr
 
 from flexdyn.robot.joints import RobotJoint
-from flexdyn.robot.links import Link
-from flexdyn.robot.shapes import SIZES, Visual
+from flexdyn.robot.links import SIZES, Link, Visual
 
 
 def urdf_text(links: Sequence[Link], joints: Sequence[RobotJoint]) -> str:

@@ -8,8 +8,7 @@ from pathlib import Path
 
 from flexdyn.errors import InputError, did_you_mean, one_line, placed
 from flexdyn.robot.joints import RobotJoint, read_joint
-from flexdyn.robot.links import Link, read_link
-from flexdyn.robot.shapes import read_colors
+from flexdyn.robot.links import Link, read_colors, read_link
 from flexdyn.robot.values import LONGEST_NAME
 from flexdyn.robot.xmlfile import read_xml
 

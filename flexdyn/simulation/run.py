@@ -21,8 +21,7 @@ from flexdyn.records.units import PRISMATIC
 from flexdyn.records.units import SIGNALS as UNITS
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.electrical import Electrical, asked_voltage, electrical
-from flexdyn.simulation.energy import Energy
-from flexdyn.simulation.energy_ledger import ledger
+from flexdyn.simulation.energy import Energy, ledger
 from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
 from flexdyn.simulation.limits import Exceeded, exceeded
 from flexdyn.simulation.solvers import Solver

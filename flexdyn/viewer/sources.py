@@ -12,8 +12,7 @@ import numpy as np
 
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.model_file import load_model
-from flexdyn.model.recorded_model import NAME_IT, model_in
+from flexdyn.model.model_file import NAME_IT, load_model, model_in
 from flexdyn.records import Recording, read_recording
 from flexdyn.records.given import as_recording
 from flexdyn.simulation.run import Run

@@ -15,9 +15,16 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from flexdyn.errors import InputError
 from flexdyn.io.yaml import read_yaml
-from flexdyn.records.ros.database import check_database
 from flexdyn.records.ros.definitions import stored
-from flexdyn.records.ros.guard import MOST_MESSAGE, BoundedReader, check_index, check_mcap, unpack_file, unpacked
+from flexdyn.records.ros.guard import (
+    MOST_MESSAGE,
+    BoundedReader,
+    check_database,
+    check_index,
+    check_mcap,
+    unpack_file,
+    unpacked,
+)
 from flexdyn.records.ros.walk import Fields, MessageLayout, lay_out
 from flexdyn.records.ros.words import check_word, listed
 from flexdyn.records.table import damage_named

@@ -16,8 +16,7 @@ from flexdyn.records.ros.bag import Bag, Topic, opened
 from flexdyn.records.ros.clock import YEAR, seconds
 from flexdyn.records.ros.columns import CONVENTIONAL, is_own
 from flexdyn.records.ros.merging import merged
-from flexdyn.records.ros.picks import Conventional, Pick, Wanted
-from flexdyn.records.ros.series import Integers, Series
+from flexdyn.records.ros.series import Conventional, Integers, Pick, Series, Wanted
 from flexdyn.records.ros.words import listed, near
 from flexdyn.records.table import Rows, Table
 
