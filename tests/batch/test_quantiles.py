@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from flexdyn.batch import quantiles as module
+from flexdyn.batch import trajectory_views as module
 from flexdyn.batch.summary import ranks, sensitivity
 from flexdyn.batch.trajectory_views import HISTOGRAM_BINS, quantiles
 

@@ -166,7 +166,7 @@ class BoundedReader(Reader):  # type: ignore[misc]
         return chunk._replace(decompressor=bounded)
 
 
-_HEADER = 100
+_DATABASE_HEADER = 100
 """Bytes; https://sqlite.org/fileformat2.html, section 1.3."""
 
 
@@ -184,8 +184,8 @@ def check_database(path: Path) -> None:
         raise InputError(problem, value=journal.name, remedy=remedy)
     size = path.stat().st_size
     with open(path, "rb") as file:
-        header = file.read(_HEADER)
-    if len(header) < _HEADER:
+        header = file.read(_DATABASE_HEADER)
+    if len(header) < _DATABASE_HEADER:
         raise InputError("not a bag, or truncated", value=f"{size} bytes", remedy="copy the file again")
     page, changes, pages, counted_at = struct.unpack(">16xH6xII60xI4x", header)
     whole = pages * (2**16 if page == 1 else page)

@@ -13,10 +13,10 @@ from flexdyn.errors import InputError
 from flexdyn.records.meta import from_json
 from flexdyn.records.request import Request
 from flexdyn.records.ros.bag import Bag, Topic, opened
-from flexdyn.records.ros.clock import YEAR, seconds
+from flexdyn.records.ros.clock import YEAR, Integers, seconds
 from flexdyn.records.ros.columns import CONVENTIONAL, is_own
 from flexdyn.records.ros.merging import merged
-from flexdyn.records.ros.series import Conventional, Integers, Pick, Series, Wanted
+from flexdyn.records.ros.series import Conventional, Series, Wanted
 from flexdyn.records.ros.words import listed, near
 from flexdyn.records.table import Rows, Table
 
@@ -34,7 +34,7 @@ def read(path: Path, request: Request) -> Table:
         raise InputError("no such clock", key="source.clock", value=request.layout.clock, remedy=remedy)
     with opened(path) as bag:
         own = _own(bag, request)
-        every = [_series(bag, topic, pick, request) for topic, pick in _choice(bag, request, own)]
+        every = [Series(bag, topic, pick, request.layout.clock) for topic, pick in _choice(bag, request, own)]
         _collect(bag, every, request)
     table = Table(rows=Rows("message"))
     one = merged(every, request)
@@ -74,7 +74,7 @@ def _own(bag: Bag, request: Request) -> dict[str, Any] | None:
     return own
 
 
-def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tuple[Topic, Pick]]:
+def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tuple[Topic, Conventional | Wanted]]:
     """The topics to read, and the columns of each."""
     if own or request.columns is None:
         names = [name for name in bag.topics if is_own(name)] if own else [_topic(bag, request)]
@@ -88,19 +88,11 @@ def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tupl
         return [(topic, Conventional(topic.name, topic.msgtype, own=bool(own))) for topic in topics]
     wanted: dict[str, dict[str, str]] = {}
     for column in sorted(str(column) for column in request.columns if column != "t"):
-        topic, name = _split(column)
+        topic, _, name = column.partition(".") if column.startswith("/") else ("", "", column)
         wanted.setdefault(_known(bag, topic) if topic else _topic(bag, request), {})[name] = column
     if not wanted:
         raise InputError("no column of the bag is asked for", remedy="name columns in the channel map")
     return [(bag.topics[topic], Wanted(topic, names)) for topic, names in wanted.items()]
-
-
-def _split(column: str) -> tuple[str, str]:
-    """Topic and column of ``/joint_states.position.elbow``; no topic if the column has none in front."""
-    if not column.startswith("/"):
-        return "", column
-    topic, _, name = column.partition(".")
-    return topic, name
 
 
 def _topic(bag: Bag, request: Request) -> str:
@@ -138,18 +130,6 @@ def _known(bag: Bag, name: str) -> str:
     if bag.topics[name].count == 0:
         raise InputError("the topic has no messages", key=name, remedy="choose another topic")
     return name
-
-
-def _series(bag: Bag, topic: Topic, pick: Pick, request: Request) -> Series:
-    return Series(
-        topic.name,
-        topic.msgtype,
-        lambda raw: bag.layout(topic, raw),
-        pick,
-        count=bag.total if topic.count is None else topic.count,
-        size=bag.size,
-        clock=request.layout.clock,
-    )
 
 
 def _collect(bag: Bag, every: Sequence[Series], request: Request) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,21 +11,14 @@ import numpy.typing as npt
 from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.bounds import check_size
+from flexdyn.records.ros.bag import Bag, Topic
+from flexdyn.records.ros.clock import NANO, Integers
 from flexdyn.records.ros.columns import channels_of, columns_of, own_channels, stamp_of
 from flexdyn.records.ros.walk import Bytes, MessageLayout, MessageNumber
 from flexdyn.records.ros.words import listed, near
 
 _TWO_PUBLISHERS = "several publishers share the topic: name the channels of one group of joints in a channel map"
-
-
-class Pick(Protocol):
-    """Chooses among the columns of a message."""
-
-    def __call__(self, columns: Mapping[str, MessageNumber], row: int) -> dict[str, MessageNumber] | None:
-        """Numbers by name of the table's column, or None if the message is not needed."""
-
-    def check(self) -> None:
-        """Refuse requested columns that did not occur; called at the end."""
+_BAG_CLOCK = "take the time of recording: source: {clock: bag} in a channel map"
 
 
 class Conventional:
@@ -84,8 +77,6 @@ class Wanted:
             raise InputError(problem, remedy=remedy, channel=missing[0])
 
 
-Integers = npt.NDArray[np.int64]
-
 _BLOCK_MESSAGES = 4096
 _BLOCK_BYTES = 8 * 2**20
 _EXACT = 2**53
@@ -95,28 +86,16 @@ class Series:
     """Columns of one topic, growing.
 
     Args:
-        topic: name, for messages.
-        msgtype: of its messages.
-        describe: function that gives the layout of a message.
-        pick: chooses the columns.
-        count: number of messages in the index, an upper bound.
-        size: bytes of the bag on disk, for the check of the declared size.
+        bag: that has the messages.
+        topic: of it.
+        pick: chooses the columns of a message.
         clock: ``message`` or ``bag``.
     """
 
-    def __init__(
-        self,
-        topic: str,
-        msgtype: str,
-        describe: Callable[[bytes], MessageLayout],
-        pick: Pick,
-        *,
-        count: int,
-        size: int,
-        clock: str,
-    ) -> None:
-        self.topic, self.msgtype, self.pick, self.clock = topic, msgtype, pick, clock
-        self.describe, self.count, self.size = describe, count, size
+    def __init__(self, bag: Bag, topic: Topic, pick: Conventional | Wanted, clock: str) -> None:
+        self._bag, self._about = bag, topic
+        self.topic, self.msgtype, self.pick, self.clock = topic.name, topic.msgtype, pick, clock
+        self.count = bag.total if topic.count is None else topic.count  # an upper bound
         self.columns: dict[str, Array] = {}
         self.stamps: Integers = np.empty(0, np.int64)
         self.filled = self.seen = 0
@@ -151,14 +130,18 @@ class Series:
             rows = np.flatnonzero(lengths == length)
             block = np.frombuffer(b"".join([raws[row] for row in rows]), np.uint8).reshape(len(rows), length)
             while len(rows):
-                layout = self.describe(raws[rows[0]])
+                layout = self._bag.layout(self._about, raws[rows[0]])
                 same = layout.matches(block)
                 numbers = self._picked(layout, int(rows[0]))
                 if numbers is not None:
                     if not len(values):
                         values = np.empty((len(self.columns), len(raws)))
-                    self._take(layout, numbers, block[same], rows[same], values, stamps)
-                    keep[rows[same]] = True
+                    taken = rows[same]
+                    for index, name in enumerate(self.columns):
+                        values[index, taken] = self._doubles(name, numbers[name].of(block[same]))
+                    if self.clock == "message":
+                        stamps[taken] = self._stamped(layout, block[same])
+                    keep[taken] = True
                 rows, block = rows[~same], block[~same]
         self._append(values, stamps, keep)
         self.seen += len(raws)
@@ -172,8 +155,7 @@ class Series:
             for name in self.columns:
                 self.columns[name] = self.columns[name][: self.filled].copy()
         if self.clock == "message" and self.filled and not self.stamps.any():
-            remedy = "take the time of recording: source: {clock: bag} in a channel map"
-            raise InputError("every stamp is zero", key=self.topic, remedy=remedy, channel="t")
+            raise InputError("every stamp is zero", key=self.topic, remedy=_BAG_CLOCK, channel="t")
 
     def _stamps(self, times: list[int]) -> Integers:
         if self.clock == "message":
@@ -185,29 +167,18 @@ class Series:
     def _picked(self, layout: MessageLayout, row: int) -> dict[str, MessageNumber] | None:
         numbers = self.pick(columns_of(layout, self.msgtype), self.seen + row)
         if numbers is not None and not self.columns:
-            check_size(8 * self.count * (len(numbers) + 1), self.size)
+            check_size(8 * self.count * (len(numbers) + 1), self._bag.size)
             self.columns = {name: np.empty(self.count) for name in numbers}
             self.stamps = np.empty(self.count, np.int64)
         return numbers
 
-    def _take(
-        self,
-        layout: MessageLayout,
-        numbers: dict[str, MessageNumber],
-        block: Bytes,
-        rows: npt.NDArray[np.intp],
-        values: Array,
-        stamps: Integers,
-    ) -> None:
-        for index, name in enumerate(self.columns):
-            values[index, rows] = self._doubles(name, numbers[name].of(block))
-        if self.clock == "message":
-            stamp = stamp_of(layout)
-            if stamp is None:
-                remedy = "take the time of recording: source: {clock: bag} in a channel map"
-                raise InputError(f"messages of {self.msgtype} have no stamp", key=self.topic, remedy=remedy)
-            seconds, nanoseconds = (part.of(block).astype(np.int64) for part in stamp)
-            stamps[rows] = seconds * 10**9 + nanoseconds
+    def _stamped(self, layout: MessageLayout, block: Bytes) -> Integers:
+        """The stamps in the messages of a block [ns]."""
+        stamp = stamp_of(layout)
+        if stamp is None:
+            raise InputError(f"messages of {self.msgtype} have no stamp", key=self.topic, remedy=_BAG_CLOCK)
+        seconds, nanoseconds = (part.of(block).astype(np.int64) for part in stamp)
+        return np.asarray(seconds * NANO + nanoseconds)
 
     def _doubles(self, name: str, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         if values.dtype.itemsize == 8 and values.dtype.kind in "iu" and (np.abs(values.astype(float)) > _EXACT).any():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -61,6 +61,12 @@ def in_gaps(t: Array, times: Array) -> npt.NDArray[np.bool_]:
     slack = 1e-6 * gap_limit(t)
     at = np.searchsorted(t[rows], times - slack, "left") - 1
     return np.asarray((at >= 0) & (times < t[rows[np.clip(at, 0, None)] + 1] - slack))
+
+
+def to_nearest(t: npt.NDArray[Any], times: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """The distance of each time to the nearest of `t`."""
+    right = np.clip(np.searchsorted(t, times), 1, len(t) - 1)
+    return np.asarray(np.minimum(np.abs(times - t[right - 1]), np.abs(times - t[right])))
 
 
 def apart_at_gaps(recordings: Iterable[Recording]) -> tuple[Recording, ...]:
