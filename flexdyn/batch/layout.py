@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from flexdyn.batch.cases import Cases
 from flexdyn.batch.pieces import LEVEL
-from flexdyn.records import SIGNALS
 from flexdyn.records.dataset import LONG_NAMES
-from flexdyn.records.units import PRISMATIC
+from flexdyn.records.units import signal_unit
 
 DONE = "ok"
 NOT_DONE = "not done"
@@ -68,7 +67,7 @@ def layouts(cases: Cases) -> Iterator[StoreArray]:
     runs, chunk, rest = (study.count,), (study.chunk,), (len(times), len(names))
     kinds = dict.fromkeys(cases.model.robot.kinds)
     for signal in study.keep:
-        units = [PRISMATIC[SIGNALS[signal]] if kind == "prismatic" else SIGNALS[signal] for kind in kinds]
+        units = [signal_unit(signal, prismatic=kind == "prismatic") for kind in kinds]
         attrs = {"kind": "channel", "units": " or ".join(units), "long_name": LONG_NAMES[signal]}
         yield StoreArray(signal, ("run", "time", "joint"), runs + rest, chunk + rest, "float64", attrs)
     for path in study.vary:

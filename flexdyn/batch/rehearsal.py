@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from flexdyn.batch.cases import Cases
 from flexdyn.checks import check_known
 from flexdyn.errors import FlexdynError, InputError
-from flexdyn.simulation.job import prepare
 
 
 def rehearse(cases: Cases) -> None:
@@ -27,21 +24,14 @@ def rehearse(cases: Cases) -> None:
     _ = cases.metrics
     middle = {path: kind.centre for path, kind in kinds.items()}
     try:
-        _prepare(cases, middle)
+        cases.job(cases.case_of(middle))
     except FlexdynError as error:
-        _prepare(cases, {})  # it is reported directly if the varying numbers have no part in it
+        cases.job(cases.case_of({}))  # it is reported directly if the varying numbers have no part in it
         key = f"vary.{next(iter(kinds))}" if len(kinds) == 1 else "vary"
         raise InputError(f"a run with every number at its median cannot be made ({error})", key=key) from None
     for path, kind in kinds.items():
         for value in kind.extremes:
             try:
-                _prepare(cases, middle | {path: value})
+                cases.job(cases.case_of(middle | {path: value}))
             except FlexdynError as error:
                 raise InputError(f"a run with {value:g} cannot be made ({error})", key=f"vary.{path}") from None
-
-
-def _prepare(cases: Cases, values: Mapping[str, float]) -> None:
-    """Do everything for a run except its integration."""
-    study, case = cases.study, cases.case_of(values)
-    starts = {signal: case.starts.get(f"{signal}0") for signal in ("q", "v", "theta", "omega")}
-    prepare(case.model, case.command, study.duration, cases.solver, starts, study.rate, None, None)

@@ -55,9 +55,9 @@ def sensitivity(parameter: Array, metric: Array) -> Sensitivity | None:
 
 def ranks(values: Array) -> Array:
     """Ranks of values, from 0; equal values have the mean of their ranks."""
-    _, group, counts = np.unique(values, return_inverse=True, return_counts=True)
-    last = np.cumsum(counts)
-    return np.asarray((last - 0.5 * (counts + 1))[group])
+    from scipy.stats import rankdata  # here, as `import flexdyn` loads no scipy
+
+    return np.asarray(rankdata(values) - 1.0)
 
 
 SUMMARY_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)

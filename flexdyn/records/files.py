@@ -35,26 +35,25 @@ from flexdyn.records.table import Table
 class Format:
     """One file format: ``read`` gives the raw table, ``write`` makes a file; libraries are imported inside them."""
 
-    name: str
     read: Callable[[Path, Request], Table]
     write: Callable[[Recording, Path], None]
 
 
-_CSV = Format("CSV", csv_file.read, csv_file.write)
-_HDF5 = Format("HDF5", hdf5_file.read, hdf5_file.write)
+_CSV = Format(csv_file.read, csv_file.write)
+_HDF5 = Format(hdf5_file.read, hdf5_file.write)
 
 FORMATS: Mapping[str, Format] = {
     ".csv": _CSV,
-    ".npz": Format("NPZ", npz_file.read, npz_file.write),
+    ".npz": Format(npz_file.read, npz_file.write),
     ".h5": _HDF5,
     ".hdf5": _HDF5,
-    ".parquet": Format("Parquet", parquet_file.read, parquet_file.write),
-    ".mat": Format("MAT", mat_file.read, mat_file.write),
+    ".parquet": Format(parquet_file.read, parquet_file.write),
+    ".mat": Format(mat_file.read, mat_file.write),
     ".txt": _CSV,
-    ".bag": Format("ROS 1 bag", read_bag, partial(write_bag, suffix=".bag")),
-    ".mcap": Format("MCAP", read_bag, partial(write_bag, suffix=".mcap")),
-    ".db3": Format("ROS 2 bag", read_bag, partial(write_bag, suffix=".db3")),
-    ".tsv": Format("TSV", csv_file.read, partial(csv_file.write, delimiter="\t")),
+    ".bag": Format(read_bag, partial(write_bag, suffix=".bag")),
+    ".mcap": Format(read_bag, partial(write_bag, suffix=".mcap")),
+    ".db3": Format(read_bag, partial(write_bag, suffix=".db3")),
+    ".tsv": Format(csv_file.read, partial(csv_file.write, delimiter="\t")),
 }
 
 SUFFIXES: tuple[str, ...] = tuple(FORMATS)

@@ -34,9 +34,9 @@ def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
     try:
         locked_meta: Mapping[str, Any] = frozen(as_plain(meta or {}))
         return locked_meta
+    except InputError:
+        raise
     except (TypeError, ValueError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
         remedy = "give strings, finite numbers, lists and mappings"
         raise InputError(f"meta cannot be written as JSON ({error})", key="meta", remedy=remedy) from None
 

@@ -49,6 +49,12 @@ def split_name(channel: str) -> tuple[str, str] | None:
     return (signal, joint) if dot and signal in SIGNALS else None
 
 
+def signal_unit(signal: str, *, prismatic: bool) -> str:
+    """SI unit of a signal at a revolute or prismatic joint."""
+    unit = SIGNALS[signal]
+    return PRISMATIC.get(unit, unit) if prismatic else unit
+
+
 def is_held(channel: str) -> bool:
     """Whether the signal of a channel is held from each sample to the next."""
     return channel.partition(".")[0] in HELD and "." in channel

@@ -15,7 +15,7 @@ from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation,
 from flexdyn.control.firmware import CORE_ORDER, Firmware
 from flexdyn.control.points import COMMAND_KEYS, CommandPoints, command_of
 from flexdyn.control.servo import Servo
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, placed
 from flexdyn.io.yaml import read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
@@ -131,11 +131,8 @@ def read_command_file(path: Path) -> PD | Samples:
     Raises:
         InputError: no such file, or an unknown key.
     """
-    content = read_yaml(path)
-    try:
-        return command_of(content, path.parent)
-    except InputError as error:
-        raise error.at(file=path) from None
+    with placed(file=path):
+        return command_of(read_yaml(path), path.parent)
 
 
 def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> Samples:

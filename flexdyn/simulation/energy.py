@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +24,18 @@ from flexdyn.simulation.solvers import RungeKutta4, Solver, TimeStepping
 
 if TYPE_CHECKING:
     from flexdyn.simulation.run import Run
+
+
+ROWS_AT_ONCE = 1000
+"""States whose inertias are in memory at a time."""
+_ENERGIES = {
+    "kinetic": "kinetic energy of links and rotors",
+    "spring": "energy held by springs",
+    "gravity": "energy of the links in the field of gravity",
+    "external": "energy supplied by external wrenches since the start",
+    "supplied": "energy supplied by the motors since the start",
+    "dissipated": "energy dissipated since the start",
+}
 
 
 class EnergyWarning(UserWarning):
@@ -95,6 +107,22 @@ class Energy(Locked, Public):
         """Whether the residual stays within the tolerance."""
         return bool(np.abs(self.residual).max() <= self.tolerance)
 
+    def added_to(self, dataset: Any) -> Any:
+        """The xarray dataset of the run with the energies [J].
+
+        Kinetic, spring, gravity and external energy are over ``t``, supplied over ``(t, joint)`` and dissipated over
+        ``(t, entry)``.
+        """
+        lost = np.column_stack([*self.dissipated.values()]) if self.dissipated else np.empty((len(self.kinetic), 0))
+        parts: dict[str, Any] = {
+            name: ("t", getattr(self, name)) for name in ("kinetic", "spring", "gravity", "external")
+        }
+        parts |= {"supplied": (("t", "joint"), self.supplied), "dissipated": (("t", "entry"), lost)}
+        dataset = dataset.assign_coords(entry=np.array(list(self.dissipated), dtype=str)).assign(parts)
+        for name, words in _ENERGIES.items():
+            dataset[name].attrs |= {"units": "J", "long_name": words}
+        return dataset
+
 
 def ledger(run: Run) -> Energy:
     """Compute the energy ledger of a run: its motion is integrated once more, together with every power.
@@ -153,12 +181,12 @@ def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
     return Energy(kinetic, spring, gravity, supplied, external, dissipated, initial, tolerance, magnetic)
 
 
-def _kinetic(plant: _core.Plant, states: Array, speeds: Array, chunk: int = 1000) -> Array:
+def _kinetic(plant: _core.Plant, states: Array, speeds: Array) -> Array:
     """1/2 w' H(q) w with the velocities w of links and rotors, in chunks to bound the memory of H."""
     width = speeds.shape[1]
     kinetic = np.empty(len(states))
-    for first in range(0, len(states), chunk):
-        rows = slice(first, first + chunk)
+    for first in range(0, len(states), ROWS_AT_ONCE):
+        rows = slice(first, first + ROWS_AT_ONCE)
         H = np.empty((len(states[rows]), width, width))
         plant.inertia(np.ascontiguousarray(states[rows]), H)
         kinetic[rows] = 0.5 * np.einsum("ri,rij,rj->r", speeds[rows], H, speeds[rows])

@@ -160,8 +160,8 @@ def enforce_limits(
         if row is not None:  # no axis has its name
             stop(joint, limits, 1.0, 1.0 / float(row @ np.linalg.solve(M, row)))
     for j, joint in enumerate(model.joint_names):
-        if _ranged(model.robot, j):
-            limits = (float(model.robot.lower[j]), float(model.robot.upper[j]))
+        limits = (float(model.robot.lower[j]), float(model.robot.upper[j]))
+        if any(map(math.isfinite, limits)):
             stop(joint, limits, _fastest(model.robot, j), float(M[j, j]))
         effort = float(model.robot.effort_limit[j])
         if 0.0 < effort < math.inf and not _has(model, TorqueSpeedLimit, joint):
@@ -171,10 +171,6 @@ def enforce_limits(
         remedy = "write <limit lower upper velocity effort> into it, or add end_stop and torque_speed_limit"
         raise InputError("the robot states no limit", key="limits", value=model.name, remedy=remedy)
     return model.replace(effects=[*model.effects, *added])
-
-
-def _ranged(robot: Robot, j: int) -> bool:
-    return math.isfinite(robot.lower[j]) or math.isfinite(robot.upper[j])
 
 
 def _fastest(robot: Robot, j: int) -> float:

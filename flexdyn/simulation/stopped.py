@@ -20,7 +20,6 @@ from flexdyn.simulation.solver_choice import STIFF, budget, core_settings
 from flexdyn.simulation.solvers import Rosenbrock, RungeKutta4, Solver
 
 SPENT = "more steps than allowed"
-STABLE = 2.5  # step times rate up to which the classical method is stable at any phase
 RUNAWAY = 1e6  # rad/s or m/s: no joint is as fast
 EVENTFUL = 0.2  # events per step: the events make the steps short
 

@@ -65,10 +65,10 @@ def _skin(rings: int, sides: int) -> NDArray[np.uint32]:
     return np.concatenate([part.reshape(-1, 3) for part in (*around, *caps)]).astype(np.uint32)
 
 
-def sector(inner: float, outer: float, first: float, last: float) -> Any:
-    """A flat piece of a ring in the plane of x and y, from one angle to another [m, rad]."""
-    count = max(2, int(np.ceil(abs(last - first) / 0.1)) + 1)
-    angles = np.linspace(first, last, count)
+def ring(inner: float, outer: float) -> Any:
+    """A flat ring in the plane of x and y [m]."""
+    count = 64
+    angles = np.linspace(0.0, 2.0 * np.pi, count)
     edge = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(count)])
     k = np.arange(count - 1)
     faces = np.concatenate([np.stack([k, k + count, k + 1], -1), np.stack([k + 1, k + count, k + count + 1], -1)])
@@ -132,21 +132,20 @@ def face(prismatic: bool, size: float) -> Iterator[DialShape]:
     """The part that is fixed to the link: a disc with a mark at zero, or a rail."""
     r = RADIUS * size
     if prismatic:
-        rail = [(-2.2 * r, -0.12 * r), (2.2 * r, -0.12 * r), (2.2 * r, 0.12 * r), (-2.2 * r, 0.12 * r)]
-        yield DialShape("face", polygon(rail), FACE, 0.75, 10)
-        yield DialShape("mark", polygon(_bar(0.0, r, 0.09 * r)), MARK, 0.95, 12)
+        yield DialShape("face", polygon(_bar(0.12 * r, 2.2 * r)), FACE, 0.75, 10)
+        yield DialShape("mark", polygon(_bar(r, 0.09 * r)), MARK, 0.95, 12)
         return
-    yield DialShape("face", sector(0.0, r, 0.0, 2.0 * np.pi), FACE, 0.5, 10)
-    yield DialShape("rim", sector(0.94 * r, r, 0.0, 2.0 * np.pi), MARK, 0.9, 11)
+    yield DialShape("face", ring(0.0, r), FACE, 0.5, 10)
+    yield DialShape("rim", ring(0.94 * r, r), MARK, 0.9, 11)
     yield DialShape("mark", polygon([(0.0, -0.05 * r), (r, -0.05 * r), (r, 0.05 * r), (0.0, 0.05 * r)]), MARK, 0.95, 12)
 
 
 def needle(prismatic: bool, size: float) -> DialShape:
     """The part that moves with the rotor."""
     r = RADIUS * size
-    corners = _bar(0.0, 0.9 * r, 0.12 * r) if prismatic else [(0.0, -0.11 * r), (0.98 * r, 0.0), (0.0, 0.11 * r)]
+    corners = _bar(0.9 * r, 0.12 * r) if prismatic else [(0.0, -0.11 * r), (0.98 * r, 0.0), (0.0, 0.11 * r)]
     return DialShape("shape", polygon(corners), NEEDLE, 0.95, 13)
 
 
-def _bar(x: float, half: float, width: float) -> list[tuple[float, float]]:
-    return [(x - width, -half), (x + width, -half), (x + width, half), (x - width, half)]
+def _bar(half: float, width: float) -> list[tuple[float, float]]:
+    return [(-width, -half), (width, -half), (width, half), (-width, half)]

@@ -11,7 +11,7 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.channelmap.description import Channel, ChannelMap, column_name
 from flexdyn.records.channelmap.known_units import ELECTRICAL, SI, SLIDING, UNITS, Unit, plain_unit
 from flexdyn.records.table import Table
-from flexdyn.records.units import PRISMATIC, SIGNALS, UNITLESS, split_name
+from flexdyn.records.units import PRISMATIC, SIGNALS, UNITLESS, signal_unit, split_name
 
 if TYPE_CHECKING:
     from flexdyn.records.channelmap.description import Channel
@@ -205,6 +205,5 @@ def units_of(channel_map: ChannelMap, conversions: Sequence[Conversion]) -> dict
     for name, _ in channel_map.computed:
         signal, joint = split_name(name) or ("", "")
         if signal and told.get(joint, (False, ""))[0]:
-            unit = SIGNALS[signal]
-            units[name] = PRISMATIC.get(unit, unit)
+            units[name] = signal_unit(signal, prismatic=True)
     return units
