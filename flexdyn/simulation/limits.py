@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.arrays import Array
-from flexdyn.checks import as_number
+from flexdyn.checks import Array, number
 from flexdyn.effects import Effect, EndStop, TorqueSpeedLimit
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -143,8 +142,8 @@ def enforce_limits(
         ['end_stop', 'torque_speed_limit']
     """
     for key, value in (("stiffness", stiffness), ("damping", damping)):
-        if value is not None and not 0.0 < as_number(value) < math.inf:
-            raise InputError("a number above 0 is needed", key=key, value=value)
+        if value is not None:
+            number(key, value, "a number above 0 is needed", above=0.0)
     added: list[Effect] = []
     M = LinkSide(model).mass_matrix(first_positions(model))
 
