@@ -13,8 +13,8 @@ from flexdyn.control.commands import PD, Controller, Interpolation, Samples
 from flexdyn.control.servo import Servo
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
 from flexdyn.simulation.command_input import followed, recorded, resolve_command
+from flexdyn.simulation.electrical import is_of_goals, with_asked_torque
 from flexdyn.simulation.run import Run
 
 AIM_END = 1e-9

@@ -17,11 +17,17 @@ from flexdyn.effects.motor import MotorLaw
 from flexdyn.errors import InputError, visible
 from flexdyn.io.locked import lock, plain
 from flexdyn.io.notebook import Public, card, table
-from flexdyn.model.effect_checks import fitted
 from flexdyn.model.given_number import GivenNumber, link_inertias, links_entry, refusal, robot_with_links, unknown_links
 from flexdyn.model.joint import Joint, resolve_joints
 from flexdyn.model.resolved_parameters import folded
-from flexdyn.model.setting_checks import command_checked, gravity_checked, initial_checked, one_of, tolerance_checked
+from flexdyn.model.setting_checks import (
+    command_checked,
+    fitted,
+    gravity_checked,
+    initial_checked,
+    one_of,
+    tolerance_checked,
+)
 from flexdyn.robot import Robot
 
 EARTH = (0.0, 0.0, -9.81)

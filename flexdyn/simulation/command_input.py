@@ -21,7 +21,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
 from flexdyn.records.given import as_recording
 from flexdyn.records.suggestion import asked_back
-from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
+from flexdyn.simulation.electrical import is_of_goals, with_asked_torque
 
 RECORDED: Interpolation = "monotone"
 """Default interpolation of a recorded reference: through its samples, never outside the range of two neighbours."""
