@@ -52,9 +52,8 @@ class Changes:
         if self.lock:
             robot = base.robot
             lock = {**robot.lock, **self.lock}
-            changes["robot"] = load_robot(
-                str(robot.source), package_dirs=robot.package_dirs, lock=lock, name=robot.name
-            )
+            source, folders = str(robot.source), robot.package_dirs
+            changes["robot"] = load_robot(source, package_dirs=folders, lock=lock, name=robot.name)
         return base.replace(**changes) if changes else base
 
     def initial_of(self, base: FlexibleJointModel) -> dict[str, dict[str, Any]]:

@@ -58,9 +58,8 @@ class Study(Public):
 
     def __repr__(self) -> str:
         """What it makes, in a line."""
-        return visible(
-            f"<Study of {self.name}: {self.count} runs of {self.duration:g} s, {len(self.vary)} numbers vary>"
-        )
+        runs = f"{self.count} runs of {self.duration:g} s"
+        return visible(f"<Study of {self.name}: {runs}, {len(self.vary)} numbers vary>")
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: how many runs, and how each number varies."""

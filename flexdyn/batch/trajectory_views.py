@@ -119,10 +119,8 @@ def _histogram(blocks: Iterator[Array], low: Array, high: Array) -> NDArray[np.i
     start = np.arange(low.size) * HISTOGRAM_BINS
     width = np.where(high > low, high - low, 1.0)
     for block in blocks:
-        place = np.minimum(((block - low) / width * HISTOGRAM_BINS).astype(np.int64), HISTOGRAM_BINS - 1).reshape(
-            len(block), -1
-        )
-        counts += np.bincount((place + start).ravel(), minlength=len(counts))
+        place = np.minimum(((block - low) / width * HISTOGRAM_BINS).astype(np.int64), HISTOGRAM_BINS - 1)
+        counts += np.bincount((place.reshape(len(block), -1) + start).ravel(), minlength=len(counts))
     return counts.reshape(*low.shape, HISTOGRAM_BINS)
 
 

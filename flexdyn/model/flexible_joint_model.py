@@ -93,9 +93,8 @@ class FlexibleJointModel(Public):
             raise InputError("a Robot is needed", key="robot", value=robot, remedy="use fd.load_robot(...)")
         self.robot = robot
         self.name = name or robot.name
-        self.joints: Mapping[str, Joint] = MappingProxyType(
-            resolve_joints({} if joints is None else joints, robot.joint_names)
-        )
+        drives = resolve_joints({} if joints is None else joints, robot.joint_names)
+        self.joints: Mapping[str, Joint] = MappingProxyType(drives)
         self.urdf_dynamics = one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
         self.rotor_coupling = one_of("robot.rotor_coupling", rotor_coupling, ("reduced", "full"))
         if robot.axes and rotor_coupling == "full":
@@ -141,10 +140,8 @@ class FlexibleJointModel(Public):
 
     def __repr__(self) -> str:
         """A summary in one line."""
-        elastic = int(self.elastic.sum())
-        return visible(
-            f"<FlexibleJointModel {self.name}: {self.n} joints, {elastic} elastic, {len(self.all_effects)} effects>"
-        )
+        numbers = f"{self.n} joints, {int(self.elastic.sum())} elastic, {len(self.all_effects)} effects"
+        return visible(f"<FlexibleJointModel {self.name}: {numbers}>")
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: drives and effects."""

@@ -157,9 +157,8 @@ def _find(path: Any) -> Path:
         raise InputError("it is not a file", file=str(path), remedy="give the path of a model.yaml")
     if file.suffix.lower() in (".yaml", ".yml") or len(file.parts) > 1:
         raise InputError("there is no such file", file=str(path))
-    raise InputError(
-        "no such model file or shipped model", key=str(path), remedy=did_you_mean(str(path), shipped_models())
-    )
+    remedy = did_you_mean(str(path), shipped_models())
+    raise InputError("no such model file or shipped model", key=str(path), remedy=remedy)
 
 
 def _is_robot(name: str) -> bool:

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from flexdyn.robot.values import fail, name_of, number, numbers, pose_of
 
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 SHAPE_GREY = (0.7, 0.7, 0.7, 1.0)
 SIZES = {
     "box": (("size", 3),),
@@ -156,9 +157,7 @@ def _inertial(element: Any, key: str) -> Inertial:
     mass = number(mass_element, "value", f"{key}/mass")
     if mass < 0.0:
         raise fail(mass_element, f"{key}/mass", "negative mass", mass, "give the mass in kg, 0 or more")
-    xx, xy, xz, yy, yz, zz = (
-        number(inertia, name, f"{key}/inertia/{name}") for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    )
+    xx, xy, xz, yy, yz, zz = (number(inertia, name, f"{key}/inertia/{name}") for name in MOMENTS)
     principal = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     # Published robots have tiny links whose rounded moments are negative by less than this.
     if principal[0] < -1e-6 * max(1.0, abs(principal[2])):

@@ -51,9 +51,8 @@ def normalise(model: pin.Model) -> Normalised:
     new.name, new.gravity = model.name, pin.Motion(model.gravity)
     for index, motion in enumerate(motions, start=1):
         _check_body(model, index)
-        joint = new.addJoint(
-            model.parents[index], joint_model(motion), pin.SE3(model.jointPlacements[index]), model.names[index]
-        )
+        placement = pin.SE3(model.jointPlacements[index])
+        joint = new.addJoint(model.parents[index], joint_model(motion), placement, model.names[index])
         new.appendBodyToJoint(joint, model.inertias[index], pin.SE3.Identity())
     new.inertias[0] = model.inertias[0]
     for frame in list(model.frames)[1:]:

@@ -76,12 +76,9 @@ def _volts(actuator: Actuator, recording: Recording, joint: str) -> Array:
     """Commanded voltage (samples,) [V]."""
     signal = _asked(recording, joint)
     if signal is None:
-        remedy = (
-            f"record voltage.{joint} or duty.{joint}, or take the actuator out of the model where tau is its torque"
-        )
-        raise InputError(
-            "the joint's motor is under voltage", key=f"voltage.{joint}", file=recording.name or None, remedy=remedy
-        )
+        key, file, instead = f"voltage.{joint}", recording.name or None, f"duty.{joint}"
+        remedy = f"record {key} or {instead}, or take the actuator out of the model where tau is its torque"
+        raise InputError("the joint's motor is under voltage", key=key, file=file, remedy=remedy)
     if signal == "voltage":
         return recording[f"voltage.{joint}"]
     supply = actuator.dc_motor.supply

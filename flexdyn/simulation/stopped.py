@@ -115,9 +115,8 @@ def rosenbrock_gets_through(model: FlexibleJointModel, x: Array, tau: Array, dur
     command = make_drive(model, [float(torque) for torque in tau], duration).command
     settings = core_settings(solver, max_steps=TRIAL_STEPS)
     try:
-        tried = _core.simulate(
-            _core.job(plant, command, [], x, duration, settings, np.array([duration]), out, None), None
-        )
+        job = _core.job(plant, command, [], x, duration, settings, np.array([duration]), out, None)
+        tried = _core.simulate(job, None)
     except Exception:  # a user's law that refuses where the trial goes
         return False
     if not tried["reason"]:

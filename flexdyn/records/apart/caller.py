@@ -75,9 +75,8 @@ class _Server:
         stream = self._streams[1]
         self.between = False
         limits = {"seconds": seconds_for(on_disk), "bytes": bytes_for(on_disk)}
-        self._say(
-            {"path": os.path.abspath(path), "request": pickle.dumps(replace(request, progress=None)).hex(), **limits}
-        )
+        packed = pickle.dumps(replace(request, progress=None)).hex()
+        self._say({"path": os.path.abspath(path), "request": packed, **limits})
         kind, content = received(stream)
         while kind == "progress":
             request.report(float(content))

@@ -76,10 +76,8 @@ def conversion(channel: Channel, stated: str | None = None) -> Conversion:
         elif quantity in ("angle", "length", "angular velocity", "velocity"):
             denominator *= ratio
         else:
-            remedy = "it fits positions, velocities and torques: leave it out"
-            raise InputError(
-                "a gear does not change this channel", key=_key(channel, "side"), value="motor", remedy=remedy
-            )
+            key, remedy = _key(channel, "side"), "it fits positions, velocities and torques: leave it out"
+            raise InputError("a gear does not change this channel", key=key, value="motor", remedy=remedy)
         # A rotary motor can drive a prismatic joint too, so its angles do not determine the kind of the joint.
         told = "" if told in SLIDING else told
     return Conversion(numerator, denominator, unit.zero * channel.sign + channel.offset, told, label)

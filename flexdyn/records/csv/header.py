@@ -67,10 +67,8 @@ def _told(blocks: Iterator[Block], layout: Layout) -> _Start:
     first = layout.first_line or (layout.names_line or 0) + 1
     at = layout.names_line or first - 1
     if at >= first:
-        remedy = "the samples must come after their names"
-        raise InputError(
-            "the first line of samples is not below the names", key="first_line", value=first, remedy=remedy
-        )
+        problem, remedy = "the first line of samples is not below the names", "the samples must come after their names"
+        raise InputError(problem, key="first_line", value=first, remedy=remedy)
     text = ""
     for number, lines in blocks:
         if 0 <= at - number < len(lines):

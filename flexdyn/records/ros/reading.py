@@ -161,7 +161,6 @@ def _notes(table: Table, series: Series) -> list[str]:
         del table.columns[name]
         notes.append(f"{name} of {series.topic} is NaN in every message and was left out")
     if any(name.startswith("tau.") for name in table.columns):
-        notes.append(
-            f"effort of {series.topic} was taken as tau, the commanded torque; map it to tau_s if it is measured"
-        )
+        taken = f"effort of {series.topic} was taken as tau, the commanded torque"
+        notes.append(f"{taken}; map it to tau_s if it is measured")
     return notes

@@ -47,10 +47,8 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
     for other in others:
         for name in other.channels:
             if name in columns:
-                remedy = "leave it out of one of them, by a channel map"
-                raise InputError(
-                    f"{_named(first)} and {_named(other)} both have it", key=name, remedy=remedy, channel=name
-                )
+                problem, remedy = f"{_named(first)} and {_named(other)} both have it", "leave it out of one of them"
+                raise InputError(problem, key=name, remedy=f"{remedy}, by a channel map", channel=name)
         t, clock = _on_the_clock_of(first, other)
         kept &= (first.t >= t[0]) & (first.t <= t[-1]) & ~in_gaps(t, first.t)
         columns |= {name: _at(first.t, t, values, method) for name, values in other.channels.items()}

@@ -84,9 +84,8 @@ def apart_at_gaps(recordings: Iterable[Recording]) -> tuple[Recording, ...]:
         pieces = rec.split(gaps=gap_limit(rec.t))
         kept = [piece for piece in pieces if piece.duration >= SHORTEST_PIECE]
         if len(kept) < len(pieces) and kept:
-            problem = (
-                f"{len(pieces) - len(kept)} of {len(pieces)} pieces between gaps are shorter than {SHORTEST_PIECE:g} s"
-            )
-            warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=4)
+            count = f"{len(pieces) - len(kept)} of {len(pieces)} pieces between gaps"
+            text = f"{rec.name}: {count} are shorter than {SHORTEST_PIECE:g} s and left out"
+            warnings.warn(text, RecordingWarning, stacklevel=4)
         found += kept or pieces
     return tuple(found)
