@@ -12,14 +12,13 @@ import numpy.typing as npt
 
 from flexdyn.checks import Array, check_known
 from flexdyn.errors import InputError
-from flexdyn.records.channelmap.convert import conversions_of, stated_units, units_of
+from flexdyn.records.channelmap.convert import conversions_of, stated_units, units_of, valid_unit
 from flexdyn.records.channelmap.couplings import couple
 from flexdyn.records.channelmap.description import TIME, ChannelMap, TimeSource, column_name
 from flexdyn.records.channelmap.expression import check_names
-from flexdyn.records.channelmap.known_units import UNITS, plain_unit
+from flexdyn.records.channelmap.known_units import UNITS
 from flexdyn.records.repairs import Repair, repaired
 from flexdyn.records.table import Table, as_floats, check_finite, check_lengths, check_time
-from flexdyn.records.units import UNITLESS
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # an overflow gives no finite number, which is refused
@@ -54,7 +53,8 @@ def apply_map(table: Table, channel_map: ChannelMap, repairs: Sequence[Repair] =
         columns |= _kept(table, columns)
         units |= {name: stated[name] or "" for name in table.columns if stated.get(name)}
     if channel_map.time.rate is not None:
-        columns = {TIME: _counted(columns, channel_map.time.rate), **columns}
+        samples = len(next(iter(columns.values()), ()))
+        columns = {TIME: np.arange(samples) / channel_map.time.rate, **columns}
     check_lengths(columns, table.rows)
     meta = _meta(table.meta, channel_map, units)
     made = repaired(Table(columns, meta, table.rows), (*channel_map.repair, *repairs))
@@ -97,11 +97,6 @@ def _kept(table: Table, columns: dict[str, Any]) -> dict[str, Array]:
             remedy = "name the file's column in channels as well, or give others: drop"
             raise InputError("the map makes a channel that the file has too", key="others", value=name, remedy=remedy)
     return {name: as_floats(values, name, copy=False) for name, values in table.columns.items()}
-
-
-def _counted(columns: dict[str, Array], rate: float) -> Array:
-    length = len(next(iter(columns.values()), ()))
-    return np.arange(length) / rate
 
 
 def _meta(meta: dict[str, Any], channel_map: ChannelMap, units: dict[str, str]) -> dict[str, Any]:
@@ -173,12 +168,8 @@ def clocked(time: TimeSource, t: Array) -> Array:
 
 def _unit(time: TimeSource, stated: str | None) -> str:
     """The valid unit: the map's, else the file's, else s."""
-    given = None if time.unit is None else plain_unit(time.unit)
-    found = "" if stated is None or stated.strip() in UNITLESS else plain_unit(stated)
-    if given is None and (stated is None or (found and UNITS.get(found, UNITS["m"]).quantity != "time")):
+    unit = valid_unit(time.unit, stated, "time.unit") or "s"
+    if time.unit is None and (stated is None or UNITS.get(unit, UNITS["m"]).quantity != "time"):
         problem = "the file states a unit of time that is not known"
         raise InputError(problem, key="time.unit", value=stated, remedy="give s, ms, us, ns, min or h")
-    if given and found and given != found:
-        remedy = f"the file says {stated!r}: give that, or leave unit out"
-        raise InputError("not the unit that the file states", key="time.unit", value=time.unit, remedy=remedy)
-    return given or found or "s"
+    return unit

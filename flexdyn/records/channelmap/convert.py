@@ -58,7 +58,7 @@ def conversion(channel: Channel, stated: str | None = None) -> Conversion:
     Raises:
         InputError: a unit that is unknown or does not fit the signal, or a missing number.
     """
-    name = _unit_name(channel, stated)
+    name = valid_unit(channel.unit, stated, _key(channel, "unit"))
     unit = _unit(channel, name)
     label = SI[unit.quantity] if unit.quantity else "" if channel.factor is not None else name
     numerator, denominator = channel.sign * unit.numerator, unit.denominator
@@ -83,15 +83,23 @@ def conversion(channel: Channel, stated: str | None = None) -> Conversion:
     return Conversion(numerator, denominator, unit.zero * channel.sign + channel.offset, told, label)
 
 
-def _unit_name(channel: Channel, stated: str | None) -> str:
-    """The valid unit: the map's, else the file's."""
-    given = None if channel.unit is None else plain_unit(channel.unit)
-    found = None if stated is None or stated.strip() in UNITLESS else plain_unit(stated)
-    if given is not None and found is not None and given != found:
+def valid_unit(given: str | None, stated: str | None, key: str) -> str:
+    """The map's unit of a column, else the file's; empty if there is none.
+
+    Args:
+        given: unit in the map.
+        stated: unit in the file.
+        key: path of the unit in the map, for the error.
+
+    Raises:
+        InputError: they contradict each other.
+    """
+    unit = "" if given is None else plain_unit(given)
+    found = "" if stated is None or stated.strip() in UNITLESS else plain_unit(stated)
+    if unit and found and unit != found:
         remedy = f"the file says {stated!r}: give that, or leave unit out"
-        key = _key(channel, "unit")
-        raise InputError("not the unit that the file states", key=key, value=channel.unit, remedy=remedy)
-    return given if given is not None else (found or "")
+        raise InputError("not the unit that the file states", key=key, value=given, remedy=remedy)
+    return unit or found
 
 
 def _unit(channel: Channel, name: str) -> Unit:

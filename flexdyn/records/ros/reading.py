@@ -13,7 +13,7 @@ from flexdyn.errors import InputError
 from flexdyn.records.meta import from_json
 from flexdyn.records.request import Request
 from flexdyn.records.ros.bag import Bag, Topic, opened
-from flexdyn.records.ros.clock import YEAR, Integers, seconds
+from flexdyn.records.ros.clock import YEAR, seconds
 from flexdyn.records.ros.columns import CONVENTIONAL, is_own
 from flexdyn.records.ros.merging import merged
 from flexdyn.records.ros.series import Conventional, Series, Wanted
@@ -41,7 +41,8 @@ def read(path: Path, request: Request) -> Table:
     if own and one.said:
         raise InputError("the bag's own topics have different times", remedy="copy the whole bag", channel="t")
     table.said += one.said
-    zero = own["zero_ns"] if own else _zero(one.stamps)
+    first = int(one.stamps[0]) if len(one.stamps) else 0
+    zero = own["zero_ns"] if own else (first if first >= YEAR else 0)  # a time of day
     columns = dict(one.columns)
     exact = columns.pop("t", None)
     table.add("t", seconds(one.stamps, zero) if exact is None else exact)
@@ -146,12 +147,6 @@ def _collect(bag: Bag, every: Sequence[Series], request: Request) -> None:
         if announced is not None and series.seen != announced:
             problem = f"{series.seen} messages where the index announces {announced}"
             raise InputError(problem, key=series.topic, remedy="the bag is truncated or damaged; reindex or recover it")
-
-
-def _zero(stamps: Integers) -> int:
-    """The stamp that is time 0: the first if it is a time of day."""
-    first = int(stamps[0]) if len(stamps) else 0
-    return first if first >= YEAR else 0
 
 
 def _notes(table: Table, series: Series) -> list[str]:
