@@ -24,6 +24,13 @@ DONE = "ok"
 NOT_DONE = "not done"
 _LONGEST_ARRAY = 200  # bytes
 _FILL = {"string": NOT_DONE, "float64": np.nan, "int64": 0}
+FILE = "zarr.json"
+"""The file's name, in the folder of the store and of every array."""
+_SERIALIZERS: dict[str, dict[str, Any]] = {
+    "string": {"name": "vlen-utf8", "configuration": {}},
+    "float64": {"name": "bytes", "configuration": {"endian": "little"}},
+    "int64": {"name": "bytes", "configuration": {"endian": "little"}},
+}
 
 
 @dataclass(frozen=True)
@@ -102,15 +109,6 @@ def array_name(name: str) -> str:
         return safe
     begin = safe.encode()[: _LONGEST_ARRAY // 2].decode(errors="ignore")
     return f"{begin}%{sha256(name.encode()).hexdigest()[:32]}"
-
-
-FILE = "zarr.json"
-"""The file's name, in the folder of the store and of every array."""
-_SERIALIZERS: dict[str, dict[str, Any]] = {
-    "string": {"name": "vlen-utf8", "configuration": {}},
-    "float64": {"name": "bytes", "configuration": {"endian": "little"}},
-    "int64": {"name": "bytes", "configuration": {"endian": "little"}},
-}
 
 
 def array_metadata(each: StoreArray) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 _SLIDING = {"N m": "N", "rad": "m"}
 """Units for prismatic joints."""
+_importing = Lock()
 
 
 def metric(name: str, folder: Path | None = None) -> Metric:
@@ -120,9 +121,6 @@ def _slides(model: FlexibleJointModel, each: Metric) -> bool:
     """Whether the joints of a metric are prismatic."""
     kinds = model.robot.kinds
     return "alike" in each.needs and (kinds[model.index(each.joint)] if each.joint else kinds[0]) == "prismatic"
-
-
-_importing = Lock()
 
 
 def own_function(name: str, folder: Path | None = None) -> Callable[[Any], Any]:

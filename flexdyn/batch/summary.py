@@ -12,6 +12,9 @@ import numpy as np
 from flexdyn.checks import Array
 
 FIFTH = 0.2
+SUMMARY_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+"""Quantiles of metrics."""
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d*)?([eE][-+]?\d+)?(?!\w)")
 
 
 @dataclass(frozen=True)
@@ -58,11 +61,6 @@ def ranks(values: Array) -> Array:
     from scipy.stats import rankdata  # here, as `import flexdyn` loads no scipy
 
     return np.asarray(rankdata(values) - 1.0)
-
-
-SUMMARY_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
-"""Quantiles of metrics."""
-_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d*)?([eE][-+]?\d+)?(?!\w)")
 
 
 @dataclass(frozen=True)

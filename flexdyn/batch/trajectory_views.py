@@ -27,6 +27,10 @@ LINES = {
 INSTANTS = 1000
 """Largest number of samples of a trajectory that are drawn."""
 MOST_JOINTS_DRAWN = 8
+EXACT = 4_000_000
+"""Up to so many numbers are kept in memory (32 MB), and quantiles are exact."""
+HISTOGRAM_BINS = 512
+"""Number of bins for more numbers: the error of a quantile is below the range at its instant over this number."""
 
 
 def trajectory_keys() -> tuple[Key, ...]:
@@ -82,12 +86,6 @@ def _panel(t: Array, lines: Array, name: str, unit: str, colour: str) -> Panel:
         colour=colour,
         timed=True,
     )
-
-
-EXACT = 4_000_000
-"""Up to so many numbers are kept in memory (32 MB), and quantiles are exact."""
-HISTOGRAM_BINS = 512
-"""Number of bins for more numbers: the error of a quantile is below the range at its instant over this number."""
 
 
 def quantiles(blocks: Callable[[], Iterator[Array]], runs: int, shares: Sequence[float]) -> Array:

@@ -26,6 +26,8 @@ MODEL_FORMAT = 1
 ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
 TOP_KEYS = ("robot", "joints", "links", "initial", "tolerance", "effects", "command")
 ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "axes", "urdf_dynamics", "rotor_coupling")
+NAME_IT = "name it: model=..., on the command line --model MODEL"
+"""The remedy if a recording does not say which arm it belongs to."""
 
 
 def shipped_models() -> tuple[str, ...]:
@@ -216,10 +218,6 @@ def _path(path: Path, folder: Path | None) -> str:
         return Path(os.path.relpath(absolute, folder.resolve())).as_posix()
     except ValueError:  # another drive
         return absolute.as_posix()
-
-
-NAME_IT = "name it: model=..., on the command line --model MODEL"
-"""The remedy if a recording does not say which arm it belongs to."""
 
 
 def model_in(recording: Recording) -> FlexibleJointModel | None:

@@ -20,6 +20,8 @@ from flexdyn.robot import Robot
 from flexdyn.robot.axes import joint_row
 
 INITIAL_KEYS = ("q", "v", "theta", "omega")
+MEASURED = ("q", "v", "theta", "omega", "tau", "tau_applied", "tau_s")
+"""Signals that a sensor effect can act on."""
 
 
 def one_of(key: str, value: str, allowed: tuple[str, ...]) -> str:
@@ -110,10 +112,6 @@ def command_checked(command: Any, joint_names: Sequence[str]) -> Mapping[str, An
                 per_joint(f"pd.{gain}", getattr(made, gain), joint_names)
     locked: Mapping[str, Any] = frozen(command)
     return locked
-
-
-MEASURED = ("q", "v", "theta", "omega", "tau", "tau_applied", "tau_s")
-"""Signals that a sensor effect can act on."""
 
 
 def fitted(robot: Robot, joints: Mapping[str, Joint], entries: Iterable[Any]) -> tuple[Effect, ...]:

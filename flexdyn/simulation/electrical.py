@@ -19,6 +19,8 @@ from flexdyn.simulation.plant import acting_effects
 
 ASKED = ("voltage", "duty", "goal")
 """Signals that command a motor under voltage; the first that was recorded is used."""
+ROUNDING = 1e-12
+"""Part of a limit that a current at it may be off."""
 
 
 def with_asked_torque(model: FlexibleJointModel, recording: Recording) -> Recording:
@@ -107,10 +109,6 @@ def _duty_of_goal(actuator: Actuator, recording: Recording, joint: str) -> Array
     summed = np.concatenate([[0.0], np.cumsum(duty)]) / firmware.rate
     impulse = np.interp(t, np.append(ticks, ticks[-1] + 1.0 / firmware.rate), summed)
     return np.append(np.diff(impulse) / np.diff(t), duty[-1])
-
-
-ROUNDING = 1e-12
-"""Part of a limit that a current at it may be off."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,8 @@ from flexdyn.simulation.solvers import Rosenbrock, RungeKutta4, Solver
 SPENT = "more steps than allowed"
 RUNAWAY = 1e6  # rad/s or m/s: no joint is as fast
 EVENTFUL = 0.2  # events per step: the events make the steps short
+TRIAL_STEPS = 2000  # some hundredths of a second of computing; a spent budget took a hundred times that
+RESERVE = 2.0  # times as many steps as the trial foretells must be within the budget
 
 
 def stopped(
@@ -92,10 +94,6 @@ def _remedy(solver: Solver, *, short: bool, often: bool, implicit: bool) -> str:
         return "take Rosenbrock or auto, whose steps need not follow that"
     stepping = "take TimeStepping, whose steps are fixed: halve them until the motion stays the same"
     return f"{stepping}; it does not look for single events" if often else f"{stepping}; or give a greater max_steps"
-
-
-TRIAL_STEPS = 2000  # some hundredths of a second of computing; a spent budget took a hundred times that
-RESERVE = 2.0  # times as many steps as the trial foretells must be within the budget
 
 
 def rosenbrock_gets_through(model: FlexibleJointModel, x: Array, tau: Array, duration: float) -> bool:

@@ -13,6 +13,13 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.simulation.run import Run
 
+FASTEST = 240.0
+"""Largest frame rate [Hz]: at a tenth of the speed there are still 24 frames in a second."""
+MOST_FRAMES = 3600
+"""Largest number of frames in a page."""
+MOST_MAGNIFIED = 1e9
+"""Largest magnification of a deflection [1]."""
+
 
 @dataclass(frozen=True)
 class PlayedMotion:
@@ -99,14 +106,6 @@ def of_recording(
     }
     notes = tuple(f"{text}: {', '.join(names)}" for text, names in said.items() if names)
     return PlayedMotion(label or recording.name or model.name, recording.t, q, deflection, notes)
-
-
-FASTEST = 240.0
-"""Largest frame rate [Hz]: at a tenth of the speed there are still 24 frames in a second."""
-MOST_FRAMES = 3600
-"""Largest number of frames in a page."""
-MOST_MAGNIFIED = 1e9
-"""Largest magnification of a deflection [1]."""
 
 
 @dataclass(frozen=True)

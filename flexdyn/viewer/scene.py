@@ -14,6 +14,11 @@ from flexdyn.robot.tree import Tree
 from flexdyn.viewer.bodies import Body
 from flexdyn.viewer.solids import DialShape, dial_pose, face, needle, tube
 
+ARM, GHOST = "/arm", "/ghost"
+"""Nodes of the arms in the scene's tree; the page makes the second arm from the first."""
+BLUE, VIOLET, SILVER = "#1f4e9c", "#9b30c9", "#99a6ba"
+"""Colours of the parts of the arm and of the second arm, and of an arm whose file gives no colour."""
+
 
 @dataclass(frozen=True)
 class NodeMove:
@@ -63,12 +68,6 @@ def _values(move: NodeMove) -> tuple[str, str, list[list[float]]]:
         return "position", "vector3", (move.positions[:, None] * move.axis).tolist()
     half = move.positions[:, None] / 2.0
     return "quaternion", "quaternion", np.hstack([np.sin(half) * move.axis, np.cos(half)]).tolist()
-
-
-ARM, GHOST = "/arm", "/ghost"
-"""Nodes of the arms in the scene's tree; the page makes the second arm from the first."""
-BLUE, VIOLET, SILVER = "#1f4e9c", "#9b30c9", "#99a6ba"
-"""Colours of the parts of the arm and of the second arm, and of an arm whose file gives no colour."""
 
 
 class Window:

@@ -30,6 +30,10 @@ GHOSTLY = {
     "polygonOffsetUnits": 800,
 }
 """The second arm's material, as three.js describes it."""
+SHOWN_ANGLE = math.radians(25.0)
+"""Approximate size of the largest magnified deflection of a revolute joint [rad]."""
+SHOWN_SHARE = 0.1
+"""The same for a prismatic joint, as a share of the arm's size [1]."""
 
 
 def about_it(
@@ -130,12 +134,6 @@ def _view(box: Extent) -> list[float]:
     if wide[thin] > 0.3 * np.median(wide):
         return [1.0, -1.3, 0.9]
     return [[1.6, -0.6, 0.5], [0.5, -1.6, 0.5], [0.2, -0.9, 1.3]][thin]
-
-
-SHOWN_ANGLE = math.radians(25.0)
-"""Approximate size of the largest magnified deflection of a revolute joint [rad]."""
-SHOWN_SHARE = 0.1
-"""The same for a prismatic joint, as a share of the arm's size [1]."""
 
 
 def show(

@@ -16,6 +16,10 @@ from numpy.typing import NDArray
 from flexdyn.arrays import Array
 from flexdyn.robot.tree import Tree
 
+FACE, MARK, NEEDLE = "#ffffff", "#1f2937", "#d62728"
+RADIUS = 0.055
+"""Sizes of a dial, as shares of the arm's size [1]."""
+
 
 def tube(points: Array, radius: float, sides: int = 8) -> Any:
     """A tube along a polyline: meshcat geometry, or None if the line has no length.
@@ -86,11 +90,6 @@ def _mesh(vertices: Array, faces: NDArray[np.uint32]) -> Any:
     from meshcat.geometry import TriangularMeshGeometry
 
     return TriangularMeshGeometry(vertices, faces)
-
-
-FACE, MARK, NEEDLE = "#ffffff", "#1f2937", "#d62728"
-RADIUS = 0.055
-"""Sizes of a dial, as shares of the arm's size [1]."""
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,10 @@ from flexdyn.records.channelmap.known_units import UNITS
 from flexdyn.records.repairs import Repair, repaired
 from flexdyn.records.table import Table, as_floats, check_finite, check_lengths, check_time
 
+_EXACT = 2**53
+_SLACK = 1e-6
+"""Share of a sample step by which a sample may be beyond the end of a delayed channel, because of rounding [1]."""
+
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # an overflow gives no finite number, which is refused
 def apply_map(table: Table, channel_map: ChannelMap, repairs: Sequence[Repair] = ()) -> Table:
@@ -107,11 +111,6 @@ def _meta(meta: dict[str, Any], channel_map: ChannelMap, units: dict[str, str]) 
     if channel_map.prescribed:
         known["prescribed"] = [*channel_map.prescribed]
     return known | {"map": channel_map.to_dict()} | ({"units": units} if units else {})
-
-
-_EXACT = 2**53
-_SLACK = 1e-6
-"""Share of a sample step by which a sample may be beyond the end of a delayed channel, because of rounding [1]."""
 
 
 def with_times(time: TimeSource, raw: npt.NDArray[Any], stated: Mapping[str, str | None]) -> Array:

@@ -31,6 +31,8 @@ _LARGEST_CHUNK = 2**30
 _MOST_OPEN = 2**31
 _PIECE = 2**20
 _UNPACK = {"zstd": zstd.ZstdDecompressor, "lz4": lz4.frame.LZ4FrameDecompressor, "bz2": BZ2Decompressor}
+_DATABASE_HEADER = 100
+"""Bytes; https://sqlite.org/fileformat2.html, section 1.3."""
 
 
 def unpacked(data: bytes, compression: str, most: int) -> bytes:
@@ -164,10 +166,6 @@ class BoundedReader(Reader):  # type: ignore[misc]
             return plain
 
         return chunk._replace(decompressor=bounded)
-
-
-_DATABASE_HEADER = 100
-"""Bytes; https://sqlite.org/fileformat2.html, section 1.3."""
 
 
 def check_database(path: Path) -> None:

@@ -19,6 +19,9 @@ from flexdyn.records.ros.words import listed, near
 
 _TWO_PUBLISHERS = "several publishers share the topic: name the channels of one group of joints in a channel map"
 _BAG_CLOCK = "take the time of recording: source: {clock: bag} in a channel map"
+_BLOCK_MESSAGES = 4096
+_BLOCK_BYTES = 8 * 2**20
+_EXACT = 2**53
 
 
 class Conventional:
@@ -75,11 +78,6 @@ class Wanted:
         if missing := [name for name in self.names if name not in self.found]:
             problem, remedy = f"the topic {self.topic} has no such column", near(missing[0], self.known)
             raise InputError(problem, remedy=remedy, channel=missing[0])
-
-
-_BLOCK_MESSAGES = 4096
-_BLOCK_BYTES = 8 * 2**20
-_EXACT = 2**53
 
 
 class Series:

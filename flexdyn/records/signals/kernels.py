@@ -21,6 +21,8 @@ _SQUARED = np.array([1.0, -2.0, 1.0])
 _CENTRAL = np.array([-0.5, 0.0, 0.5])
 _FIRST_SERIES = (1.0, -1 / 6, 1 / 30, -1 / 140)
 _SECOND_SERIES = (1.0, -1 / 12, 1 / 90, -1 / 560)
+KERNEL_REACH = 5.0
+"""Half length of a kernel in standard deviations [1]: the neglected part is below 1e-6."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,10 +122,6 @@ def _rounded(part: Array, kernel: Array) -> Array:
     """Multiples of a power of two that is so large that no sum over the kernel needs rounding."""
     grid = 2.0 ** (math.frexp(float(np.abs(kernel).sum()))[1] - 52)
     return np.asarray(np.round(part / grid) * grid)
-
-
-KERNEL_REACH = 5.0
-"""Half length of a kernel in standard deviations [1]: the neglected part is below 1e-6."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,11 @@ from flexdyn.checks import Array
 _FEWEST_LEVELS = 5
 _RMS = 0.06
 """Largest rms distance of levels from a grid, in steps; without a grid it is 0.29 [1]."""
+GAUSS = 1.4826
+"""Standard deviation over median absolute deviation of a Gaussian."""
+_SIXTH_DIFFERENCE = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
+_ON_A_GRID, _OFF_THE_GRID = 0.99, 0.01
+"""Share of all changes that are whole steps of a quantised channel, and how far from whole they may be [steps]."""
 
 
 def quantisation_step(x: Array) -> float | None:
@@ -59,13 +64,6 @@ def held_for(x: Array) -> int:
     if len(changes) < 8:
         return 1
     return int(np.gcd.reduce(np.diff(changes)))
-
-
-GAUSS = 1.4826
-"""Standard deviation over median absolute deviation of a Gaussian."""
-_SIXTH_DIFFERENCE = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
-_ON_A_GRID, _OFF_THE_GRID = 0.99, 0.01
-"""Share of all changes that are whole steps of a quantised channel, and how far from whole they may be [steps]."""
 
 
 def robust_std(values: Array) -> float:
