@@ -49,7 +49,8 @@ def draw_results(
         if columns is not None:
             if "metrics" in wanted:
                 blocks += scatter(_strongest(columns, parameters, notes))
-                notes.append(_about_dots(columns))
+                some = f"{DOTS} runs, evenly spaced among all, are drawn."
+                notes.append(some if columns.runs > DOTS else "Every dot is a run.")
             if "sensitivities" in wanted and columns.sensitivities:
                 blocks += tornado(columns)
                 notes.append(
@@ -102,10 +103,6 @@ def _counted(results: Results) -> str:
     count, failed = len(results.status), len(results.failed)
     done = f"{count} run{'s' if count != 1 else ''}, {count - results.pending} done"
     return f"{done}, {failed} of them failed." if failed else f"{done}."
-
-
-def _about_dots(columns: MetricColumns) -> str:
-    return f"{DOTS} runs, evenly spaced among all, are drawn." if columns.runs > DOTS else "Every dot is a run."
 
 
 def _known(key: str, given: Iterable[str], known: Collection[str]) -> None:

@@ -1,4 +1,4 @@
-"""Once before a study runs: a trial, in which an error of every run is reported with its key; checksums of its files."""
+"""Before a study runs: a trial, which reports an error of every run once, with its key; and checksums of its files."""
 
 from __future__ import annotations
 

@@ -178,15 +178,11 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
     urdf = entry["urdf"]
     if not isinstance(urdf, str) or not urdf:
         raise InputError("the path or name of a URDF is needed", key="robot.urdf", value=urdf)
-    source: str | Path = folder / urdf
-    if not is_file(source):
-        is_path = "/" in urdf or urdf.lower().endswith((".urdf", ".xml", ".xacro"))
-        if is_path:
-            remedy = f"it is looked for in {folder}"
-            raise InputError("there is no such file", key="robot.urdf", value=urdf, remedy=remedy)
-        source = urdf
-    else:
-        source = Path(source).resolve()  # one name for each file, so that models of it compare equal
+    file = folder / urdf
+    if not is_file(file) and ("/" in urdf or urdf.lower().endswith(ROBOT_SUFFIXES)):
+        remedy = f"it is looked for in {folder}"
+        raise InputError("there is no such file", key="robot.urdf", value=urdf, remedy=remedy)
+    source = file.resolve() if is_file(file) else urdf  # one name for each file, so that models of it compare equal
     package_dirs = [folder / str(directory) for directory in entry.get("package_dirs") or []]
     for i, directory in enumerate(package_dirs):
         if not exists(directory):
@@ -196,10 +192,10 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
         ignored = entry.get("urdf_dynamics") == "ignore"
         return robot if entry.get("axes") is None else robot.with_axes(entry["axes"], ignore_dynamics=ignored)
     except InputError as error:
-        if str(error.key).startswith("robot.axes"):
+        if error.file or str(error.key).startswith("robot.axes"):
             raise
-        if error.file or error.key == "robot":
-            raise (error if error.file else InputError(error.problem, **error.data | {"key": "robot.urdf"})) from None
+        if error.key == "robot":
+            raise InputError(error.problem, **error.data | {"key": "robot.urdf"}) from None
         raise error.at(key="robot") from None
 
 

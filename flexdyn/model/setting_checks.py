@@ -151,7 +151,7 @@ def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect
             _check_other(robot, effect)
         if isinstance(effect, JointElasticity):
             _check_softening(name, joints[name])
-        elif not joints[name].elastic and name not in softened and _needs_spring(effect):
+        elif not joints[name].elastic and name not in softened and (effect.side == "transmission" or effect.takes_load):
             remedy = f"give joints.{name} a finite stiffness, or the effect joint_elasticity"
             raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=name, remedy=remedy)
 
@@ -163,10 +163,6 @@ def _check_replaced(robot: Robot, effect: JointEffect) -> None:
     moved_by = " and ".join(axis for axis, entry in robot.axes.items() if effect.joint in entry)
     remedy = f"name an axis that moves it, {moved_by}; end_stop, parallel_spring and position_torque may name the joint"
     raise InputError(f"{effect.name} acts on axes", key="joint", value=effect.joint, remedy=remedy)
-
-
-def _needs_spring(effect: JointEffect) -> bool:
-    return effect.side == "transmission" or effect.takes_load
 
 
 def _check_softening(name: str, joint: Joint) -> None:
