@@ -117,17 +117,14 @@ def array_metadata(each: StoreArray) -> dict[str, Any]:
     Args:
         each: the array.
     """
+    zstd = {"name": "zstd", "configuration": {"level": LEVEL, "checksum": False}}
     return {
         "shape": list(each.shape),
         "data_type": each.dtype,
         "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": list(each.piece)}},
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
         "fill_value": "NaN" if each.dtype == "float64" else each.fill,
-        "codecs": [
-            _SERIALIZERS[each.dtype],
-            {"name": "zstd", "configuration": {"level": LEVEL, "checksum": False}},
-            {"name": "crc32c"},
-        ],
+        "codecs": [_SERIALIZERS[each.dtype], zstd, {"name": "crc32c"}],
         "attributes": dict(each.attrs),
         "dimension_names": list(each.dims),
         "zarr_format": 3,

@@ -58,10 +58,8 @@ def draw_results(
                     "parameter to that over the fifth with the highest, minus its mean over all runs; r is next to it."
                 )
             if columns.sensitivities:
-                notes.append(
-                    "r is Spearman's rank correlation, by chance alone "
-                    f"below {columns.chance:.2g} in 95 of 100 studies."
-                )
+                chance = f"below {columns.chance:.2g} in 95 of 100 studies"
+                notes.append(f"r is Spearman's rank correlation, by chance alone {chance}.")
     if not blocks:
         problem = f"there is nothing to draw of {', '.join(wanted)}"
         raise InputError(problem, file=results.path, key="views", remedy=" ".join(notes))

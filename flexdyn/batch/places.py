@@ -41,10 +41,8 @@ class Changes:
         if self.joints:
             changes["joints"] = self.joints
         if self.effects:
-            changes["effects"] = [
-                effect.replace(**self.effects[i]) if i in self.effects else effect
-                for i, effect in enumerate(base.effects)
-            ]
+            own = self.effects
+            changes["effects"] = [each.replace(**own[i]) if i in own else each for i, each in enumerate(base.effects)]
         if self.initial:
             changes["initial"] = self.initial_of(base)
         if self.gravity:

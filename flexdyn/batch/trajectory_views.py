@@ -63,11 +63,8 @@ def trajectories(results: Results, channels: Sequence[str], notes: list[str]) ->
 
 def _panels(results: Results, channel: str, instants: NDArray[np.intp]) -> list[Panel]:
     found = quantiles(lambda: results.blocks(channel, instants), len(results.complete), tuple(LINES))
-    t = results.times[instants]
-    return [
-        _panel(t, found[:, :, j], f"{channel}.{joint}", results.unit(channel), hue(j))
-        for j, joint in enumerate(results.joints)
-    ]
+    t, unit = results.times[instants], results.unit(channel)
+    return [_panel(t, found[:, :, j], f"{channel}.{joint}", unit, hue(j)) for j, joint in enumerate(results.joints)]
 
 
 def _panel(t: Array, lines: Array, name: str, unit: str, colour: str) -> Panel:
@@ -76,16 +73,8 @@ def _panel(t: Array, lines: Array, name: str, unit: str, colour: str) -> Panel:
         for line, (share, (label, dash, width, pale)) in zip(lines, LINES.items(), strict=True)
     )
     signal, _, joint = name.partition(".")
-    return Panel(
-        short(joint),
-        TIME,
-        f"{signal} [{unit}]",
-        curves,
-        x_range=(float(t[0]), float(t[-1])),
-        y_range=limits(lines),
-        colour=colour,
-        timed=True,
-    )
+    label, span = f"{signal} [{unit}]", (float(t[0]), float(t[-1]))
+    return Panel(short(joint), TIME, label, curves, x_range=span, y_range=limits(lines), colour=colour, timed=True)
 
 
 def quantiles(blocks: Callable[[], Iterator[Array]], runs: int, shares: Sequence[float]) -> Array:

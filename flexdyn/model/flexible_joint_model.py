@@ -253,11 +253,7 @@ class FlexibleJointModel(Public):
     def rigid(self) -> FlexibleJointModel:
         """The same arm without elasticity: every joint rigid, J added to M, no effects that need a spring."""
         true = self.resolved()
-        kept = [
-            effect
-            for effect in true.effects
-            if getattr(effect, "side", None) != "transmission" and not effect.takes_load
-        ]
+        kept = [each for each in true.effects if getattr(each, "side", None) != "transmission" and not each.takes_load]
         links = {signal: values for signal, values in self.initial.items() if signal in ("q", "v")}
         return true.replace(joints={"*": {"stiffness": math.inf}}, effects=kept, initial=links)
 

@@ -22,7 +22,7 @@ from flexdyn.records.hdf5 import file as hdf5_file
 from flexdyn.records.matlab import file as mat_file
 from flexdyn.records.notices import RecordingWarning
 from flexdyn.records.recording import Recording
-from flexdyn.records.repairs import Repair, repaired, repairs_of
+from flexdyn.records.repairs import repaired, repairs_of
 from flexdyn.records.request import Request
 from flexdyn.records.ros import read as read_bag
 from flexdyn.records.ros import write as write_bag
@@ -129,7 +129,9 @@ def read_recording(
                 raise InputError(problem, remedy="give the path of a recording")
             if path.stat().st_size > MOST_FILE:
                 raise InputError(f"the file is larger than {MOST_FILE} bytes", remedy="split the recording")
-            table = _table(fmt, path, channel_map, asked, progress)
+            request = Request(progress=progress) if channel_map is None else channel_map.request(progress)
+            table = fmt.read(path, request)
+            table = repaired(table, asked) if channel_map is None else apply_map(table, channel_map, asked)
             if table.said:
                 table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
             made = Recording.from_table(table, path.stem if name is None else name)
@@ -181,22 +183,6 @@ def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
     fmt = _format_of(path)
     with placed(file=path), replacing(path) as fresh:
         fmt.write(rec, fresh)
-
-
-def _table(
-    fmt: Format,
-    path: Path,
-    channel_map: ChannelMap | None,
-    repairs: tuple[Repair, ...],
-    progress: Callable[[float], None] | None,
-) -> Table:
-    if channel_map is None:
-        return repaired(fmt.read(path, Request(progress=progress)), repairs)
-    raw = fmt.read(path, channel_map.request(progress))
-    said = raw.said
-    made = apply_map(raw, channel_map, repairs)
-    made.said = [*said, *made.said]
-    return made
 
 
 def _is_bag_folder(path: Path) -> bool:

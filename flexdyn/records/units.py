@@ -100,10 +100,5 @@ def check_unit(channel: str, unit: str) -> None:
     known = unit_of(channel)
     allowed = [known] + ([PRISMATIC[known]] if known in PRISMATIC else [])
     if known and usual(unit) not in allowed:
-        raise InputError(
-            "the unit is not SI",
-            key=channel,
-            value=unit,
-            remedy=f"convert it to {' or '.join(allowed)}, or read it with a channel map",
-            channel=channel,
-        )
+        remedy = f"convert it to {' or '.join(allowed)}, or read it with a channel map"
+        raise InputError("the unit is not SI", key=channel, value=unit, remedy=remedy, channel=channel)

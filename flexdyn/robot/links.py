@@ -139,13 +139,9 @@ def read_link(element: Any, colors: dict[str, tuple[float, ...]]) -> Link:
         InputError: no name, an ``<inertial>`` without mass or inertia, or impossible numbers.
     """
     name = name_of(element, "link")
-    inertial = element.find("inertial")
-    return Link(
-        name,
-        None if inertial is None else _inertial(inertial, f"link '{name}'/inertial"),
-        read_visuals(element, f"link '{name}'/visual", colors),
-        element.sourceline,
-    )
+    key, inertial = f"link '{name}'", element.find("inertial")
+    body = None if inertial is None else _inertial(inertial, f"{key}/inertial")
+    return Link(name, body, read_visuals(element, f"{key}/visual", colors), element.sourceline)
 
 
 def _inertial(element: Any, key: str) -> Inertial:

@@ -58,12 +58,9 @@ def resolve_meshes(links: Sequence[Link], urdf: Path, package_dirs: Sequence[Pat
         shown.append(replace(link, visuals=tuple(kept)))
     if missing:
         total = sum(len(link.visuals) for link in links)
-        warnings.warn(
-            f"{urdf}: {len(missing)} of {total} shapes are left out of the picture, their mesh was not found;"
-            f" the first is {missing[0]!r}; name the folder of its package in package_dirs",
-            MeshWarning,
-            stacklevel=3,
-        )
+        text = f"{urdf}: {len(missing)} of {total} shapes are left out of the picture, their mesh was not found"
+        remedy = f"the first is {missing[0]!r}; name the folder of its package in package_dirs"
+        warnings.warn(f"{text}; {remedy}", MeshWarning, stacklevel=3)
     return tuple(shown)
 
 
@@ -156,11 +153,8 @@ def visual_model(model: pin.Model, links: Sequence[Link], joints: Sequence[Robot
         readable, unread = _readable(links)
     if not unread:
         raise RuntimeError("Pinocchio refused the shapes of the robot though every mesh can be read")
-    warnings.warn(
-        f"{len(unread)} meshes cannot be read and are left out of the picture; the first is {unread[0]!r}",
-        MeshWarning,
-        stacklevel=3,
-    )
+    text = f"{len(unread)} meshes cannot be read and are left out of the picture; the first is {unread[0]!r}"
+    warnings.warn(text, MeshWarning, stacklevel=3)
     return pin.buildGeomFromUrdfString(model, urdf_text(readable, joints), pin.GeometryType.VISUAL)
 
 

@@ -64,11 +64,8 @@ def normalise(model: pin.Model) -> Normalised:
     _copy_numbers(model, new, motions)
     names = list(model.names)[1:]
     named = list(zip(names, motions, strict=True))
-    return Normalised(
-        new,
-        frozenset(name for name, motion in named if motion.continuous),
-        {name: motion.mimic for name, motion in named if motion.mimic is not None},
-    )
+    continuous = frozenset(name for name, motion in named if motion.continuous)
+    return Normalised(new, continuous, {name: motion.mimic for name, motion in named if motion.mimic is not None})
 
 
 def _check_order(model: pin.Model) -> None:

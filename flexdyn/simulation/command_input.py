@@ -208,15 +208,10 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         ahead = recorded(ahead, "tau", names)
     if ahead is not None and not isinstance(ahead, Samples):
         raise InputError("Samples or a recording is needed", key="pd.feedforward", value=ahead)
-    command = _core.tracking(
-        _signal(reference, names),
-        None if ahead is None else _signal(ahead, names),
-        per_joint("pd.kp", pd.kp, names).tolist(),
-        per_joint("pd.kd", pd.kd, names).tolist(),
-        pd.feedback == "theta",
-        pd.rate,
-    )
     reference = _whole(reference, names)
+    added = None if ahead is None else _signal(ahead, names)
+    gains = (per_joint(f"pd.{key}", getattr(pd, key), names).tolist() for key in ("kp", "kd"))
+    command = _core.tracking(_signal(reference, names), added, *gains, pd.feedback == "theta", pd.rate)
     return Drive(command, reference.duration, initial, notes=notes, controller=pd, reference=reference)
 
 

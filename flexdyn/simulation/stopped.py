@@ -54,15 +54,8 @@ def stopped(
     remedy = runaway or _remedy(solver, short=short, often=often, implicit=implicit)
     why = f"{reason} ({tried} tried, {int(report['events'])} events)" if reason == SPENT else reason
     where = "" if fastest is None else f"; {fastest}"
-    return SimulationError(
-        f"{model.name}: {name} stopped at t = {t:.6g} s: {why}{where}; {remedy}",
-        t=t,
-        state=state,
-        solver=solver,
-        reason=reason,
-        fastest=fastest,
-        remedy=remedy,
-    )
+    told = f"{model.name}: {name} stopped at t = {t:.6g} s: {why}{where}; {remedy}"
+    return SimulationError(told, t=t, state=state, solver=solver, reason=reason, fastest=fastest, remedy=remedy)
 
 
 def _runaway(model: FlexibleJointModel, state: NDArray[np.float64]) -> str:

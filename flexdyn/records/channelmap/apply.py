@@ -61,7 +61,7 @@ def apply_map(table: Table, channel_map: ChannelMap, repairs: Sequence[Repair] =
         columns = {TIME: np.arange(samples) / channel_map.time.rate, **columns}
     check_lengths(columns, table.rows)
     meta = _meta(table.meta, channel_map, units)
-    made = repaired(Table(columns, meta, table.rows), (*channel_map.repair, *repairs))
+    made = repaired(Table(columns, meta, table.rows, said=table.said), (*channel_map.repair, *repairs))
     made = undelayed(made, {channel.name: channel.delay for channel in channel_map.channels if channel.delay})
     couple(made.columns, channel_map.couplings)
     for name, expression in channel_map.computed:
