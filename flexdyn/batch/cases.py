@@ -131,10 +131,8 @@ class Cases:
             (runs,) whether each run is finished; the others must be made one by one with `case_of`.
         """
         changes = self._changes(table)
-        initial = changes.initial_of(self.model)
-        columns = VariantColumns(
-            joints=changes.joints, effects=changes.effects, initial=initial, starts=self._starts(changes)
-        )
+        initial, starts = changes.initial_of(self.model), self._starts(changes)
+        columns = VariantColumns(joints=changes.joints, effects=changes.effects, initial=initial, starts=starts)
         same_links = not (changes.gravity or changes.lock)
         same_command = not (changes.gains or changes.scale is not None or changes.rate is not None)
         plain = self.solver != "auto" and not any("runs" in metric.needs for metric in self.metrics)

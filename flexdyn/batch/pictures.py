@@ -91,9 +91,8 @@ def _strongest(columns: MetricColumns, chosen: Sequence[str] | None, notes: list
     """The parameters that fit side by side, unless the user chose them."""
     if chosen is not None or len(columns.parameters) <= MOST_PARAMETERS:
         return columns
-    notes.append(
-        f"Metrics over the {MOST_PARAMETERS} of {len(columns.parameters)} parameters with the largest influence."
-    )
+    some = f"{MOST_PARAMETERS} of {len(columns.parameters)} parameters"
+    notes.append(f"Metrics over the {some} with the largest influence.")
     return columns.only(columns.strongest(MOST_PARAMETERS))
 
 

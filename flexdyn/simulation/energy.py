@@ -147,9 +147,8 @@ def ledger(run: Run) -> Energy:
     if not energy.closes:
         worst = float(np.abs(energy.residual).max())
         text = f"the energy ledger of {run.model.name} misses {worst:.3g} J, more than {energy.tolerance:.3g} J"
-        warnings.warn(
-            f"{text}: {type(run.solver).__name__} does not resolve the motion", EnergyWarning, stacklevel=4
-        )  # beyond Run.energy and its cached_property
+        text += f": {type(run.solver).__name__} does not resolve the motion"
+        warnings.warn(text, EnergyWarning, stacklevel=4)  # beyond Run.energy and its cached_property
     return energy
 
 

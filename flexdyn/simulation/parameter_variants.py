@@ -117,9 +117,8 @@ class Variants:
     def _drives(self, joints: Numbers, sound: Flags) -> tuple[Array, Array, Array]:
         """K, D and J (runs, n); `sound` is cleared where a number might be refused."""
         model, shape = self.model, (len(sound), self.model.n)
-        K, D, J = (
-            np.array(np.broadcast_to(base, shape)) for base in (model.stiffness, model.damping, model.rotor_inertia)
-        )
+        own = (model.stiffness, model.damping, model.rotor_inertia)
+        K, D, J = (np.array(np.broadcast_to(base, shape)) for base in own)
         for name, columns in joints.items():
             j, numbers = model.index(name), {**model.joints[name].values(), **columns}
             for column in columns.values():

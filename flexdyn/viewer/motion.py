@@ -46,11 +46,11 @@ class PlayedMotion:
 
     def at(self, times: Array) -> PlayedMotion:
         """The motion at other times, interpolated linearly, constant before the first and after the last sample."""
-        q, deflection = (
-            np.column_stack([np.interp(times, self.t, column) for column in table.T])
-            for table in (self.q, self.deflection)
-        )
-        return replace(self, t=times, q=q, deflection=deflection)
+
+        def moved(table: Array) -> Array:
+            return np.column_stack([np.interp(times, self.t, column) for column in table.T])
+
+        return replace(self, t=times, q=moved(self.q), deflection=moved(self.deflection))
 
 
 def of_run(run: Run) -> PlayedMotion:

@@ -107,11 +107,9 @@ def _series(frames: Frames, tips: Sequence[Array]) -> dict[str, str]:
 
 def _rows(model: FlexibleJointModel) -> list[str]:
     """Names of the joints, with the unit if the joints have different units."""
-    mixed = len(set(model.robot.kinds)) > 1
-    prismatic = [kind == "prismatic" for kind in model.robot.kinds]
-    return [
-        f"{name} [m]" if mixed and slides else name for name, slides in zip(model.joint_names, prismatic, strict=True)
-    ]
+    names, kinds = model.joint_names, model.robot.kinds
+    sliding = {"prismatic"} if len(set(kinds)) > 1 else set()
+    return [f"{name} [m]" if kind in sliding else name for name, kind in zip(names, kinds, strict=True)]
 
 
 def _head(name: str, model: FlexibleJointModel) -> str:
