@@ -80,5 +80,6 @@ class Threads:
         working = {pool.submit(task, chunk, self._stop.is_set) for chunk in islice(waiting, 2 * self._count)}
         while working:
             done, working = wait(working, return_when=FIRST_COMPLETED)
-            working |= {pool.submit(task, chunk, self._stop.is_set) for chunk in islice(waiting, len(done))}
-            yield from (future.result() for future in done)
+            for future in done:
+                working |= {pool.submit(task, chunk, self._stop.is_set) for chunk in islice(waiting, 1)}
+                yield future.result()
