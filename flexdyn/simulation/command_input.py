@@ -210,8 +210,8 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         raise InputError("Samples or a recording is needed", key="pd.feedforward", value=ahead)
     reference = _whole(reference, names)
     added = None if ahead is None else _signal(ahead, names)
-    gains = (per_joint(f"pd.{key}", getattr(pd, key), names).tolist() for key in ("kp", "kd"))
-    command = _core.tracking(_signal(reference, names), added, *gains, pd.feedback == "theta", pd.rate)
+    kp, kd = (per_joint(f"pd.{key}", getattr(pd, key), names).tolist() for key in ("kp", "kd"))
+    command = _core.tracking(_signal(reference, names), added, kp, kd, pd.feedback == "theta", pd.rate)
     return Drive(command, reference.duration, initial, notes=notes, controller=pd, reference=reference)
 
 
