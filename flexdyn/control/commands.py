@@ -91,8 +91,7 @@ class Samples:
         place = {"key": "samples.values", "remedy": f"the joints are {', '.join(joint_names)}"}
         if self.joints is None:
             if self.values.shape[1] != len(joint_names):
-                problem = f"{len(joint_names)} columns are needed"
-                raise InputError(problem, value=self.values.shape[1], **place)
+                raise InputError(f"{len(joint_names)} columns are needed", value=self.values.shape[1], **place)
             return self.values
         out = np.zeros((len(self.t), len(joint_names)))
         for k, joint in enumerate(self.joints):

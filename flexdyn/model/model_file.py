@@ -180,8 +180,7 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
         raise InputError("the path or name of a URDF is needed", key="robot.urdf", value=urdf)
     file = folder / urdf
     if not is_file(file) and ("/" in urdf or urdf.lower().endswith(ROBOT_SUFFIXES)):
-        remedy = f"it is looked for in {folder}"
-        raise InputError("there is no such file", key="robot.urdf", value=urdf, remedy=remedy)
+        raise InputError("there is no such file", key="robot.urdf", value=urdf, remedy=f"it is looked for in {folder}")
     source = file.resolve() if is_file(file) else urdf  # one name for each file, so that models of it compare equal
     package_dirs = [folder / str(directory) for directory in entry.get("package_dirs") or []]
     for i, directory in enumerate(package_dirs):

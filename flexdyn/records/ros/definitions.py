@@ -74,8 +74,7 @@ def stored(definition: MessageDefinition, msgtype: str, *, cdr: bool) -> Iterato
         known.update(_plain(get_types_from_msg(texts[0], name)))
     if msgtype not in known:
         problem = "the bag does not hold the definition of its messages, and ROS has no such type"
-        remedy = "convert the bag to MCAP where the type is installed"
-        raise InputError(problem, value=msgtype, remedy=remedy)
+        raise InputError(problem, value=msgtype, remedy="convert the bag to MCAP where the type is installed")
     if msgtype not in _CONTROL:
         yield known
     for text in _CONTROL.get(msgtype, ()):
