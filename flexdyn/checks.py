@@ -15,17 +15,25 @@ Array = NDArray[np.float64]
 """An array of doubles."""
 
 
-def as_numbers(values: Any) -> Array:
-    """A new array of doubles; text, dates and complex numbers are refused.
+def as_numbers(key: str, values: Any, problem: str = "numbers are needed", remedy: str | None = None) -> Array:
+    """A new array of doubles, of two dimensions at most; text, dates and complex numbers are refused.
+
+    Args:
+        key: its path, for the error.
+        values: as given.
+        problem: the fault that is reported.
+        remedy: what the user can do.
 
     Raises:
-        TypeError, ValueError, OverflowError: the values are no numbers.
+        InputError: the values are no numbers.
     """
-    if np.asarray(values).dtype.kind not in "fiubO":
-        raise TypeError("not real numbers")
-    array = np.array(values, dtype=np.float64)
-    if array.ndim > 2:
-        raise ValueError("more than two dimensions")
+    try:
+        plain = np.asarray(values).dtype.kind in "fiubO"
+        array = np.array(values, dtype=np.float64) if plain else None
+    except (TypeError, ValueError, OverflowError):
+        array = None
+    if array is None or array.ndim > 2:
+        raise InputError(problem, key=key, value=values, remedy=remedy)
     return array
 
 

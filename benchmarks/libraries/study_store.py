@@ -15,8 +15,7 @@ import numpy as np
 import zarr
 from comparison import Case, Comparison, times_of
 
-from flexdyn.batch.layout import StoreArray
-from flexdyn.batch.metadata import FILE, array_metadata, encoded
+from flexdyn.batch.layout import FILE, StoreArray, array_metadata, encoded
 from flexdyn.batch.pieces import LEVEL, write_piece
 
 RUNS, CHUNKS, SAMPLES, JOINTS = 128, 16, 41, 2

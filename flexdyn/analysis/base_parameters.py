@@ -16,7 +16,8 @@ from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.uncertain_parameters import OF_LINK, file_numbers
+from flexdyn.model.resolved_parameters import OF_LINK
+from flexdyn.model.uncertain_parameters import file_numbers
 
 OWN = 1e-7
 """A column is independent if this share of its length is outside the span of the columns before it [1]."""

@@ -76,10 +76,7 @@ def frequencies_over_path(
     """
     model = checked_model(model)
     check_rotors(model, rotors)
-    try:
-        poses = as_numbers(getattr(path, "q", path))
-    except (TypeError, ValueError, OverflowError):
-        raise InputError("poses are numbers", key="path", value=path) from None
+    poses = as_numbers("path", getattr(path, "q", path), "poses are numbers")
     if poses.ndim != 2 or poses.shape[1] != model.n or not len(poses) or not np.isfinite(poses).all():
         problem = f"finite positions (samples, {model.n}) are needed"
         raise InputError(problem, key="path", value=poses.shape, remedy="one row a pose, one column a joint")

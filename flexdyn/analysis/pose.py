@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -36,10 +35,7 @@ def vector(value: ArrayLike, size: int, key: str, remedy: str) -> Array:
     Raises:
         InputError: they are not.
     """
-    try:
-        array = as_numbers(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError("numbers are needed", key=key, value=value, remedy=remedy) from None
+    array = as_numbers(key, value, remedy=remedy)
     if array.shape != (size,) or not np.isfinite(array).all():
         raise InputError(f"{size} finite numbers are needed", key=key, value=value, remedy=remedy)
     return array
@@ -74,10 +70,8 @@ def checked_frequencies(frequencies: ArrayLike) -> Array:
     Raises:
         InputError: something else.
     """
-    try:
-        array = np.atleast_1d(as_numbers(frequencies))
-    except (TypeError, ValueError, OverflowError):
-        array = np.array([math.nan])
+    problem = "frequencies in Hz, at least 0, are needed"
+    array = np.atleast_1d(as_numbers("frequencies", frequencies, problem))
     if array.ndim != 1 or not np.isfinite(array).all() or (array < 0).any():
-        raise InputError("frequencies in Hz, at least 0, are needed", key="frequencies", value=frequencies)
+        raise InputError(problem, key="frequencies", value=frequencies)
     return array

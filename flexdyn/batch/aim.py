@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from flexdyn.checks import Array
-from flexdyn.control.commands import PD, Controller, Interpolation, Samples
-from flexdyn.control.servo import Servo
+from flexdyn.control.commands import Samples
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.records import Recording
-from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
-from flexdyn.simulation.command_input import followed, recorded, resolve_command
+from flexdyn.simulation.command_input import make_drive
 from flexdyn.simulation.run import Run
 
 AIM_END = 1e-9
@@ -64,19 +60,11 @@ def aim_of(command: Any, model: FlexibleJointModel, duration: float) -> Aim:
     Raises:
         InputError: a recording or reference that does not fit the model.
     """
-    command = resolve_command(command)
-    if isinstance(command, PD | Servo):
-        chosen = command.interpolation if isinstance(command, PD) else None
-        reference = _reference(command.reference, chosen, model.joint_names)
-        return Aim(_still(reference.t, reference.values, duration, reference.interpolation == "hold"), reference)
-    if isinstance(command, Controller):
-        return Aim(None)
-    if isinstance(command, Recording):
-        if is_of_goals(model, command):
-            reference = recorded(command, "goal", model.joint_names)
-            return Aim(_still(reference.t, reference.values, duration, True), reference)
-        command = recorded(with_asked_torque(model, command), "tau", model.joint_names)
-    return Aim(_played_out(command, duration))
+    drive = make_drive(model, command, duration)
+    if drive.reference is not None:
+        held = drive.reference.interpolation == "hold"
+        return Aim(_still(drive.reference.t, drive.reference.values, duration, held), drive.reference)
+    return Aim(_played_out(drive.samples, duration) if drive.controller is None else None)
 
 
 def aim_of_run(run: Run) -> Aim:
@@ -84,17 +72,9 @@ def aim_of_run(run: Run) -> Aim:
     return Aim(_played_out(run.inputs.samples, run.inputs.duration))
 
 
-def _reference(given: Any, interpolation: Interpolation | None, names: Sequence[str]) -> Samples:
-    """A reference with the interpolation that is tracked."""
-    reference = resolve_command(given)
-    if isinstance(reference, Recording):
-        return followed(reference, interpolation, names)
-    return Samples(reference.t, reference.columns(names), reference.interpolation)
-
-
-def _played_out(torques: Any, duration: float) -> float | None:
+def _played_out(torques: Samples | None, duration: float) -> float | None:
     """Time of the last change of the torques; at their end they fall to zero."""
-    if not isinstance(torques, Samples):
+    if torques is None:
         return 0.0
     held = torques.interpolation == "hold"
     rows = torques.values.copy()

@@ -89,7 +89,7 @@ class Cases:
     @cached_property
     def times(self) -> NDArray[np.float64]:
         """Times of the stored samples (samples,) [s]."""
-        return self._job(self.model).out["t"]
+        return self.job(Case(self.model, self.command, {})).out["t"]
 
     def values(self, k: int) -> dict[str, float]:
         """The drawn numbers of run k, by path."""
@@ -131,10 +131,8 @@ class Cases:
             (runs,) whether each run is finished; the others must be made one by one with `case_of`.
         """
         changes = self._changes(table)
-        initial = changes.initial_of(self.model)
-        columns = VariantColumns(
-            joints=changes.joints, effects=changes.effects, initial=initial, starts=self._starts(changes)
-        )
+        initial, starts = changes.initial_of(self.model), self._starts(changes)
+        columns = VariantColumns(joints=changes.joints, effects=changes.effects, initial=initial, starts=starts)
         same_links = not (changes.gravity or changes.lock)
         same_command = not (changes.gains or changes.scale is not None or changes.rate is not None)
         plain = self.solver != "auto" and not any("runs" in metric.needs for metric in self.metrics)
@@ -164,14 +162,17 @@ class Cases:
     def _variants(self) -> Variants:
         """A run in which no law is neutral because of a number that is zero, as it may be at a median."""
         case = self.case_of({path: kind.usual for path, kind in self.study.kinds.items()})
-        job = self._job(case.model)
+        job = self.job(case)
         return Variants(case.model, job.drive, job.duration, job.solver, job.out["t"])
 
-    def _job(self, model: FlexibleJointModel) -> Job:
-        """A run of a model under the command, prepared."""
-        starts = dict.fromkeys(("q", "v", "theta", "omega"))
-        study = self.study
-        return prepare(model, self.command, study.duration, self.solver, starts, study.rate, None, None)
+    def job(self, case: Case) -> Job:
+        """A run with everything done but its integration.
+
+        Raises:
+            InputError: a number that the run cannot have.
+        """
+        study, starts = self.study, {signal: case.starts.get(f"{signal}0") for signal in ("q", "v", "theta", "omega")}
+        return prepare(case.model, case.command, study.duration, self.solver, starts, study.rate, None, None)
 
     @cached_property
     def _order(self) -> dict[str, int]:

@@ -11,7 +11,6 @@ import numpy as np
 
 from flexdyn.batch.aim import Aim, aim_of_run
 from flexdyn.batch.motion import RunsMotion, lengths
-from flexdyn.batch.own_metric import single_number
 from flexdyn.checks import Array
 from flexdyn.errors import FlexdynError, InputError
 from flexdyn.simulation.energy import EnergyWarning
@@ -84,6 +83,19 @@ class Metric:
         except (FlexdynError, ValueError) as error:
             return np.full(motion.count, np.nan), [str(error)[:LONGEST_REASON]] * motion.count
         return values, [""] * motion.count
+
+
+def single_number(value: Any) -> float:
+    """A metric's answer as one number; true and false are 1 and 0.
+
+    Raises:
+        ValueError: it is none.
+    """
+    array = np.asarray(value)
+    if array.shape != () or array.dtype.kind not in "biuf":
+        shape = f"an array of shape {array.shape}" if array.shape else f"a {type(value).__name__}"
+        raise ValueError(f"one number is needed, not {shape}")
+    return float(array)
 
 
 @dataclass(frozen=True)

@@ -154,9 +154,8 @@ class Dask:
             raise InputError("a worker has no flexdyn", key="scheduler", remedy=remedy) from None
 
     def _gone(self) -> FlexdynError:
-        return FlexdynError(
-            f"{self._name} cannot be reached any more; finished chunks are stored: continue with --resume (resume=True)"
-        )
+        remedy = "finished chunks are stored: continue with --resume (resume=True)"
+        return FlexdynError(f"{self._name} cannot be reached any more; {remedy}")
 
 
 class _Call:

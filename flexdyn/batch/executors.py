@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
-from queue import SimpleQueue
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from itertools import islice
 from threading import Event
 from typing import Protocol, Self
 
@@ -75,22 +74,12 @@ class Threads:
         Raises:
             InputError: the store cannot be written to, or this is outside of the context.
         """
-        waiting, finished = iter(chunks), SimpleQueue[Future[Done]]()
-        working = self._submit(task, itertools.islice(waiting, 2 * self._count), finished)
-        while working:
-            future = finished.get()
-            working += self._submit(task, itertools.islice(waiting, 1), finished) - 1
-            yield future.result()
-
-    def _submit(self, task: Task, chunks: Iterable[int], finished: SimpleQueue[Future[Done]]) -> int:
-        """Submit chunks, each of which goes to the queue when it is finished; return their number.
-
-        Raises:
-            InputError: the threads are not started.
-        """
-        if self._pool is None:
+        pool, waiting = self._pool, iter(chunks)
+        if pool is None:
             raise InputError("the threads are not started", key="workers", remedy="use it in a with statement")
-        begun = [self._pool.submit(task, chunk, self._stop.is_set) for chunk in chunks]
-        for future in begun:
-            future.add_done_callback(finished.put)
-        return len(begun)
+        working = {pool.submit(task, chunk, self._stop.is_set) for chunk in islice(waiting, 2 * self._count)}
+        while working:
+            done, working = wait(working, return_when=FIRST_COMPLETED)
+            for future in done:
+                working |= {pool.submit(task, chunk, self._stop.is_set) for chunk in islice(waiting, 1)}
+                yield future.result()

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from flexdyn.batch.cases import cases_of
 from flexdyn.batch.study import Study
 from flexdyn.checks import whole
@@ -109,5 +111,4 @@ def _plain(gains: Any) -> Any:
     """Gains in a form for YAML."""
     if isinstance(gains, Mapping):
         return {str(joint): float(value) for joint, value in gains.items()}
-    listed = gains.tolist() if hasattr(gains, "tolist") else gains
-    return [float(value) for value in listed] if isinstance(listed, list | tuple) else float(listed)
+    return np.asarray(gains, dtype=float).tolist()

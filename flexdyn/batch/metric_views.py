@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flexdyn.batch.sensitivity import Sensitivity, sensitivity
+from flexdyn.batch.summary import Sensitivity, sensitivity
 from flexdyn.checks import Array
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK

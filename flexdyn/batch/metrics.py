@@ -1,10 +1,16 @@
-"""The metrics of a study: found by name, checked against the study before anything runs, and measured."""
+"""The metrics of a study: found by name or import path, checked against the study before it runs, and measured."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import importlib
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from importlib.machinery import PathFinder
 from pathlib import Path
+from threading import Lock
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +18,12 @@ from numpy.typing import NDArray
 from flexdyn.batch.aim import Aim
 from flexdyn.batch.catalogue import METRICS, Metric, RunMetric
 from flexdyn.batch.motion import RunsMotion
-from flexdyn.batch.own_metric import own_function
 from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 _SLIDING = {"N m": "N", "rad": "m"}
 """Units for prismatic joints."""
+_importing = Lock()
 
 
 def metric(name: str, folder: Path | None = None) -> Metric:
@@ -115,3 +121,61 @@ def _slides(model: FlexibleJointModel, each: Metric) -> bool:
     """Whether the joints of a metric are prismatic."""
     kinds = model.robot.kinds
     return "alike" in each.needs and (kinds[model.index(each.joint)] if each.joint else kinds[0]) == "prismatic"
+
+
+def own_function(name: str, folder: Path | None = None) -> Callable[[Any], Any]:
+    """The function that an import path names.
+
+    Args:
+        name: ``package.module:function``.
+        folder: where it is searched first; None: only in Python's own paths.
+
+    Raises:
+        InputError: it cannot be imported or is not callable; the message says why.
+    """
+    module, _, attribute = name.partition(":")
+    if not attribute.isidentifier() or not all(part.isidentifier() for part in module.split(".")):
+        raise InputError("no such metric", value=name, remedy="your own function is package.module:function")
+    with _importing, _first_in_path(module, folder):
+        try:
+            found = importlib.import_module(module)
+        except Exception as error:  # a user's module may raise anything
+            reason = f"{type(error).__name__}: {error}" if not isinstance(error, ModuleNotFoundError) else str(error)
+            where = f"; it is looked for in {folder} first" if folder is not None else ""
+            raise InputError(f"the metric cannot be imported ({reason}){where}", value=name) from None
+    function = getattr(found, attribute, None)
+    if function is None:
+        raise InputError(f"module {module} has no {attribute}", value=name)
+    if not callable(function):
+        raise InputError("the metric is not callable", value=name, remedy="it is a function of a Run")
+    return function  # type: ignore[no-any-return]
+
+
+@contextmanager
+def _first_in_path(module: str, folder: Path | None) -> Iterator[None]:
+    """Let Python search a folder first; a module of the same name from another place is refused.
+
+    Raises:
+        InputError: such a module is loaded already.
+    """
+    if folder is None:
+        yield
+        return
+    top = module.partition(".")[0]
+    place = str(folder.resolve())
+    importlib.invalidate_caches()
+    spec = PathFinder.find_spec(top, [place])
+    loaded = getattr(sys.modules.get(top), "__file__", None)
+    if (
+        spec is not None
+        and spec.origin is not None
+        and loaded
+        and Path(spec.origin).resolve() != Path(loaded).resolve()
+    ):
+        remedy = "rename the file, or start Python anew"
+        raise InputError(f"another module {top} is loaded already, from {loaded}", value=module, remedy=remedy)
+    sys.path.insert(0, place)
+    try:
+        yield
+    finally:
+        sys.path.remove(place)

@@ -49,7 +49,8 @@ def draw_results(
         if columns is not None:
             if "metrics" in wanted:
                 blocks += scatter(_strongest(columns, parameters, notes))
-                notes.append(_about_dots(columns))
+                some = f"{DOTS} runs, evenly spaced among all, are drawn."
+                notes.append(some if columns.runs > DOTS else "Every dot is a run.")
             if "sensitivities" in wanted and columns.sensitivities:
                 blocks += tornado(columns)
                 notes.append(
@@ -57,10 +58,8 @@ def draw_results(
                     "parameter to that over the fifth with the highest, minus its mean over all runs; r is next to it."
                 )
             if columns.sensitivities:
-                notes.append(
-                    "r is Spearman's rank correlation, by chance alone "
-                    f"below {columns.chance:.2g} in 95 of 100 studies."
-                )
+                chance = f"below {columns.chance:.2g} in 95 of 100 studies"
+                notes.append(f"r is Spearman's rank correlation, by chance alone {chance}.")
     if not blocks:
         problem = f"there is nothing to draw of {', '.join(wanted)}"
         raise InputError(problem, file=results.path, key="views", remedy=" ".join(notes))
@@ -68,12 +67,7 @@ def draw_results(
 
 
 def _columns(
-    results: Results,
-    metrics: Sequence[str] | None,
-    parameters: Sequence[str] | None,
-    notes: list[str],
-    *,
-    chosen: bool,
+    results: Results, metrics: Sequence[str] | None, parameters: Sequence[str] | None, notes: list[str], *, chosen: bool
 ) -> MetricColumns | None:
     """The metrics and parameters to be drawn; None if there are none."""
     measured, varied = results.metrics, results.parameters
@@ -97,9 +91,8 @@ def _strongest(columns: MetricColumns, chosen: Sequence[str] | None, notes: list
     """The parameters that fit side by side, unless the user chose them."""
     if chosen is not None or len(columns.parameters) <= MOST_PARAMETERS:
         return columns
-    notes.append(
-        f"Metrics over the {MOST_PARAMETERS} of {len(columns.parameters)} parameters with the largest influence."
-    )
+    some = f"{MOST_PARAMETERS} of {len(columns.parameters)} parameters"
+    notes.append(f"Metrics over the {some} with the largest influence.")
     return columns.only(columns.strongest(MOST_PARAMETERS))
 
 
@@ -107,10 +100,6 @@ def _counted(results: Results) -> str:
     count, failed = len(results.status), len(results.failed)
     done = f"{count} run{'s' if count != 1 else ''}, {count - results.pending} done"
     return f"{done}, {failed} of them failed." if failed else f"{done}."
-
-
-def _about_dots(columns: MetricColumns) -> str:
-    return f"{DOTS} runs, evenly spaced among all, are drawn." if columns.runs > DOTS else "Every dot is a run."
 
 
 def _known(key: str, given: Iterable[str], known: Collection[str]) -> None:

@@ -41,10 +41,8 @@ class Changes:
         if self.joints:
             changes["joints"] = self.joints
         if self.effects:
-            changes["effects"] = [
-                effect.replace(**self.effects[i]) if i in self.effects else effect
-                for i, effect in enumerate(base.effects)
-            ]
+            own = self.effects
+            changes["effects"] = [each.replace(**own[i]) if i in own else each for i, each in enumerate(base.effects)]
         if self.initial:
             changes["initial"] = self.initial_of(base)
         if self.gravity:
@@ -52,9 +50,8 @@ class Changes:
         if self.lock:
             robot = base.robot
             lock = {**robot.lock, **self.lock}
-            changes["robot"] = load_robot(
-                str(robot.source), package_dirs=robot.package_dirs, lock=lock, name=robot.name
-            )
+            source, folders = str(robot.source), robot.package_dirs
+            changes["robot"] = load_robot(source, package_dirs=folders, lock=lock, name=robot.name)
         return base.replace(**changes) if changes else base
 
     def initial_of(self, base: FlexibleJointModel) -> dict[str, dict[str, Any]]:
@@ -113,10 +110,10 @@ def places(model: FlexibleJointModel, command: Any) -> dict[str, NumberPlace]:
         command: a recording, `PD` or None.
     """
     kinds = dict(zip(model.joint_names, model.robot.kinds, strict=True))
-    groups = [("*", tuple(kinds)), *((joint, (joint,)) for joint in kinds)]
+    groups = [("*", tuple(kinds), set(kinds.values()) == {"prismatic"})]
+    groups += [(joint, (joint,), kind == "prismatic") for joint, kind in kinds.items()]
     found: dict[str, NumberPlace] = {}
-    for name, joints in groups:
-        slides = all(kinds[joint] == "prismatic" for joint in joints)
+    for name, joints, slides in groups:
         for number, unit in JOINT_UNITS.items():
             found[f"joints.{name}.{number}"] = NumberPlace(_joint_unit(unit, slides), "joints", joints, (number,))
         for signal, unit in FIRST_UNITS.items():
@@ -129,20 +126,17 @@ def places(model: FlexibleJointModel, command: Any) -> dict[str, NumberPlace]:
         found[f"robot.gravity[{i}]"] = NumberPlace("m/s^2", "gravity", (i,))
     for joint in model.robot.lock:
         found[f"robot.lock.{joint}"] = NumberPlace("rad or m", "lock", (joint,))
-    return found | _command_places(command, groups, kinds)
+    return found | _command_places(command, groups)
 
 
-def _command_places(
-    command: Any, groups: list[tuple[str, tuple[str, ...]]], kinds: Mapping[str, str]
-) -> dict[str, NumberPlace]:
+def _command_places(command: Any, groups: list[tuple[str, tuple[str, ...], bool]]) -> dict[str, NumberPlace]:
     if isinstance(command, Recording):
         return {"command.scale": NumberPlace("1", "scale")}
     if not isinstance(command, PD):
         return {}
     found = {"command.pd.rate": NumberPlace("Hz", "rate")}
     for gain, unit in GAIN_UNITS.items():
-        for name, joints in groups:
-            slides = all(kinds[joint] == "prismatic" for joint in joints)
+        for name, joints, slides in groups:
             path = f"command.pd.{gain}" if name == "*" else f"command.pd.{gain}.{name}"
             found[path] = NumberPlace(_joint_unit(unit, slides), "gains", (gain,), joints)
     return found

@@ -246,6 +246,5 @@ class Results(Public):
 
     def _damaged(self, what: str, error: Exception) -> InputError:
         problem = f"{what} cannot be read ({' '.join(str(error).split())[:120]})"
-        return InputError(
-            problem, file=self.path, remedy="run the study again with --resume: it redoes what is damaged"
-        )
+        remedy = "run the study again with --resume: it redoes what is damaged"
+        return InputError(problem, file=self.path, remedy=remedy)

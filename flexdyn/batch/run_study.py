@@ -67,7 +67,7 @@ def run_study(
             if not is_new:
                 store.mend()
                 chunks = list(store.missing())
-            _work(executor, whole, store, chunks, progress or _nothing)
+            _work(executor, whole, store, chunks, progress or (lambda _: None))
     return Results(path, whole)
 
 
@@ -80,10 +80,6 @@ def _work(
     for done in executor.run(Task(study.to_text(), os.path.abspath(store.path)), chunks):
         tell(meter.add(done.runs, done.failed))
     store.sweep()  # left by a worker that was killed while another one did its chunk
-
-
-def _nothing(_: Progress) -> None:
-    """Ignore the progress."""
 
 
 def _study(study: Any) -> Study:

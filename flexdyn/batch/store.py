@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.batch.cases import cases_of
-from flexdyn.batch.layout import StoreArray, layouts
-from flexdyn.batch.metadata import FILE, array_metadata, encoded, group_metadata
+from flexdyn.batch.layout import FILE, StoreArray, array_metadata, encoded, group_metadata, layouts
 from flexdyn.batch.pieces import is_whole, write_piece
 from flexdyn.batch.study import Study
 from flexdyn.errors import InputError, check_installed

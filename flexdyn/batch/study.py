@@ -13,9 +13,10 @@ from flexdyn.errors import shown, visible
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.io.yaml import dump_yaml, parse_yaml
 
-PLACES = ("name", "folder", "model.robot.urdf", "model.robot.package_dirs")
+_OF_COMMAND = ("command", "command.pd.reference", "command.pd.feedforward")
+PLACES = ("name", "folder", "model.robot.urdf", "model.robot.package_dirs", *_OF_COMMAND)
 """Entries that are paths (an unnamed model has the name of its folder): a study that was moved is the same study if the
-content of its files is the same."""
+content of its files is the same, which is compared under ``files``."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -58,9 +59,8 @@ class Study(Public):
 
     def __repr__(self) -> str:
         """What it makes, in a line."""
-        return visible(
-            f"<Study of {self.name}: {self.count} runs of {self.duration:g} s, {len(self.vary)} numbers vary>"
-        )
+        runs = f"{self.count} runs of {self.duration:g} s"
+        return visible(f"<Study of {self.name}: {runs}, {len(self.vary)} numbers vary>")
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: how many runs, and how each number varies."""
@@ -127,18 +127,13 @@ class Study(Public):
         """
         mine, its = (dict(_entries(study.to_dict())) for study in (self, other))
         for key in [*mine, *(key for key in its if key not in mine)]:
-            if mine.get(key) == its.get(key) or _is_place(key):
+            if mine.get(key) == its.get(key) or key in PLACES:
                 continue
             if key.startswith("files."):
                 return f"what the file of {key.removeprefix('files.')} holds has changed"
             here, there = (shown(side[key]) if key in side else "not given" for side in (mine, its))
             return f"{key} is {here} here and {there} there"
         return None
-
-
-def _is_place(key: str) -> bool:
-    """Whether an entry is the path of a file; the content of the file is compared under ``files``."""
-    return key in PLACES or key == "command" or key in ("command.pd.reference", "command.pd.feedforward")
 
 
 def _entries(content: Any, key: str = "") -> Iterator[tuple[str, Any]]:

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.batch.cases import Cases, keep, load_command
-from flexdyn.batch.digests import digests
 from flexdyn.batch.distributions import Distribution, Grid, distribution
-from flexdyn.batch.rehearsal import rehearse
+from flexdyn.batch.rehearsal import digests, rehearse
 from flexdyn.batch.study import Study
 from flexdyn.checks import check_known, number, whole
 from flexdyn.control.commands import checked_rate

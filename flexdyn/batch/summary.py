@@ -1,4 +1,4 @@
-"""A study's results in numbers: failures with reasons, every metric, and the influence of each parameter."""
+"""A study's results in numbers: failures with reasons, every metric, and its dependence on each drawn number."""
 
 from __future__ import annotations
 
@@ -9,12 +9,58 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.batch.sensitivity import Sensitivity, sensitivity
 from flexdyn.checks import Array
 
+FIFTH = 0.2
 SUMMARY_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 """Quantiles of metrics."""
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d*)?([eE][-+]?\d+)?(?!\w)")
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """The influence of a parameter on a metric, over all runs that have the metric.
+
+    Attributes:
+        rank_correlation: Spearman's: 1 if the metric always rises with the parameter, -1 if it always falls; by chance
+            alone it is below `chance` in 95 of 100 studies.
+        chance: 1.96 / sqrt(runs - 1).
+        low: mean of the metric over the fifth of runs with the lowest parameter, minus the mean over all.
+        high: the same for the fifth with the highest.
+    """
+
+    rank_correlation: float
+    chance: float
+    low: float
+    high: float
+
+
+def sensitivity(parameter: Array, metric: Array) -> Sensitivity | None:
+    """Compute the influence of a parameter on a metric.
+
+    Args:
+        parameter: by run (runs,).
+        metric: by run (runs,); NaN if a run has none.
+
+    Returns:
+        The influence; None if there are fewer than three runs, or if one of the two never varies.
+    """
+    there = np.isfinite(parameter) & np.isfinite(metric)
+    x, y = parameter[there], metric[there]
+    if len(x) < 3 or x.min() == x.max() or y.min() == y.max():
+        return None
+    correlation = float(np.corrcoef(ranks(x), ranks(y))[0, 1])
+    mean = float(y.mean())
+    ends = np.quantile(x, [FIFTH, 1.0 - FIFTH])
+    low, high = float(y[x <= ends[0]].mean()) - mean, float(y[x >= ends[1]].mean()) - mean
+    return Sensitivity(correlation, 1.96 / float(np.sqrt(len(x) - 1)), low, high)
+
+
+def ranks(values: Array) -> Array:
+    """Ranks of values, from 0; equal values have the mean of their ranks."""
+    from scipy.stats import rankdata  # here, as `import flexdyn` loads no scipy
+
+    return np.asarray(rankdata(values) - 1.0)
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ class Samples:
         if isinstance(values, Mapping):
             joints = tuple(str(joint) for joint in values)
             values = _side_by_side(values)
-        times, table = _numbers("t", t), _numbers("values", values)
+        times, table = as_numbers("t", t), as_numbers("values", values)
         table = table[:, None] if table.ndim == 1 else table
         if times.ndim != 1 or len(times) < 2 or table.ndim != 2 or len(table) != len(times):
             shapes = f"t {times.shape}, values {table.shape}"
@@ -91,8 +91,7 @@ class Samples:
         place = {"key": "samples.values", "remedy": f"the joints are {', '.join(joint_names)}"}
         if self.joints is None:
             if self.values.shape[1] != len(joint_names):
-                problem = f"{len(joint_names)} columns are needed"
-                raise InputError(problem, value=self.values.shape[1], **place)
+                raise InputError(f"{len(joint_names)} columns are needed", value=self.values.shape[1], **place)
             return self.values
         out = np.zeros((len(self.t), len(joint_names)))
         for k, joint in enumerate(self.joints):
@@ -239,7 +238,7 @@ class FrameWrench:
         if isinstance(self.samples, Samples):
             width = self.samples.values.shape[1]
         else:
-            constant = _numbers("external.samples", self.samples)
+            constant = as_numbers("external.samples", self.samples)
             if not np.isfinite(constant).all():
                 raise InputError("finite numbers are needed", key="external.samples", value=constant)
             constant.setflags(write=False)
@@ -297,7 +296,7 @@ def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:
             if joint not in value:
                 raise InputError("a joint is missing", key=f"{key}.{joint}", remedy="give it a number, 0 for none")
         value = [value[joint] for joint in joint_names]
-    array = _numbers(key, value)
+    array = as_numbers(key, value)
     if array.ndim > 1 or (array.ndim == 1 and len(array) != n):
         raise InputError(f"one number, or one for each of the {n} joints, is needed", key=key, value=array.shape)
     if not np.isfinite(array).all():
@@ -305,15 +304,8 @@ def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:
     return np.array(np.broadcast_to(array, (n,)))
 
 
-def _numbers(key: str, value: Any) -> Array:
-    try:
-        return as_numbers(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError("numbers are needed", key=key, value=value) from None
-
-
 def _side_by_side(columns: Mapping[str, ArrayLike]) -> Array:
-    arrays = [_numbers(f"values.{joint}", column) for joint, column in columns.items()]
+    arrays = [as_numbers(f"values.{joint}", column) for joint, column in columns.items()]
     if len({array.shape for array in arrays}) != 1 or arrays[0].ndim != 1:
         shapes = {joint: array.shape for joint, array in zip(columns, arrays, strict=True)}
         raise InputError("one column (samples,) a joint is needed, all of one length", key="values", value=shapes)

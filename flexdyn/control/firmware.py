@@ -53,8 +53,7 @@ class Firmware:
         for field in fields(self):
             name, value, infinite = field.name, getattr(self, field.name), field.name == "pwm_limit"
             if name in ("counts_per_turn", "full_pwm", "pwm_limit", "rate"):
-                problem = "a finite number above 0 is needed"
-                checked = number(name, value, problem, above=0.0, infinite=infinite)
+                checked = number(name, value, "a finite number above 0 is needed", above=0.0, infinite=infinite)
             else:
                 checked = number(name, value, "a finite number of at least 0 is needed", least=0.0)
             object.__setattr__(self, name, checked)

@@ -12,22 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.checks import Array
-from flexdyn.effects import (
-    CoulombFriction,
-    Effect,
-    JointElasticity,
-    ParameterError,
-    ViscousFriction,
-)
+from flexdyn.effects import CoulombFriction, Effect, JointElasticity, ParameterError, ViscousFriction
 from flexdyn.effects.motor import MotorLaw
 from flexdyn.errors import InputError, visible
 from flexdyn.io.locked import lock, plain
 from flexdyn.io.notebook import Public, card, table
-from flexdyn.model.effect_checks import fitted
 from flexdyn.model.given_number import GivenNumber, link_inertias, links_entry, refusal, robot_with_links, unknown_links
 from flexdyn.model.joint import Joint, resolve_joints
 from flexdyn.model.resolved_parameters import folded
-from flexdyn.model.setting_checks import command_checked, gravity_checked, initial_checked, one_of, tolerance_checked
+from flexdyn.model.setting_checks import (
+    command_checked,
+    fitted,
+    gravity_checked,
+    initial_checked,
+    one_of,
+    tolerance_checked,
+)
 from flexdyn.robot import Robot
 
 EARTH = (0.0, 0.0, -9.81)
@@ -93,9 +93,8 @@ class FlexibleJointModel(Public):
             raise InputError("a Robot is needed", key="robot", value=robot, remedy="use fd.load_robot(...)")
         self.robot = robot
         self.name = name or robot.name
-        self.joints: Mapping[str, Joint] = MappingProxyType(
-            resolve_joints({} if joints is None else joints, robot.joint_names)
-        )
+        drives = resolve_joints({} if joints is None else joints, robot.joint_names)
+        self.joints: Mapping[str, Joint] = MappingProxyType(drives)
         self.urdf_dynamics = one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
         self.rotor_coupling = one_of("robot.rotor_coupling", rotor_coupling, ("reduced", "full"))
         if robot.axes and rotor_coupling == "full":
@@ -141,10 +140,8 @@ class FlexibleJointModel(Public):
 
     def __repr__(self) -> str:
         """A summary in one line."""
-        elastic = int(self.elastic.sum())
-        return visible(
-            f"<FlexibleJointModel {self.name}: {self.n} joints, {elastic} elastic, {len(self.all_effects)} effects>"
-        )
+        numbers = f"{self.n} joints, {int(self.elastic.sum())} elastic, {len(self.all_effects)} effects"
+        return visible(f"<FlexibleJointModel {self.name}: {numbers}>")
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: drives and effects."""
@@ -256,11 +253,7 @@ class FlexibleJointModel(Public):
     def rigid(self) -> FlexibleJointModel:
         """The same arm without elasticity: every joint rigid, J added to M, no effects that need a spring."""
         true = self.resolved()
-        kept = [
-            effect
-            for effect in true.effects
-            if getattr(effect, "side", None) != "transmission" and not effect.takes_load
-        ]
+        kept = [each for each in true.effects if getattr(each, "side", None) != "transmission" and not each.takes_load]
         links = {signal: values for signal, values in self.initial.items() if signal in ("q", "v")}
         return true.replace(joints={"*": {"stiffness": math.inf}}, effects=kept, initial=links)
 

@@ -84,7 +84,6 @@ def refusal(key: str, unit: str) -> InputError:
 
 
 INERTIA = "inertia"
-UNIT = "kg m^2"
 Links = Mapping[str, GivenNumber]
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from flexdyn.checks import check_known
+from flexdyn.checks import check_known, number
 from flexdyn.errors import InputError, placed
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.given_number import UNKNOWN, GivenNumber, given_number
@@ -57,9 +57,7 @@ class Joint:
             remedy = "use .inf for a rigid joint"
             raise InputError("it must be above 0", key="stiffness", value=self.stiffness, remedy=remedy)
         for name in ("rotor_inertia", "damping"):
-            value = getattr(self, name)
-            if value < 0 or math.isinf(value):
-                raise InputError("it must be finite and at least 0", key=name, value=value)
+            number(name, getattr(self, name), "it must be finite and at least 0", least=0.0)
         if self.elastic and self.rotor_inertia == 0 and not self.given("rotor_inertia").is_unknown:
             remedy = "give the rotor's inertia in kg m^2 on the motor side, or stiffness .inf for a rigid joint"
             raise InputError("an elastic joint needs it above 0", key="rotor_inertia", remedy=remedy)

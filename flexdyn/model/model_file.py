@@ -1,4 +1,7 @@
-"""model.yaml <-> FlexibleJointModel, validated: every mistake is one line that names file, key and remedy."""
+"""model.yaml <-> FlexibleJointModel, validated: every mistake is one line that names file, key and remedy.
+
+A saved run has the text of such a file in its meta data.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,11 @@ from typing import Any
 from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.io.files import exists, is_file, write_text
 from flexdyn.io.locked import thawed
-from flexdyn.io.yaml import check_format, check_keys, dump_yaml, read_yaml
+from flexdyn.io.yaml import check_format, check_keys, dump_yaml, parse_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import links_entry
 from flexdyn.model.setting_checks import check_tolerance_paths
+from flexdyn.records import Recording
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.axes import plain_axes
 from flexdyn.robot.names import shipped_dir
@@ -22,6 +26,8 @@ MODEL_FORMAT = 1
 ROBOT_SUFFIXES = (".urdf", ".xml", ".xacro")
 TOP_KEYS = ("robot", "joints", "links", "initial", "tolerance", "effects", "command")
 ROBOT_KEYS = ("urdf", "package_dirs", "gravity", "lock", "axes", "urdf_dynamics", "rotor_coupling")
+NAME_IT = "name it: model=..., on the command line --model MODEL"
+"""The remedy if a recording does not say which arm it belongs to."""
 
 
 def shipped_models() -> tuple[str, ...]:
@@ -153,9 +159,8 @@ def _find(path: Any) -> Path:
         raise InputError("it is not a file", file=str(path), remedy="give the path of a model.yaml")
     if file.suffix.lower() in (".yaml", ".yml") or len(file.parts) > 1:
         raise InputError("there is no such file", file=str(path))
-    raise InputError(
-        "no such model file or shipped model", key=str(path), remedy=did_you_mean(str(path), shipped_models())
-    )
+    remedy = did_you_mean(str(path), shipped_models())
+    raise InputError("no such model file or shipped model", key=str(path), remedy=remedy)
 
 
 def _is_robot(name: str) -> bool:
@@ -173,15 +178,10 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
     urdf = entry["urdf"]
     if not isinstance(urdf, str) or not urdf:
         raise InputError("the path or name of a URDF is needed", key="robot.urdf", value=urdf)
-    source: str | Path = folder / urdf
-    if not is_file(source):
-        is_path = "/" in urdf or urdf.lower().endswith((".urdf", ".xml", ".xacro"))
-        if is_path:
-            remedy = f"it is looked for in {folder}"
-            raise InputError("there is no such file", key="robot.urdf", value=urdf, remedy=remedy)
-        source = urdf
-    else:
-        source = Path(source).resolve()  # one name for each file, so that models of it compare equal
+    file = folder / urdf
+    if not is_file(file) and ("/" in urdf or urdf.lower().endswith(ROBOT_SUFFIXES)):
+        raise InputError("there is no such file", key="robot.urdf", value=urdf, remedy=f"it is looked for in {folder}")
+    source = file.resolve() if is_file(file) else urdf  # one name for each file, so that models of it compare equal
     package_dirs = [folder / str(directory) for directory in entry.get("package_dirs") or []]
     for i, directory in enumerate(package_dirs):
         if not exists(directory):
@@ -191,10 +191,10 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
         ignored = entry.get("urdf_dynamics") == "ignore"
         return robot if entry.get("axes") is None else robot.with_axes(entry["axes"], ignore_dynamics=ignored)
     except InputError as error:
-        if str(error.key).startswith("robot.axes"):
+        if error.file or str(error.key).startswith("robot.axes"):
             raise
-        if error.file or error.key == "robot":
-            raise (error if error.file else InputError(error.problem, **error.data | {"key": "robot.urdf"})) from None
+        if error.key == "robot":
+            raise InputError(error.problem, **error.data | {"key": "robot.urdf"}) from None
         raise error.at(key="robot") from None
 
 
@@ -213,3 +213,21 @@ def _path(path: Path, folder: Path | None) -> str:
         return Path(os.path.relpath(absolute, folder.resolve())).as_posix()
     except ValueError:  # another drive
         return absolute.as_posix()
+
+
+def model_in(recording: Recording) -> FlexibleJointModel | None:
+    """The model in the meta data of a run's recording; None if there is none.
+
+    Raises:
+        InputError: the text is no model, or its URDF does not exist any more.
+    """
+    text = recording.meta.get("model")
+    if text is None:
+        return None
+    try:
+        if not isinstance(text, str):
+            raise InputError("the text of a model file is needed", value=text)
+        return model_from_dict(parse_yaml(text), Path.cwd(), name=recording.name)
+    except InputError as error:
+        problem = f"the model that the recording holds cannot be read: {error.problem}"
+        raise InputError(problem, **{**error.data, "remedy": NAME_IT}) from None

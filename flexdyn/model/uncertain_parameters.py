@@ -12,10 +12,9 @@ from flexdyn.effects import Effect, JointCoupling, JointElasticity, ParameterErr
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import GivenNumber, robot_with_links
+from flexdyn.model.resolved_parameters import OF_LINK, OF_MOTOR
 
 OF_JOINT = ("rotor_inertia", "stiffness", "damping")
-OF_MOTOR = ("torque_constant", "resistance")
-OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 DEFAULT_TOLERANCE = 0.05
 UNKNOWN_TOLERANCE = 10.0
 """From this relative tolerance on a number counts as unknown [1]."""

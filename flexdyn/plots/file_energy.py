@@ -10,7 +10,7 @@ from flexdyn.arrays import Array
 from flexdyn.effects import SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.recorded_model import model_in
+from flexdyn.model.model_file import model_in
 from flexdyn.records import Recording
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.plant import LinkSide, build_plant

@@ -20,7 +20,7 @@ from flexdyn.errors import InputError, needed
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.recording import Recording
 from flexdyn.records.table import Table, as_floats
-from flexdyn.records.units import PRISMATIC, SIGNALS
+from flexdyn.records.units import SIGNALS, signal_unit
 
 LONG_NAMES = {
     "t": "time",
@@ -116,14 +116,9 @@ def _stacks(rec: Recording, signal: str, prismatic: Any) -> bool:
     if signal in rec or "joint" in rec or "joint_type" in rec:
         return False
     return all(
-        rec.has(signal, joint) and rec.unit(f"{signal}.{joint}") == _unit(signal, slides)
+        rec.has(signal, joint) and rec.unit(f"{signal}.{joint}") == signal_unit(signal, prismatic=slides)
         for joint, slides in zip(rec.joints, prismatic, strict=True)
     )
-
-
-def _unit(signal: str, prismatic: bool) -> str:
-    unit = SIGNALS[signal]
-    return PRISMATIC.get(unit, unit) if prismatic else unit
 
 
 def _attributes(unit: str, signal: str) -> dict[str, str]:
@@ -147,7 +142,7 @@ def _channels(dataset: Any) -> Iterator[tuple[str, Array, str]]:
         for column, label in enumerate(dataset.coords[labelled[0]].values):
             name = f"{variable}.{label}"
             mixed = variable in SIGNALS and " or " in unit
-            known = _unit(str(variable), str(label) in sliding) if mixed else unit
+            known = signal_unit(str(variable), prismatic=str(label) in sliding) if mixed else unit
             yield name, _numbers(values[:, column], name), known
 
 

@@ -22,7 +22,7 @@ from flexdyn.records.hdf5 import file as hdf5_file
 from flexdyn.records.matlab import file as mat_file
 from flexdyn.records.notices import RecordingWarning
 from flexdyn.records.recording import Recording
-from flexdyn.records.repairs import Repair, repaired, repairs_of
+from flexdyn.records.repairs import repaired, repairs_of
 from flexdyn.records.request import Request
 from flexdyn.records.ros import read as read_bag
 from flexdyn.records.ros import write as write_bag
@@ -35,26 +35,25 @@ from flexdyn.records.table import Table
 class Format:
     """One file format: ``read`` gives the raw table, ``write`` makes a file; libraries are imported inside them."""
 
-    name: str
     read: Callable[[Path, Request], Table]
     write: Callable[[Recording, Path], None]
 
 
-_CSV = Format("CSV", csv_file.read, csv_file.write)
-_HDF5 = Format("HDF5", hdf5_file.read, hdf5_file.write)
+_CSV = Format(csv_file.read, csv_file.write)
+_HDF5 = Format(hdf5_file.read, hdf5_file.write)
 
 FORMATS: Mapping[str, Format] = {
     ".csv": _CSV,
-    ".npz": Format("NPZ", npz_file.read, npz_file.write),
+    ".npz": Format(npz_file.read, npz_file.write),
     ".h5": _HDF5,
     ".hdf5": _HDF5,
-    ".parquet": Format("Parquet", parquet_file.read, parquet_file.write),
-    ".mat": Format("MAT", mat_file.read, mat_file.write),
+    ".parquet": Format(parquet_file.read, parquet_file.write),
+    ".mat": Format(mat_file.read, mat_file.write),
     ".txt": _CSV,
-    ".bag": Format("ROS 1 bag", read_bag, partial(write_bag, suffix=".bag")),
-    ".mcap": Format("MCAP", read_bag, partial(write_bag, suffix=".mcap")),
-    ".db3": Format("ROS 2 bag", read_bag, partial(write_bag, suffix=".db3")),
-    ".tsv": Format("TSV", csv_file.read, partial(csv_file.write, delimiter="\t")),
+    ".bag": Format(read_bag, partial(write_bag, suffix=".bag")),
+    ".mcap": Format(read_bag, partial(write_bag, suffix=".mcap")),
+    ".db3": Format(read_bag, partial(write_bag, suffix=".db3")),
+    ".tsv": Format(csv_file.read, partial(csv_file.write, delimiter="\t")),
 }
 
 SUFFIXES: tuple[str, ...] = tuple(FORMATS)
@@ -130,7 +129,9 @@ def read_recording(
                 raise InputError(problem, remedy="give the path of a recording")
             if path.stat().st_size > MOST_FILE:
                 raise InputError(f"the file is larger than {MOST_FILE} bytes", remedy="split the recording")
-            table = _table(fmt, path, channel_map, asked, progress)
+            request = Request(progress=progress) if channel_map is None else channel_map.request(progress)
+            table = fmt.read(path, request)
+            table = repaired(table, asked) if channel_map is None else apply_map(table, channel_map, asked)
             if table.said:
                 table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
             made = Recording.from_table(table, path.stem if name is None else name)
@@ -182,22 +183,6 @@ def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
     fmt = _format_of(path)
     with placed(file=path), replacing(path) as fresh:
         fmt.write(rec, fresh)
-
-
-def _table(
-    fmt: Format,
-    path: Path,
-    channel_map: ChannelMap | None,
-    repairs: tuple[Repair, ...],
-    progress: Callable[[float], None] | None,
-) -> Table:
-    if channel_map is None:
-        return repaired(fmt.read(path, Request(progress=progress)), repairs)
-    raw = fmt.read(path, channel_map.request(progress))
-    said = raw.said
-    made = apply_map(raw, channel_map, repairs)
-    made.said = [*said, *made.said]
-    return made
 
 
 def _is_bag_folder(path: Path) -> bool:

@@ -1,4 +1,4 @@
-"""Meta data of a recording: plain JSON, read-only."""
+"""Meta data of a recording: plain JSON, read-only; and the units that a file states, which it keeps."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import numpy as np
 
 from flexdyn.errors import InputError
 from flexdyn.io.locked import frozen
+from flexdyn.records.table import Table
+from flexdyn.records.units import UNITLESS, check_unit, unit_of, usual
 
 _LONGEST_META = 16 * 2**20
 
@@ -32,9 +34,9 @@ def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
     try:
         locked_meta: Mapping[str, Any] = frozen(as_plain(meta or {}))
         return locked_meta
+    except InputError:
+        raise
     except (TypeError, ValueError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
         remedy = "give strings, finite numbers, lists and mappings"
         raise InputError(f"meta cannot be written as JSON ({error})", key="meta", remedy=remedy) from None
 
@@ -74,3 +76,25 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(f"{type(value).__name__} is not JSON")
+
+
+def settle_units(table: Table) -> None:
+    """Keep in meta the units that the channels' names do not determine.
+
+    Args:
+        table: whose ``units`` are removed; a channel map, if there is one, has used them before.
+
+    Raises:
+        InputError: a unit is not SI, so that the numbers would be misread.
+    """
+    for name, stated in table.units.items():
+        if stated is None:
+            problem = "the file states the unit in a way that is not read"
+            raise InputError(problem, remedy="state it in a channel map", channel=name)
+        unit, units = usual(stated), table.meta.get("units", {})
+        if unit in UNITLESS:
+            continue
+        check_unit(name, unit)
+        if isinstance(units, dict) and unit != unit_of(name, units if isinstance(units.get(name, ""), str) else None):
+            table.meta["units"] = {**units, name: unit}
+    table.units = {}

@@ -96,9 +96,8 @@ def _array(stream: IO[bytes], size: int, name: str, parts: list[RequestedColumn]
         part.check(dtype, shape)
     expected = int(np.prod(shape, dtype=object)) * dtype.itemsize
     if expected != size - stream.tell():
-        raise InputError(
-            f"{size - stream.tell()} bytes where the shape {shape} needs {expected}", key=name, channel=name
-        )
+        problem = f"{size - stream.tell()} bytes where the shape {shape} needs {expected}"
+        raise InputError(problem, key=name, channel=name)
     array = np.empty(shape, dtype, order="F" if by_columns else "C")
     buffer = array.reshape(-1, order="A").view(np.uint8).data
     filled = 0

@@ -17,14 +17,7 @@ from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
-from flexdyn.records.table import (
-    RESERVED,
-    Table,
-    as_floats,
-    check_name,
-    check_time_named,
-    damage_named,
-)
+from flexdyn.records.table import RESERVED, Table, as_floats, check_name, check_time_named, damage_named
 
 _ROWS_AT_ONCE = 2**20
 _PANDAS_LABELS = "__index_level_"

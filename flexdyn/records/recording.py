@@ -13,13 +13,12 @@ import numpy.typing as npt
 from flexdyn.checks import Array, check_known
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.io.notebook import Public, card, table
-from flexdyn.records.meta import as_plain, locked
+from flexdyn.records.meta import as_plain, locked, settle_units
 from flexdyn.records.signals import cut, derivatives
 from flexdyn.records.signals.beside import beside
 from flexdyn.records.signals.decimate import decimated
 from flexdyn.records.signals.gaps import gaps_of
 from flexdyn.records.signals.resample import resampled
-from flexdyn.records.stated_units import settle_units
 from flexdyn.records.table import Rows, Table, checked
 from flexdyn.records.units import check_unit, split_name, unit_of
 

@@ -217,13 +217,9 @@ def check_finite(values: Array, channel: str, rows: Rows) -> None:
     finite = np.isfinite(values)
     if not finite.all():
         index = int(np.argmin(finite))
-        raise rows.error(
-            "not a finite number",
-            index=index,
-            channel=channel,
-            value=float(values[index]),
-            remedy="remove or fill the gap (repair drop_nan or fill_nan); an empty cell counts as nan",
-        )
+        value, problem = float(values[index]), "not a finite number"
+        remedy = "remove or fill the gap (repair drop_nan or fill_nan); an empty cell counts as nan"
+        raise rows.error(problem, index=index, channel=channel, value=value, remedy=remedy)
 
 
 def check_time(t: Array, rows: Rows) -> None:

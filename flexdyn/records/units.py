@@ -49,6 +49,12 @@ def split_name(channel: str) -> tuple[str, str] | None:
     return (signal, joint) if dot and signal in SIGNALS else None
 
 
+def signal_unit(signal: str, *, prismatic: bool) -> str:
+    """SI unit of a signal at a revolute or prismatic joint."""
+    unit = SIGNALS[signal]
+    return PRISMATIC.get(unit, unit) if prismatic else unit
+
+
 def is_held(channel: str) -> bool:
     """Whether the signal of a channel is held from each sample to the next."""
     return channel.partition(".")[0] in HELD and "." in channel
@@ -94,10 +100,5 @@ def check_unit(channel: str, unit: str) -> None:
     known = unit_of(channel)
     allowed = [known] + ([PRISMATIC[known]] if known in PRISMATIC else [])
     if known and usual(unit) not in allowed:
-        raise InputError(
-            "the unit is not SI",
-            key=channel,
-            value=unit,
-            remedy=f"convert it to {' or '.join(allowed)}, or read it with a channel map",
-            channel=channel,
-        )
+        remedy = f"convert it to {' or '.join(allowed)}, or read it with a channel map"
+        raise InputError("the unit is not SI", key=channel, value=unit, remedy=remedy, channel=channel)

@@ -83,9 +83,8 @@ def joint_row(robot: Robot, joint: str) -> NDArray[np.float64] | None:
     if joint in robot.joint_names or joint not in replaced:
         return None
     row = np.zeros(robot.n)
-    row[[robot.joint_index(axis) for axis in robot.axes]] = np.linalg.inv(_matrix(robot.axes, replaced))[
-        replaced.index(joint)
-    ]
+    inverse = np.linalg.inv(_matrix(robot.axes, replaced))
+    row[[robot.joint_index(axis) for axis in robot.axes]] = inverse[replaced.index(joint)]
     row[np.abs(row) < np.finfo(float).eps * np.abs(row).max()] = 0.0
     return row
 

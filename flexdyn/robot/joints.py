@@ -53,14 +53,10 @@ def read_joint(element: Any) -> RobotJoint:
     kind = _kind(element, key)
     parent, child = (_end(element, key, end) for end in ("parent", "child"))
     xyz, rpy = pose_of(element, key)
-    lower, upper, velocity, effort = _limits(element, key, kind)
-    damping, friction = _dynamics(element, key)
+    limits, dynamics = _limits(element, key, kind), _dynamics(element, key)
     axis = _axis(element, key) if kind in MOVING else (1.0, 0.0, 0.0)
     mimic = _mimic(element, key) if kind in MOVING else None
-    return RobotJoint(
-        name, kind, parent, child, xyz, rpy, axis, lower, upper, velocity, effort, damping, friction, mimic,
-        element.sourceline,
-    )  # fmt: skip
+    return RobotJoint(name, kind, parent, child, xyz, rpy, axis, *limits, *dynamics, mimic, element.sourceline)
 
 
 def _kind(element: Any, key: str) -> str:

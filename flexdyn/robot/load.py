@@ -63,14 +63,9 @@ def load_robot(
         raise InputError("a YAML file is no robot", file=path, remedy=remedy)
     urdf = read_urdf(path)
     try:
-        robot = _assemble(
-            _model_of(urdf),
-            [joint.name for joint in urdf.joints if joint.kind == "fixed"],
-            lock,
-            name=name or known or urdf.name,
-            source=known or path,
-            dirs=folders,
-        )
+        fixed = [joint.name for joint in urdf.joints if joint.kind == "fixed"]
+        title = name or known or urdf.name
+        robot = _assemble(_model_of(urdf), fixed, lock, name=title, source=known or path, dirs=folders)
     except InputError as error:
         of_the_file = error.key is None or not error.key.startswith("lock")
         raise (error.at(file=path) if of_the_file else error) from None
@@ -93,10 +88,8 @@ def _model_of(urdf: Urdf) -> Normalised:
     try:
         model = pin.buildModelFromXML(text)
     except (ValueError, RuntimeError) as error:
-        raise InputError(
-            f"Pinocchio cannot read it: {_complaint(text) or _last_line(error)}",
-            remedy="check the links and joints that it names",
-        ) from None
+        fault, remedy = _complaint(text) or _last_line(error), "check the links and joints that it names"
+        raise InputError(f"Pinocchio cannot read it: {fault}", remedy=remedy) from None
     made = normalise(model)
     moving = {joint.name: joint for joint in urdf.joints if joint.kind in MOVING}
     ordered = [moving[joint] for joint in list(made.model.names)[1:]]

@@ -1,4 +1,4 @@
-"""The files of a URDF's meshes: package:// addresses are looked up on disk, without opening a mesh."""
+"""The files of a URDF's meshes: package:// addresses are looked up on disk; and all shapes as a pin.GeometryModel."""
 
 from __future__ import annotations
 
@@ -9,8 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from urllib.parse import unquote
 
+import numpy as np
+import pinocchio as pin
+
+from flexdyn.robot.joints import RobotJoint
 from flexdyn.robot.links import Link
 from flexdyn.robot.names import example_data_dir
+from flexdyn.robot.text import urdf_text
 
 MESH_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".ply", ".off", ".3ds", ".glb", ".gltf", ".fbx", ".x"})
 _SHAPES = ("box", "cylinder", "sphere")
@@ -53,12 +58,9 @@ def resolve_meshes(links: Sequence[Link], urdf: Path, package_dirs: Sequence[Pat
         shown.append(replace(link, visuals=tuple(kept)))
     if missing:
         total = sum(len(link.visuals) for link in links)
-        warnings.warn(
-            f"{urdf}: {len(missing)} of {total} shapes are left out of the picture, their mesh was not found;"
-            f" the first is {missing[0]!r}; name the folder of its package in package_dirs",
-            MeshWarning,
-            stacklevel=3,
-        )
+        text = f"{urdf}: {len(missing)} of {total} shapes are left out of the picture, their mesh was not found"
+        remedy = f"the first is {missing[0]!r}; name the folder of its package in package_dirs"
+        warnings.warn(f"{text}; {remedy}", MeshWarning, stacklevel=3)
     return tuple(shown)
 
 
@@ -130,3 +132,44 @@ def _existing(path: Path) -> Path | None:
     except OSError:
         return None
     return path if good else None
+
+
+def visual_model(model: pin.Model, links: Sequence[Link], joints: Sequence[RobotJoint]) -> pin.GeometryModel:
+    """Build the visual geometry on a normalised model.
+
+    Args:
+        model: the model, joints locked or not; a link is found by its frame.
+        links: links whose meshes are paths on disk.
+        joints: the joints between them.
+
+    Returns:
+        The geometry; meshes that cannot be read are left out with one MeshWarning.
+    """
+    if not links:
+        return pin.GeometryModel()
+    try:
+        return pin.buildGeomFromUrdfString(model, urdf_text(links, joints), pin.GeometryType.VISUAL)
+    except (ValueError, RuntimeError):
+        readable, unread = _readable(links)
+    if not unread:
+        raise RuntimeError("Pinocchio refused the shapes of the robot though every mesh can be read")
+    text = f"{len(unread)} meshes cannot be read and are left out of the picture; the first is {unread[0]!r}"
+    warnings.warn(text, MeshWarning, stacklevel=3)
+    return pin.buildGeomFromUrdfString(model, urdf_text(readable, joints), pin.GeometryType.VISUAL)
+
+
+def _readable(links: Sequence[Link]) -> tuple[list[Link], list[str]]:
+    loader = pin.coal.CachedMeshLoader()
+    kept, unread = [], []
+    for link in links:
+        good = []
+        for visual in link.visuals:
+            if visual.mesh:
+                try:
+                    loader.load(visual.mesh, np.array(visual.size))
+                except (ValueError, RuntimeError):
+                    unread.append(visual.mesh)
+                    continue
+            good.append(visual)
+        kept.append(replace(link, visuals=tuple(good)))
+    return kept, unread

@@ -51,9 +51,8 @@ def normalise(model: pin.Model) -> Normalised:
     new.name, new.gravity = model.name, pin.Motion(model.gravity)
     for index, motion in enumerate(motions, start=1):
         _check_body(model, index)
-        joint = new.addJoint(
-            model.parents[index], joint_model(motion), pin.SE3(model.jointPlacements[index]), model.names[index]
-        )
+        placement = pin.SE3(model.jointPlacements[index])
+        joint = new.addJoint(model.parents[index], joint_model(motion), placement, model.names[index])
         new.appendBodyToJoint(joint, model.inertias[index], pin.SE3.Identity())
     new.inertias[0] = model.inertias[0]
     for frame in list(model.frames)[1:]:
@@ -65,11 +64,8 @@ def normalise(model: pin.Model) -> Normalised:
     _copy_numbers(model, new, motions)
     names = list(model.names)[1:]
     named = list(zip(names, motions, strict=True))
-    return Normalised(
-        new,
-        frozenset(name for name, motion in named if motion.continuous),
-        {name: motion.mimic for name, motion in named if motion.mimic is not None},
-    )
+    continuous = frozenset(name for name, motion in named if motion.continuous)
+    return Normalised(new, continuous, {name: motion.mimic for name, motion in named if motion.mimic is not None})
 
 
 def _check_order(model: pin.Model) -> None:
@@ -104,31 +100,31 @@ def _check_body(model: pin.Model, index: int) -> None:
 
 def _copy_numbers(old: pin.Model, new: pin.Model, motions: list[JointMotion]) -> None:
     """Per-joint arrays; a mimic joint of Pinocchio has none of its own, and gets no limits and no friction."""
-    m = new.nv
-    lower, upper = np.full(m, -np.inf), np.full(m, np.inf)
-    velocity, effort = np.full(m, np.inf), np.full(m, np.inf)
-    zeros = {name: np.zeros(m) for name in ("armature", "damping", "rotorInertia")}
-    ratio = np.ones(m)
-    friction = np.zeros(m)
-    for j, motion in enumerate(motions):
-        if motion.mimic is not None:
-            continue
-        at_q, at_v = old.idx_qs[j + 1], old.idx_vs[j + 1]
-        if not motion.continuous:
-            lower[j], upper[j] = old.lowerPositionLimit[at_q], old.upperPositionLimit[at_q]
-        velocity[j], effort[j], ratio[j] = old.velocityLimit[at_v], old.effortLimit[at_v], old.rotorGearRatio[at_v]
-        for name, values in zeros.items():
-            values[j] = getattr(old, name)[at_v]
-        friction[j] = _friction(old, j + 1, at_v)
+    own = [j for j, motion in enumerate(motions) if motion.mimic is None]
+    at_q, at_v = ([index[j + 1] for j in own] for index in (old.idx_qs, old.idx_vs))
+
+    def column(values: np.ndarray, at: list[int], otherwise: float) -> np.ndarray:
+        found = np.full(new.nv, otherwise)
+        found[own] = values[at]
+        return found
+
+    lower, upper = column(old.lowerPositionLimit, at_q, -np.inf), column(old.upperPositionLimit, at_q, np.inf)
+    continuous = [motion.continuous for motion in motions]
+    lower[continuous], upper[continuous] = -np.inf, np.inf
+    velocity, effort = column(old.velocityLimit, at_v, np.inf), column(old.effortLimit, at_v, np.inf)
+    friction = np.zeros(new.nv)
+    for j, at in zip(own, at_v, strict=True):
+        friction[j] = _friction(old, j + 1, at)
     for limit in (lower, upper, velocity, effort):
         for j in np.flatnonzero(np.isnan(limit)).tolist():
             remedy = "give a number, or inf for no limit"
             raise InputError("a limit is not a number", key=f"joint '{old.names[j + 1]}'/limit", remedy=remedy)
         limit[np.abs(limit) > _UNLIMITED] *= np.inf
-    for name, values in zeros.items():
+    for name in ("armature", "damping", "rotorInertia"):
+        values = column(getattr(old, name), at_v, 0.0)
         _check_numbers(old, name, values)
         setattr(new, name, values)
-    new.rotorGearRatio = ratio
+    new.rotorGearRatio = column(old.rotorGearRatio, at_v, 1.0)
     write_limits(new, lower, upper, velocity, effort, friction)
 
 

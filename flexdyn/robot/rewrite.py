@@ -9,15 +9,13 @@ from typing import Any
 
 from flexdyn.errors import InputError
 from flexdyn.robot.joints import read_joint
-from flexdyn.robot.links import Inertial, read_link
+from flexdyn.robot.links import MOMENTS, Inertial, read_colors, read_link
 from flexdyn.robot.meshes import mesh_path
 from flexdyn.robot.names import find_robot
 from flexdyn.robot.robot import Robot
-from flexdyn.robot.shapes import read_colors
 from flexdyn.robot.xmlfile import read_xml, xml_text
 
 Factors = Mapping[str, Mapping[str, float]]
-MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def corrected_urdf(robot: Robot, links: Factors, joints: Factors, folder: Path) -> str:

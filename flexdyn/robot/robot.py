@@ -19,6 +19,7 @@ from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.axes import Axes, with_axes
 from flexdyn.robot.joints import RobotJoint
 from flexdyn.robot.links import Inertial, Link, spatial_inertia
+from flexdyn.robot.meshes import visual_model
 from flexdyn.robot.mimic import Mimic
 from flexdyn.robot.tree import FramePlacement, Tree, spatial
 
@@ -297,8 +298,6 @@ class Robot(Locked, Public):
 
     def visual_model(self) -> pin.GeometryModel:
         """The shapes of the robot on the joints of pin_model; this reads the meshes. Empty for a pin.Model source."""
-        from flexdyn.robot.geometry import visual_model
-
         return visual_model(self._model, self._links, self._joints)
 
     def _with_inertial(self, link: str, change: Callable[[Inertial], Inertial]) -> Robot:

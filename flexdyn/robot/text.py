@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from xml.sax.saxutils import quoteattr
 
 from flexdyn.robot.joints import RobotJoint
-from flexdyn.robot.links import Link
-from flexdyn.robot.shapes import SIZES, Visual
+from flexdyn.robot.links import MOMENTS, SIZES, Link, Visual
 
 
 def urdf_text(links: Sequence[Link], joints: Sequence[RobotJoint]) -> str:
@@ -34,8 +33,7 @@ def _link(link: Link) -> str:
     inner = ""
     if link.inertial is not None:
         body = link.inertial
-        names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-        moments = " ".join(f'{name}="{_numbers([value])}"' for name, value in zip(names, body.moments, strict=True))
+        moments = " ".join(f'{name}="{_numbers([value])}"' for name, value in zip(MOMENTS, body.moments, strict=True))
         mass = f'<mass value="{_numbers([body.mass])}"/><inertia {moments}/>'
         inner = f"<inertial>{_origin(body.xyz, body.rpy)}{mass}</inertial>"
     inner += "".join(_visual(visual) for visual in link.visuals)

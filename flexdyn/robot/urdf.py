@@ -8,8 +8,7 @@ from pathlib import Path
 
 from flexdyn.errors import InputError, did_you_mean, one_line, placed
 from flexdyn.robot.joints import RobotJoint, read_joint
-from flexdyn.robot.links import Link, read_link
-from flexdyn.robot.shapes import read_colors
+from flexdyn.robot.links import Link, read_colors, read_link
 from flexdyn.robot.values import LONGEST_NAME
 from flexdyn.robot.xmlfile import read_xml
 
@@ -53,75 +52,61 @@ def read_urdf(path: Path) -> Urdf:
         moving = sum(joint.kind != "fixed" for joint in joints)
         if moving > MAX_JOINTS:
             raise InputError(f"{moving} joints move, more than {MAX_JOINTS}", remedy="give one arm, or make some fixed")
-        check_graph(
-            [(link.name, link.line) for link in links],
-            [(joint.name, joint.parent, joint.child, joint.line) for joint in joints],
-        )
+        _check_graph(links, joints)
     name = one_line((root.get("name") or "").strip() or path.stem)[:LONGEST_NAME]
     return Urdf(name, links, joints)
 
 
-LinkLine = tuple[str, int | None]
-JointLine = tuple[str, str, str, int | None]
-
-
-def check_graph(links: Sequence[LinkLine], joints: Sequence[JointLine]) -> None:
-    """Refuse links and joints that are not one tree.
-
-    Args:
-        links: name and line of every link.
-        joints: name, parent link, child link and line of every joint.
-
-    Raises:
-        InputError: naming the links or joints at fault.
-    """
+def _check_graph(links: Sequence[Link], joints: Sequence[RobotJoint]) -> None:
+    """Refuse links and joints that are not one tree; the error names those at fault."""
     _refuse_repeats("link", links)
-    _refuse_repeats("joint", [(name, line) for name, _, _, line in joints])
-    declared = {name for name, _ in links}
-    parent_joint: dict[str, JointLine] = {}
+    _refuse_repeats("joint", joints)
+    declared = {link.name for link in links}
+    parent_joint: dict[str, RobotJoint] = {}
     for joint in joints:
-        name, parent, child, line = joint
+        name, parent, child, line = joint.name, joint.parent, joint.child, joint.line
         for end, link in (("parent", parent), ("child", child)):
             if link not in declared:
                 raise _error(f"joint '{name}'/{end}", f"link '{link}' is not declared", line, _declare(link, declared))
         if parent == child:
             raise _error(f"joint '{name}'", f"joins link '{child}' to itself", line, "give it another parent")
         if child in parent_joint:
-            other = parent_joint[child][0]
+            other = parent_joint[child].name
             remedy = "flexdyn models trees; remove one of the two joints"
             raise _error(f"link '{child}'", f"has two parents, by joints '{other}' and '{name}'", line, remedy)
         parent_joint[child] = joint
     _refuse_loops(links, parent_joint)
-    roots = [name for name, _ in links if name not in parent_joint]
+    roots = [link.name for link in links if link.name not in parent_joint]
     if len(roots) > 1:
         shown = ", ".join(f"'{name}'" for name in roots[:5]) + (", ..." if len(roots) > 5 else "")
         remedy = "join them to one tree by fixed joints, or remove the links that no joint connects"
         raise InputError(f"{len(roots)} root links: {shown}", key="link", remedy=remedy)
 
 
-def _refuse_repeats(what: str, named: Sequence[LinkLine]) -> None:
+def _refuse_repeats(what: str, named: Sequence[Link | RobotJoint]) -> None:
     first: dict[str, int | None] = {}
-    for name, line in named:
+    for each in named:
+        name, line = each.name, each.line
         if name in first:
             raise _error(f"{what} '{name}'", f"the name is used twice, first in line {first[name]}", line, "rename one")
         first[name] = line
 
 
-def _refuse_loops(links: Sequence[LinkLine], parent_joint: dict[str, JointLine]) -> None:
+def _refuse_loops(links: Sequence[Link], parent_joint: dict[str, RobotJoint]) -> None:
     """Find loops: the path from a link to its parents must end at a root; a link met twice is in a loop."""
     sound: set[str] = set()
-    for start, _ in links:
+    for start in links:
         path: list[str] = []
-        link = start
+        link = start.name
         while link not in sound and link in parent_joint:
             if link in path:
                 loop = [*path[path.index(link) :], link]
                 # Ring order is child to parent; the reader expects parent to child.
                 round_trip = " -> ".join(reversed(loop[-6:]))
                 remedy = "flexdyn models trees; cut the loop at one joint"
-                raise _error(f"link '{link}'", f"the links form a loop: {round_trip}", parent_joint[link][3], remedy)
+                raise _error(f"link '{link}'", f"the links form a loop: {round_trip}", parent_joint[link].line, remedy)
             path.append(link)
-            link = parent_joint[link][1]
+            link = parent_joint[link].parent
         sound.update(path)
 
 

@@ -118,12 +118,9 @@ def _refuse_xacro(root: Any, path: Path) -> None:
         holes = [value for value in element.attrib.values() if "${" in value or "$(" in value]
         if macro or holes:
             plain = path.name.removesuffix(".xacro").removesuffix(".urdf") + ".urdf"
-            raise InputError(
-                f"this is xacro, not expanded to URDF (line {element.sourceline})",
-                value=holes[0] if holes else None,
-                remedy=f"expand it first: xacro {path.name} > {plain}",
-                line=element.sourceline,
-            )
+            line, value = element.sourceline, holes[0] if holes else None
+            problem, remedy = f"this is xacro, not expanded to URDF (line {line})", f"xacro {path.name} > {plain}"
+            raise InputError(problem, value=value, remedy=f"expand it first: {remedy}", line=line)
 
 
 def xml_text(root: Any) -> str:

@@ -15,13 +15,13 @@ from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation,
 from flexdyn.control.firmware import CORE_ORDER, Firmware
 from flexdyn.control.points import COMMAND_KEYS, CommandPoints, command_of
 from flexdyn.control.servo import Servo
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, placed
 from flexdyn.io.yaml import read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
 from flexdyn.records.given import as_recording
 from flexdyn.records.suggestion import asked_back
-from flexdyn.simulation.asked_torque import is_of_goals, with_asked_torque
+from flexdyn.simulation.electrical import is_of_goals, with_asked_torque
 
 RECORDED: Interpolation = "monotone"
 """Default interpolation of a recorded reference: through its samples, never outside the range of two neighbours."""
@@ -38,6 +38,7 @@ class Drive:
         samples: torques of an open-loop command, one column for each joint; None for controllers and for no torque.
         notes: what the user should know about it, one sentence each.
         controller: the controller that closes the loop; None for torques over time.
+        reference: positions that are tracked, one column for each joint; None if there are none.
     """
 
     command: _core.Command
@@ -46,6 +47,7 @@ class Drive:
     samples: Samples | None = None
     notes: tuple[str, ...] = ()
     controller: PD | Servo | Controller | None = None
+    reference: Samples | None = None
 
 
 def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) -> Drive:
@@ -131,11 +133,8 @@ def read_command_file(path: Path) -> PD | Samples:
     Raises:
         InputError: no such file, or an unknown key.
     """
-    content = read_yaml(path)
-    try:
-        return command_of(content, path.parent)
-    except InputError as error:
-        raise error.at(file=path) from None
+    with placed(file=path):
+        return command_of(read_yaml(path), path.parent)
 
 
 def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> Samples:
@@ -199,7 +198,8 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
     if isinstance(reference, Recording):
         initial = first_state(reference, model)
         notes = _gaps("reference", reference, "it is interpolated")
-        reference = followed(reference, pd.interpolation, names)
+        held = recorded(reference, "q" if "q" in reference.signals else "theta", names)
+        reference = Samples(held.t, held.columns(names), pd.interpolation or RECORDED)
     _check_reference("pd.reference", reference)
     if isinstance(reference, CommandPoints):
         initial = {"q": {joint: float(reference.values[0, k]) for k, joint in enumerate(reference.joints or ())}}
@@ -208,15 +208,11 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
         ahead = recorded(ahead, "tau", names)
     if ahead is not None and not isinstance(ahead, Samples):
         raise InputError("Samples or a recording is needed", key="pd.feedforward", value=ahead)
-    command = _core.tracking(
-        _signal(reference, names),
-        None if ahead is None else _signal(ahead, names),
-        per_joint("pd.kp", pd.kp, names).tolist(),
-        per_joint("pd.kd", pd.kd, names).tolist(),
-        pd.feedback == "theta",
-        pd.rate,
-    )
-    return Drive(command, reference.duration, initial, notes=notes, controller=pd)
+    reference = _whole(reference, names)
+    added = None if ahead is None else _signal(ahead, names)
+    kp, kd = (per_joint(f"pd.{key}", getattr(pd, key), names).tolist() for key in ("kp", "kd"))
+    command = _core.tracking(_signal(reference, names), added, kp, kd, pd.feedback == "theta", pd.rate)
+    return Drive(command, reference.duration, initial, notes=notes, controller=pd, reference=reference)
 
 
 def _gaps(what: str, recording: Recording, done: str) -> tuple[str, ...]:
@@ -225,18 +221,6 @@ def _gaps(what: str, recording: Recording, done: str) -> tuple[str, ...]:
         f"the {what} has a gap of {end - start:.4g} s from t = {start:.6g} s on, over which {done}"
         for start, end in recording.gaps
     )
-
-
-def followed(reference: Recording, interpolation: Interpolation | None, joint_names: Sequence[str]) -> Samples:
-    """A recorded reference as samples: its link positions, else its rotor positions.
-
-    Args:
-        reference: as recorded.
-        interpolation: between its samples; None: `RECORDED`.
-        joint_names: of the robot.
-    """
-    held = recorded(reference, "q" if "q" in reference.signals else "theta", joint_names)
-    return Samples(held.t, held.columns(joint_names), interpolation or RECORDED)
 
 
 def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
@@ -250,10 +234,13 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
         reference = recorded(reference, signal, model.joint_names)
     _check_reference("servo.reference", reference)
     if servo.firmware is not None:
-        return Drive(_firmware(model, servo, reference), reference.duration, initial)
-    controller = Controller(servo.law(reference, model.joint_names), servo.rate)
-    caller = _core.controller(_caller(controller), servo.rate)
-    return Drive(caller, reference.duration, initial, controller=servo)
+        command = _firmware(model, servo, reference)
+    else:
+        law = Controller(servo.law(reference, model.joint_names), servo.rate)
+        command = _core.controller(_caller(law), servo.rate)
+    controller = servo if servo.firmware is None else None
+    reference = _whole(reference, model.joint_names)
+    return Drive(command, reference.duration, initial, controller=controller, reference=reference)
 
 
 def _firmware(model: FlexibleJointModel, servo: Servo, reference: Samples) -> _core.Command:
@@ -286,6 +273,11 @@ def _check_reference(key: str, reference: Any) -> None:
         remedy = "a function is sampled first: fd.Samples(t, [position(x) for x in t], 'cubic')"
         reference = _called(reference)
     raise InputError("no reference to track", key=key, value=reference, remedy=remedy)
+
+
+def _whole(samples: Samples, joint_names: Sequence[str]) -> Samples:
+    """The samples with a column for each joint."""
+    return Samples(samples.t, samples.columns(joint_names), samples.interpolation)
 
 
 def _signal(samples: Samples, joint_names: Sequence[str]) -> _core.Signal:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexdyn.arrays import Array
-from flexdyn.checks import as_number, as_numbers
+from flexdyn.checks import Array, as_numbers, number
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive
@@ -106,19 +104,9 @@ def _checked(model: FlexibleJointModel, signal: str, given: Any) -> dict[int, fl
             return {}
         raise InputError("numbers are needed", key=key, value=given, remedy="give one for each joint")
     if isinstance(given, Mapping):
-        return {model.index(joint): _number(f"{key}.{joint}", value) for joint, value in given.items()}
-    try:
-        array = as_numbers(given)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError("numbers are needed", key=key, value=given) from None
+        return {model.index(joint): number(f"{key}.{joint}", value) for joint, value in given.items()}
+    array = as_numbers(key, given)
     if array.shape != (model.n,) or not np.isfinite(array).all():
         remedy = f"the joints are {', '.join(model.joint_names)}"
         raise InputError(f"{model.n} finite numbers are needed", key=key, value=given, remedy=remedy)
     return dict(enumerate(array.tolist()))
-
-
-def _number(key: str, value: Any) -> float:
-    number = as_number(value)
-    if not math.isfinite(number):
-        raise InputError("a finite number is needed", key=key, value=value)
-    return number

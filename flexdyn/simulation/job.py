@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn import _core
-from flexdyn.arrays import Array
-from flexdyn.checks import as_number, as_numbers
+from flexdyn.checks import Array, as_numbers, number
 from flexdyn.control.commands import Samples, checked_rate
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -171,10 +170,7 @@ def _duration(duration: float | None, drive: Drive) -> float:
     span = drive.duration if duration is None else duration
     if span is None:
         raise InputError("the duration is missing", key="duration", remedy="give a duration in s or a command")
-    number = as_number(span)
-    if not 0 < number < math.inf:
-        raise InputError("a time above 0 s is needed", key="duration", value=span)
-    return number
+    return number("duration", span, "a time above 0 s is needed", above=0.0)
 
 
 def _grid(span: float, rate: float, times: ArrayLike | None) -> Array:
@@ -186,10 +182,7 @@ def _grid(span: float, rate: float, times: ArrayLike | None) -> Array:
         count = max(1, round(steps))
         exact = abs(steps - count) < 1e-9 * count
         return np.arange(count + 1) / rate if exact else np.linspace(0.0, span, count + 1)
-    try:
-        grid = as_numbers(times)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError("times are numbers", key="times", value=times) from None
+    grid = as_numbers("times", times, "times are numbers")
     if grid.ndim != 1 or not len(grid) or not (grid >= 0).all() or not (grid <= span).all():
         raise InputError(f"times must lie between 0 and the duration, {span:g} s", key="times", value=grid)
     if not (np.diff(grid) > 0).all():

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.arrays import Array
-from flexdyn.checks import as_number
+from flexdyn.checks import Array, number
 from flexdyn.effects import Effect, EndStop, TorqueSpeedLimit
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -143,8 +142,8 @@ def enforce_limits(
         ['end_stop', 'torque_speed_limit']
     """
     for key, value in (("stiffness", stiffness), ("damping", damping)):
-        if value is not None and not 0.0 < as_number(value) < math.inf:
-            raise InputError("a number above 0 is needed", key=key, value=value)
+        if value is not None:
+            number(key, value, "a number above 0 is needed", above=0.0)
     added: list[Effect] = []
     M = LinkSide(model).mass_matrix(first_positions(model))
 
@@ -160,8 +159,8 @@ def enforce_limits(
         if row is not None:  # no axis has its name
             stop(joint, limits, 1.0, 1.0 / float(row @ np.linalg.solve(M, row)))
     for j, joint in enumerate(model.joint_names):
-        if _ranged(model.robot, j):
-            limits = (float(model.robot.lower[j]), float(model.robot.upper[j]))
+        limits = (float(model.robot.lower[j]), float(model.robot.upper[j]))
+        if any(map(math.isfinite, limits)):
             stop(joint, limits, _fastest(model.robot, j), float(M[j, j]))
         effort = float(model.robot.effort_limit[j])
         if 0.0 < effort < math.inf and not _has(model, TorqueSpeedLimit, joint):
@@ -171,10 +170,6 @@ def enforce_limits(
         remedy = "write <limit lower upper velocity effort> into it, or add end_stop and torque_speed_limit"
         raise InputError("the robot states no limit", key="limits", value=model.name, remedy=remedy)
     return model.replace(effects=[*model.effects, *added])
-
-
-def _ranged(robot: Robot, j: int) -> bool:
-    return math.isfinite(robot.lower[j]) or math.isfinite(robot.upper[j])
 
 
 def _fastest(robot: Robot, j: int) -> float:

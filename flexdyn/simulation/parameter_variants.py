@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive
@@ -20,7 +21,6 @@ from flexdyn.simulation.plant import acting_effects, build_links, core_law, move
 from flexdyn.simulation.solver_choice import budget, core_settings
 from flexdyn.simulation.solvers import Solver
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Numbers = Mapping[Any, Mapping[str, Array]]
 
@@ -117,9 +117,8 @@ class Variants:
     def _drives(self, joints: Numbers, sound: Flags) -> tuple[Array, Array, Array]:
         """K, D and J (runs, n); `sound` is cleared where a number might be refused."""
         model, shape = self.model, (len(sound), self.model.n)
-        K, D, J = (
-            np.array(np.broadcast_to(base, shape)) for base in (model.stiffness, model.damping, model.rotor_inertia)
-        )
+        own = (model.stiffness, model.damping, model.rotor_inertia)
+        K, D, J = (np.array(np.broadcast_to(base, shape)) for base in own)
         for name, columns in joints.items():
             j, numbers = model.index(name), {**model.joints[name].values(), **columns}
             for column in columns.values():

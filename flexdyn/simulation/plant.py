@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect, JointCoupling, JointEffect, Payload, TorqueConstantError
 from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import InputError
@@ -19,8 +20,6 @@ from flexdyn.model.joint import Joint
 from flexdyn.robot import Robot
 from flexdyn.robot.axes import joint_row
 from flexdyn.robot.tree import Tree
-
-Array = NDArray[np.float64]
 
 # Effects without a law in the plant: they change M and h, numbers of the model, or the measurement.
 OTHER_STAGES = ("inertia", "model", "sensor")

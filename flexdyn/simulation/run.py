@@ -17,19 +17,17 @@ from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
-from flexdyn.records.units import PRISMATIC
-from flexdyn.records.units import SIGNALS as UNITS
+from flexdyn.records.units import signal_unit
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.electrical import Electrical, asked_voltage, electrical
-from flexdyn.simulation.energy import Energy
-from flexdyn.simulation.energy_ledger import ledger
+from flexdyn.simulation.energy import Energy, ledger
 from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
 from flexdyn.simulation.limits import Exceeded, exceeded
 from flexdyn.simulation.solvers import Solver
 
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
-    from flexdyn.viewer.inline import Inline
+    from flexdyn.viewer.page import Inline
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -147,7 +145,7 @@ class Run(Locked, Public):
                 channel = f"{signal}.{joint}"
                 channels[channel] = measure(sensors.get(channel, ()), getattr(self, signal)[:, j], self.t)
                 if self.model.robot.kinds[j] == "prismatic":
-                    units[channel] = PRISMATIC[UNITS[signal]]
+                    units[channel] = signal_unit(signal, prismatic=True)
         volts = asked_voltage(self.model, self.tau)
         driven = [j for j, joint in enumerate(self.model.joints.values()) if joint.actuator is not None]
         channels |= {f"voltage.{self.joint_names[j]}": volts[:, j] for j in driven}
@@ -171,9 +169,8 @@ class Run(Locked, Public):
         Raises:
             MissingExtra: xarray is not installed.
         """
-        from flexdyn.simulation.run_dataset import run_dataset
-
-        return run_dataset(self.to_recording(), self.energy if energy else None)
+        dataset = self.to_recording().to_xarray()
+        return self.energy.added_to(dataset) if energy else dataset
 
     def _sensors(self) -> dict[str, list[SensorEffect]]:
         """Sensor effects that are not neutral, by channel."""

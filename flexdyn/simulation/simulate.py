@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn import _core
+from flexdyn.checks import whole
 from flexdyn.control.commands import PD, Controller, FrameWrench, Samples
 from flexdyn.errors import FlexdynError, InputError, SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -136,8 +137,7 @@ def simulate_many(
     runs = [_prepared(each, rate, times, shared) for each in _spread(given)]
     jobs = [job for job in runs if isinstance(job, Job)]
     count = threads if threads is not None else len(os.sched_getaffinity(0))
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise InputError("a number of threads is needed", key="threads", value=threads)
+    whole("threads", count, 1, problem="a number of threads is needed")
     reports = iter(_core.simulate_many([job.core for job in jobs], count, progress))
     return [_finished(job, next(reports)) if isinstance(job, Job) else job for job in runs]
 

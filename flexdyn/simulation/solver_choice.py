@@ -80,8 +80,7 @@ def switch_notes(notes: tuple[str, ...], solver: Solver) -> tuple[str, ...]:
     """The notes of a run, with an additional one if its solver changed during the run."""
     if not isinstance(solver, DormandPrinceThenRosenbrock):
         return notes
-    text = f"solver: Rosenbrock from t = {solver.until:.6g} s on, where a rate above {STIFF:g} 1/s was met"
-    return (*notes, text)
+    return (*notes, f"solver: Rosenbrock from t = {solver.until:.6g} s on, where a rate above {STIFF:g} 1/s was met")
 
 
 def fastest_rate(plant: _core.Plant, x0: NDArray[np.float64]) -> float:

@@ -8,17 +8,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.errors import SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.command_input import make_drive
 from flexdyn.simulation.fastest_motion import fastest_motion
-from flexdyn.simulation.solver_choice import STIFF
-from flexdyn.simulation.solvers import RungeKutta4, Solver
-from flexdyn.simulation.trial import rosenbrock_gets_through
+from flexdyn.simulation.inputs_and_signals import SIGNALS
+from flexdyn.simulation.plant import build_plant
+from flexdyn.simulation.solver_choice import STIFF, budget, core_settings
+from flexdyn.simulation.solvers import Rosenbrock, RungeKutta4, Solver
 
 SPENT = "more steps than allowed"
-STABLE = 2.5  # step times rate up to which the classical method is stable at any phase
 RUNAWAY = 1e6  # rad/s or m/s: no joint is as fast
 EVENTFUL = 0.2  # events per step: the events make the steps short
+TRIAL_STEPS = 2000  # some hundredths of a second of computing; a spent budget took a hundred times that
+RESERVE = 2.0  # times as many steps as the trial foretells must be within the budget
 
 
 def stopped(
@@ -49,15 +54,8 @@ def stopped(
     remedy = runaway or _remedy(solver, short=short, often=often, implicit=implicit)
     why = f"{reason} ({tried} tried, {int(report['events'])} events)" if reason == SPENT else reason
     where = "" if fastest is None else f"; {fastest}"
-    return SimulationError(
-        f"{model.name}: {name} stopped at t = {t:.6g} s: {why}{where}; {remedy}",
-        t=t,
-        state=state,
-        solver=solver,
-        reason=reason,
-        fastest=fastest,
-        remedy=remedy,
-    )
+    told = f"{model.name}: {name} stopped at t = {t:.6g} s: {why}{where}; {remedy}"
+    return SimulationError(told, t=t, state=state, solver=solver, reason=reason, fastest=fastest, remedy=remedy)
 
 
 def _runaway(model: FlexibleJointModel, state: NDArray[np.float64]) -> str:
@@ -89,3 +87,30 @@ def _remedy(solver: Solver, *, short: bool, often: bool, implicit: bool) -> str:
         return "take Rosenbrock or auto, whose steps need not follow that"
     stepping = "take TimeStepping, whose steps are fixed: halve them until the motion stays the same"
     return f"{stepping}; it does not look for single events" if often else f"{stepping}; or give a greater max_steps"
+
+
+def rosenbrock_gets_through(model: FlexibleJointModel, x: Array, tau: Array, duration: float) -> bool:
+    """Whether its budget would be enough, by the steps that it takes from a state on.
+
+    Where a fast vibration swings on, or friction excites it again and again, Rosenbrock has to follow it too. No
+    eigenvalue tells that.
+
+    Args:
+        model: that moves.
+        x: state at which the trial begins.
+        tau: torques asked for, held (n,) [N m or N].
+        duration: of the run [s].
+    """
+    solver, plant = Rosenbrock(), build_plant(model)
+    out = [np.empty((1, model.n)) for _ in SIGNALS] + [np.empty((1, plant.internal_states))]
+    command = make_drive(model, [float(torque) for torque in tau], duration).command
+    settings = core_settings(solver, max_steps=TRIAL_STEPS)
+    try:
+        job = _core.job(plant, command, [], x, duration, settings, np.array([duration]), out, None)
+        tried = _core.simulate(job, None)
+    except Exception:  # a user's law that refuses where the trial goes
+        return False
+    if not tried["reason"]:
+        return True
+    needed = (int(tried["steps"]) + int(tried["rejected"])) * duration / max(float(tried["t"]), 1e-300)
+    return tried["reason"] == "more steps than allowed" and RESERVE * needed <= budget(solver, duration)

@@ -1,4 +1,4 @@
-"""One HTML file with meshcat's viewer, the scene and the controls. It loads nothing else."""
+"""One HTML file with meshcat's viewer, the scene and the controls, which loads nothing else; it in a notebook."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import base64
 import gzip
 import struct
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -49,3 +50,24 @@ def packed(commands: Iterable[Mapping[str, Any]]) -> str:
 def floats(values: NDArray[np.float64]) -> str:
     """Numbers as base64 of little-endian 4-byte floats, row by row."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")
+
+
+@dataclass(frozen=True, repr=False)
+class Inline:
+    """A page that a notebook shows in a frame of its own, which has no access to the notebook.
+
+    Attributes:
+        text: of the page.
+        height: of the frame [px].
+    """
+
+    text: str
+    height: int
+
+    def _repr_html_(self) -> str:
+        """The frame, with the page in it."""
+        return html.render("viewer/inline.html", text=self.text, height=self.height)
+
+    def __repr__(self) -> str:
+        """The text that is shown without a notebook."""
+        return f"<Inline: a page of {len(self.text) / 1e6:.1f} MB for a notebook; fd.play(run) opens the browser>"

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from flexdyn.errors import InputError
 from flexdyn.io.files import write_text
 from flexdyn.viewer import sources
-from flexdyn.viewer.inline import Inline
+from flexdyn.viewer.page import Inline
 from flexdyn.viewer.show import show
 from flexdyn.viewer.sources import Model, Source
 

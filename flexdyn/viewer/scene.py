@@ -1,8 +1,9 @@
-"""The scene as meshcat commands, collected instead of being sent to a server."""
+"""The scene and its animation as meshcat commands, collected instead of being sent to a server."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,15 +11,63 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.robot import Robot
 from flexdyn.robot.tree import Tree
-from flexdyn.viewer import dials
-from flexdyn.viewer.animation import NodeMove, commands_of
 from flexdyn.viewer.bodies import Body
-from flexdyn.viewer.solids import tube
+from flexdyn.viewer.solids import DialShape, dial_pose, face, needle, tube
 
 ARM, GHOST = "/arm", "/ghost"
 """Nodes of the arms in the scene's tree; the page makes the second arm from the first."""
 BLUE, VIOLET, SILVER = "#1f4e9c", "#9b30c9", "#99a6ba"
 """Colours of the parts of the arm and of the second arm, and of an arm whose file gives no colour."""
+
+
+@dataclass(frozen=True)
+class NodeMove:
+    """The motion of a node of the scene.
+
+    Attributes:
+        path: of the node.
+        axis: unit axis (3,) of its own frame.
+        prismatic: whether it moves along the axis and not about it.
+        positions: (frames,) [rad or m], unwrapped.
+    """
+
+    path: str
+    axis: Array
+    prismatic: bool
+    positions: Array
+
+
+def commands_of(moves: Sequence[NodeMove], rate: float) -> list[dict[str, Any]]:
+    """Commands that put every node at its first position and, with two frames or more, load the animation.
+
+    Args:
+        moves: motions of all nodes, with equal numbers of frames.
+        rate: frames in a second [Hz].
+    """
+    from meshcat.animation import Animation, AnimationClip, AnimationTrack
+    from meshcat.commands import SetAnimation, SetProperty
+    from meshcat.path import Path
+
+    commands, animation = [], Animation(default_framerate=rate)
+    for move in moves:
+        name, kind, values = _values(move)
+        place = Path(tuple(move.path.strip("/").split("/")))
+        commands.append(SetProperty(name, values[0], place).lower())
+        frames = list(range(len(values)))
+        if len(values) > 1:
+            if np.ptp(move.positions) == 0.0:
+                frames, values = [frames[0], frames[-1]], [values[0], values[-1]]
+            track = AnimationTrack(name, kind, frames, values)
+            animation.clips[place] = AnimationClip({name: track}, rate)
+    return commands + ([SetAnimation(animation, play=False).lower()] if animation.clips else [])
+
+
+def _values(move: NodeMove) -> tuple[str, str, list[list[float]]]:
+    """Name, type and values of a node's track for three.js."""
+    if move.prismatic:
+        return "position", "vector3", (move.positions[:, None] * move.axis).tolist()
+    half = move.positions[:, None] / 2.0
+    return "quaternion", "quaternion", np.hstack([np.sin(half) * move.axis, np.cos(half)]).tolist()
 
 
 class Window:
@@ -87,10 +136,10 @@ class ArmScene:
         prismatic = bool(self._tree.prismatic[j])
         node = f"{moved_path(ARM, self._tree, j)}/dial"
         self.dials.append(node)
-        self._view[node].set_transform(dials.dial_pose(self._tree, j))
-        for part in dials.face(prismatic, self._size):
+        self._view[node].set_transform(dial_pose(self._tree, j))
+        for part in face(prismatic, self._size):
             self._flat(f"{node}/{part.name}", part)
-        self._flat(f"{node}/needle/shape", dials.needle(prismatic, self._size))
+        self._flat(f"{node}/needle/shape", needle(prismatic, self._size))
         axis = np.array([1.0, 0.0, 0.0] if prismatic else [0.0, 0.0, 1.0])
         return NodeMove(f"{node}/needle", axis, prismatic, shown)
 
@@ -120,7 +169,7 @@ class ArmScene:
         """Put every node at its first position, and load the animation."""
         self.commands.extend(commands_of(moves, rate))
 
-    def _flat(self, path: str, part: dials.DialShape) -> None:
+    def _flat(self, path: str, part: DialShape) -> None:
         flat = {"transparent": True, "depthTest": False, "depthWrite": False}
         material = _painted(part.color, opacity=part.opacity, **flat)
         self._view[path].set_object(part.geometry, material)

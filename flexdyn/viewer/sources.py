@@ -12,8 +12,7 @@ import numpy as np
 
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.model_file import load_model
-from flexdyn.model.recorded_model import NAME_IT, model_in
+from flexdyn.model.model_file import NAME_IT, load_model, model_in
 from flexdyn.records import Recording, read_recording
 from flexdyn.records.given import as_recording
 from flexdyn.simulation.run import Run
@@ -88,11 +87,9 @@ def same_arm(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
     """Whether two models have the same joints at the same places; masses, springs and effects may differ."""
     mine, its = one.robot.tree, other.robot.tree
     names = ("parent", "prismatic", "axis", "rotation", "translation", "gain", "offset")
-    return one.joint_names == other.joint_names and all(
-        getattr(mine, name).shape == getattr(its, name).shape
-        and np.allclose(getattr(mine, name), getattr(its, name), atol=1e-9)
-        for name in names
-    )
+    pairs = ((getattr(mine, name), getattr(its, name)) for name in names)
+    alike = all(a.shape == b.shape and np.allclose(a, b, atol=1e-9) for a, b in pairs)
+    return one.joint_names == other.joint_names and alike
 
 
 def _read(source: Source, key: str) -> tuple[Run | Recording | FlexibleJointModel, Path | None]:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from flexdyn.batch import quantiles as module
-from flexdyn.batch.quantiles import HISTOGRAM_BINS, quantiles
-from flexdyn.batch.sensitivity import ranks, sensitivity
+from flexdyn.batch import trajectory_views as module
+from flexdyn.batch.summary import ranks, sensitivity
+from flexdyn.batch.trajectory_views import HISTOGRAM_BINS, quantiles
 
 Array = NDArray[np.float64]
 SHARES = (0.05, 0.25, 0.5, 0.75, 0.95)

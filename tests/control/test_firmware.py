@@ -10,7 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.errors import InputError
-from flexdyn.simulation.asked_torque import firmware_duty
+from flexdyn.simulation.electrical import firmware_duty
 from tests.simulation.test_dc_motor import model
 
 COUNT = math.tau / 4096

@@ -13,7 +13,7 @@ from scipy.interpolate import PchipInterpolator
 import flexdyn as fd
 from flexdyn.cli import main
 from flexdyn.control.points import CommandPoints, command_of
-from flexdyn.simulation.command_input import followed
+from flexdyn.simulation.command_input import make_drive
 from tests.arms import repickled
 
 MOVE: dict[str, Any] = {
@@ -123,8 +123,10 @@ def test_mistakes_in_points_are_named(model: fd.FlexibleJointModel, entry: Any, 
 STEP = fd.Recording(np.arange(9) * 0.1, {"q.shoulder": [0, 0, 0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5], "q.elbow": [1.5] * 9})
 
 
-def drawn(samples: fd.Samples) -> np.ndarray:
-    """The reference between its samples, as the core has it."""
+def drawn(model: fd.FlexibleJointModel, interpolation: Any) -> np.ndarray:
+    """The reference of a controller that tracks the step, between its samples, as the core has it."""
+    samples = make_drive(model, fd.PD(STEP, 1.0, 1.0, interpolation=interpolation), None).reference
+    assert samples is not None
     breaks, coefficients, _ = samples.pieces(samples.values)
     t = np.linspace(0.0, breaks[-1] - 1e-9, 2001)
     place = np.searchsorted(breaks, t, "right") - 1
@@ -132,15 +134,14 @@ def drawn(samples: fd.Samples) -> np.ndarray:
     return np.asarray(np.einsum("ij,ijk->ik", powers, coefficients[place])[:, 0])
 
 
-def test_a_recorded_reference_is_not_overshot() -> None:
+def test_a_recorded_reference_is_not_overshot(model: fd.FlexibleJointModel) -> None:
     """A recorded step stays between its two levels; the spline of old went beyond them; hold keeps the step."""
-    names = ("shoulder", "elbow")
-    assert drawn(followed(STEP, "cubic", names)).max() > 0.53
+    assert drawn(model, "cubic").max() > 0.53
     for interpolation in (None, "linear", "hold"):
-        path = drawn(followed(STEP, interpolation, names))
+        path = drawn(model, interpolation)
         assert path.min() >= -1e-12
         assert path.max() <= 0.5 + 1e-12
-    assert set(drawn(followed(STEP, "hold", names)).tolist()) == {0.0, 0.5}
+    assert set(drawn(model, "hold").tolist()) == {0.0, 0.5}
 
 
 def test_yaml_has_the_key(tmp_path: Path, model: fd.FlexibleJointModel) -> None:

@@ -15,7 +15,7 @@ from flexdyn.diagnose.hypothesis.number_columns import of_numbers
 from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.effects import CoulombFriction, Effect, ParameterError, ViscousFriction
 from flexdyn.model.uncertain_parameters import file_numbers, with_factors
-from flexdyn.simulation.asked_torque import with_asked_torque
+from flexdyn.simulation.electrical import with_asked_torque
 from tests.diagnose.slides import named
 from tests.simulation.test_dc_motor import B, model
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexdyn.diagnose.data.filters import Filters
-from flexdyn.records.signals.gaussian import GaussianSmoother
+from flexdyn.records.signals.kernels import GaussianSmoother
 
 
 @settings(deadline=None)

@@ -10,7 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.data.windings import with_lagging_current
-from flexdyn.simulation.asked_torque import with_asked_torque
+from flexdyn.simulation.electrical import with_asked_torque
 from tests.diagnose.slides import named
 from tests.simulation.test_dc_motor import KT, ROD, ROTOR, B, N, R, model
 

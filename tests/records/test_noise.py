@@ -14,8 +14,7 @@ from scipy.signal import lfilter
 
 from flexdyn.errors import InputError
 from flexdyn.records import Noise, Recording, estimate_noise
-from flexdyn.records.signals.quantisation import held_for, quantisation_step
-from flexdyn.records.signals.reading_noise import reading_noise
+from flexdyn.records.signals.reading_noise import held_for, quantisation_step, reading_noise
 from tests.records.motions import MOTIONS, Array
 
 LEVELS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter, savgol_coeffs
 
 from flexdyn.errors import InputError
-from flexdyn.records.signals.gaussian import GaussianSmoother
-from flexdyn.records.signals.kernels import kernels
+from flexdyn.records.signals.kernels import GaussianSmoother, kernels
 from flexdyn.records.signals.smooth import ORDERS, Smoother
 from tests.records.motions import acceleration, sines
 

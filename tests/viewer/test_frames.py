@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.viewer.frames import FASTEST, MOST_FRAMES, frame_times, frames_of, magnification
-from flexdyn.viewer.motion import PlayedMotion
+from flexdyn.viewer.motion import FASTEST, MOST_FRAMES, PlayedMotion, frame_times, frames_of, magnification
 from flexdyn.viewer.show import SHOWN_ANGLE
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.model.recorded_model import model_in
+from flexdyn.model.model_file import model_in
 from flexdyn.viewer.motion import at_rest, of_recording, of_run
 from flexdyn.viewer.sources import first, same_arm, second
 from tests.viewer.arms import rigid_run, shapeless, two_link_run

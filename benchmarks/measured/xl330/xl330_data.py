@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.simulation.asked_torque import with_asked_torque
+from flexdyn.simulation.electrical import with_asked_torque
 
 Array = NDArray[np.float64]
 HERE = Path(__file__).parent

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.records.signals.gaussian import GaussianSmoother
+from flexdyn.records.signals.kernels import GaussianSmoother
 
 Array = NDArray[np.float64]
 FIRST_FILTER_WIDTH = 0.00125

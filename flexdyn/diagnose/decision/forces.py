@@ -20,7 +20,7 @@ from flexdyn.diagnose.report.trace import ForceLoop
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.simulation.asked_torque import with_asked_torque
+from flexdyn.simulation.electrical import with_asked_torque
 
 Array = NDArray[np.float64]
 

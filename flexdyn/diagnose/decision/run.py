@@ -24,7 +24,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recordings
 from flexdyn.records.signals.gaps import apart_at_gaps
-from flexdyn.simulation.asked_torque import with_asked_torque
+from flexdyn.simulation.electrical import with_asked_torque
 
 COMPARED_PROGRESS = 0.65
 """Share of the work after which the structures have been compared, as a rule [1]."""

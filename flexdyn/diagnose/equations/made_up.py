@@ -10,7 +10,7 @@ from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import Backlash, HardeningSpring, JointEffect, SpringHysteresis
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.records.signals.gaussian import GaussianSmoother
+from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.records.signals.gaussian import GaussianSmoother
+from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.records.signals.gaussian import GaussianSmoother
+from flexdyn.records.signals.kernels import GaussianSmoother
 
 Array = NDArray[np.float64]
 CERTAIN_SIGN_SIGMAS = 5.0

@@ -14,7 +14,8 @@ from flexdyn.diagnose.equations.terms import spreads
 from flexdyn.effects import JointEffect
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.uncertain_parameters import OF_LINK, OF_MOTOR, FileNumber
+from flexdyn.model.resolved_parameters import OF_LINK, OF_MOTOR
+from flexdyn.model.uncertain_parameters import FileNumber
 from flexdyn.simulation.plant import LinkSide
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from flexdyn.diagnose.report.words import number_phrase
 from flexdyn.effects import unit_for
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.uncertain_parameters import OF_MOTOR
+from flexdyn.model.resolved_parameters import OF_MOTOR
 
 CALIBRATED_ROWS_OPEN = 12
 """Number of rows that are shown at once; the others open on a click."""

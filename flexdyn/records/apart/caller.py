@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, check_installed
 from flexdyn.records.apart.messages import Lost, received, received_error, received_table
 from flexdyn.records.apart.server import SIGNALLED, WAITING, bytes_for, seconds_for
 from flexdyn.records.request import Request
@@ -75,9 +75,8 @@ class _Server:
         stream = self._streams[1]
         self.between = False
         limits = {"seconds": seconds_for(on_disk), "bytes": bytes_for(on_disk)}
-        self._say(
-            {"path": os.path.abspath(path), "request": pickle.dumps(replace(request, progress=None)).hex(), **limits}
-        )
+        packed = pickle.dumps(replace(request, progress=None)).hex()
+        self._say({"path": os.path.abspath(path), "request": packed, **limits})
         kind, content = received(stream)
         while kind == "progress":
             request.report(float(content))
@@ -128,7 +127,9 @@ def read_apart(module: str, path: Path, request: Request) -> Table:
     Raises:
         InputError: the error that the reader reports, or the file crashed the process, took too long or too much
             memory.
+        MissingExtra: h5py is not installed.
     """
+    check_installed("h5py", "hdf5")
     waiting = _idle.setdefault(module, [])
     on_disk = os.path.getsize(path)
     try:

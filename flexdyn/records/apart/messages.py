@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import json
 import os
-from typing import IO, Any
+from io import BufferedReader
+from typing import Any
 
 import numpy as np
 
-from flexdyn.errors import FlexdynError, InputError
+from flexdyn.errors import InputError
 from flexdyn.records.bounds import check_size
 from flexdyn.records.table import Rows, Table
 
@@ -35,11 +36,6 @@ def send(out: int, kind: str, content: Any) -> None:
     _write(out, len(text).to_bytes(8, "little") + text)
 
 
-def send_error(out: int, error: FlexdynError) -> None:
-    """Write the error of the file."""
-    send(out, "error", {"problem": error.problem, **error.data})
-
-
 def send_table(out: int, table: Table) -> None:
     """Write a table, followed by the bytes of its columns."""
     columns = {name: np.ascontiguousarray(values) for name, values in table.columns.items()}
@@ -55,7 +51,7 @@ def send_table(out: int, table: Table) -> None:
         _write(out, values.view(np.uint8).data)
 
 
-def received(stream: IO[bytes]) -> tuple[str, Any]:
+def received(stream: BufferedReader) -> tuple[str, Any]:
     """Read one message.
 
     Raises:
@@ -71,7 +67,7 @@ def received(stream: IO[bytes]) -> tuple[str, Any]:
     return kind, content
 
 
-def received_table(stream: IO[bytes], about: Any, on_disk: int) -> Table:
+def received_table(stream: BufferedReader, about: Any, on_disk: int) -> Table:
     """Read the table of a message, with the columns that follow it.
 
     Args:
@@ -93,7 +89,8 @@ def received_table(stream: IO[bytes], about: Any, on_disk: int) -> Table:
         table.said = [str(text) for text in about["said"]]
         for name, kind, count in columns:
             values = np.empty(count, kind)
-            _fill(stream, values.view(np.uint8).data)
+            if stream.readinto(values.view(np.uint8).data) < values.nbytes:
+                raise Lost
             table.add(name, values)
     except _STRANGE:
         raise Lost from None
@@ -119,17 +116,8 @@ def _write(out: int, data: bytes | memoryview) -> None:
         left = left[os.write(out, left) :]
 
 
-def _exactly(stream: IO[bytes], count: int) -> bytes:
+def _exactly(stream: BufferedReader, count: int) -> bytes:
     data = stream.read(count)
     if len(data) < count:
         raise Lost
     return data
-
-
-def _fill(stream: IO[bytes], room: memoryview) -> None:
-    filled = 0
-    while filled < len(room):
-        count = stream.readinto(room[filled:])  # type: ignore[attr-defined]
-        if not count:
-            raise Lost
-        filled += count

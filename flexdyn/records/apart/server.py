@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import FlexdynError
-from flexdyn.records.apart.messages import send, send_error, send_table
+from flexdyn.records.apart.messages import send, send_table
 from flexdyn.records.bounds import most_bytes
 
 COMPUTING_SECONDS = 10
@@ -104,7 +104,7 @@ def _read(reader: Any, task: Any) -> None:
         send_table(_OUT, reader.read_here(Path(task["path"]), request))
         code = 0
     except FlexdynError as error:
-        send_error(_OUT, error)
+        send(_OUT, "error", {"problem": error.problem, **error.data})
         code = 0
     except MemoryError:
         send(_OUT, "memory", None)

@@ -1,14 +1,17 @@
-"""The linear conversion from a raw column's numbers to a channel's SI values."""
+"""The linear conversion from raw columns to channels in SI: the valid unit of each, and the kind of its joint."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexdyn.checks import Array
 from flexdyn.errors import InputError, did_you_mean
+from flexdyn.records.channelmap.description import Channel, ChannelMap, column_name
 from flexdyn.records.channelmap.known_units import ELECTRICAL, SI, SLIDING, UNITS, Unit, plain_unit
-from flexdyn.records.units import SIGNALS, UNITLESS
+from flexdyn.records.table import Table
+from flexdyn.records.units import PRISMATIC, SIGNALS, UNITLESS, signal_unit, split_name
 
 if TYPE_CHECKING:
     from flexdyn.records.channelmap.description import Channel
@@ -55,7 +58,7 @@ def conversion(channel: Channel, stated: str | None = None) -> Conversion:
     Raises:
         InputError: a unit that is unknown or does not fit the signal, or a missing number.
     """
-    name = _unit_name(channel, stated)
+    name = valid_unit(channel.unit, stated, _key(channel, "unit"))
     unit = _unit(channel, name)
     label = SI[unit.quantity] if unit.quantity else "" if channel.factor is not None else name
     numerator, denominator = channel.sign * unit.numerator, unit.denominator
@@ -73,24 +76,30 @@ def conversion(channel: Channel, stated: str | None = None) -> Conversion:
         elif quantity in ("angle", "length", "angular velocity", "velocity"):
             denominator *= ratio
         else:
-            remedy = "it fits positions, velocities and torques: leave it out"
-            raise InputError(
-                "a gear does not change this channel", key=_key(channel, "side"), value="motor", remedy=remedy
-            )
+            key, remedy = _key(channel, "side"), "it fits positions, velocities and torques: leave it out"
+            raise InputError("a gear does not change this channel", key=key, value="motor", remedy=remedy)
         # A rotary motor can drive a prismatic joint too, so its angles do not determine the kind of the joint.
         told = "" if told in SLIDING else told
     return Conversion(numerator, denominator, unit.zero * channel.sign + channel.offset, told, label)
 
 
-def _unit_name(channel: Channel, stated: str | None) -> str:
-    """The valid unit: the map's, else the file's."""
-    given = None if channel.unit is None else plain_unit(channel.unit)
-    found = None if stated is None or stated.strip() in UNITLESS else plain_unit(stated)
-    if given is not None and found is not None and given != found:
+def valid_unit(given: str | None, stated: str | None, key: str) -> str:
+    """The map's unit of a column, else the file's; empty if there is none.
+
+    Args:
+        given: unit in the map.
+        stated: unit in the file.
+        key: path of the unit in the map, for the error.
+
+    Raises:
+        InputError: they contradict each other.
+    """
+    unit = "" if given is None else plain_unit(given)
+    found = "" if stated is None or stated.strip() in UNITLESS else plain_unit(stated)
+    if unit and found and unit != found:
         remedy = f"the file says {stated!r}: give that, or leave unit out"
-        key = _key(channel, "unit")
-        raise InputError("not the unit that the file states", key=key, value=channel.unit, remedy=remedy)
-    return given if given is not None else (found or "")
+        raise InputError("not the unit that the file states", key=key, value=given, remedy=remedy)
+    return unit or found
 
 
 def _unit(channel: Channel, name: str) -> Unit:
@@ -147,3 +156,60 @@ def _needed(channel: Channel, number: str, because: str) -> float:
 
 def _key(channel: Channel, entry: str) -> str:
     return f"channels.{channel.name}.{entry}"
+
+
+def conversions_of(channel_map: ChannelMap, stated: Mapping[str, str | None]) -> list[Conversion]:
+    """The conversions to SI, channel by channel.
+
+    Args:
+        channel_map: what the columns mean.
+        stated: units that the file states, by column.
+
+    Raises:
+        InputError: as `conversion`, or an unreadable unit in the file.
+    """
+    return [_conversion(channel, stated) for channel in channel_map.channels]
+
+
+def stated_units(table: Table) -> dict[str, str | None]:
+    """Units in the file, with the columns or in its meta data."""
+    units = table.meta.get("units", {})
+    stated = {str(name): str(unit) for name, unit in units.items()} if isinstance(units, dict) else {}
+    return {**stated, **table.units}
+
+
+def _conversion(channel: Channel, stated: Mapping[str, str | None]) -> Conversion:
+    unit = stated.get(column_name(channel.source), "")
+    if unit is None and channel.unit is None and channel.factor is None:
+        problem = "the file states the column's unit in a way that is not read"
+        raise InputError(problem, key=f"channels.{channel.name}.unit", value=channel.source, remedy="state it here")
+    return conversion(channel, unit or None)
+
+
+def units_of(channel_map: ChannelMap, conversions: Sequence[Conversion]) -> dict[str, str]:
+    """Units that the channels' names do not determine: of prismatic joints, and of channels that are no signals.
+
+    Raises:
+        InputError: a joint is prismatic by one of its units and revolute by another.
+    """
+    told: dict[str, tuple[bool, str]] = {joint: (True, f"joints.{joint}") for joint in channel_map.prismatic}
+    for channel, convert in zip(channel_map.channels, conversions, strict=True):
+        slides = convert.quantity in SLIDING.values()
+        if channel.signal and (slides or convert.quantity in SLIDING):
+            before, by = told.setdefault(channel.joint, (slides, channel.name))
+            if before != slides:
+                problem = f"the joint {'slides' if before else 'turns'} by {by}, and {convert.unit} says otherwise"
+                remedy = "give units of one kind; a rotary motor of a prismatic joint has side: motor"
+                raise InputError(problem, key=f"channels.{channel.name}.unit", value=channel.unit, remedy=remedy)
+    units = {}
+    for channel, convert in zip(channel_map.channels, conversions, strict=True):
+        slides = told.get(channel.joint, (False, ""))[0] and (bool(channel.signal) or channel.side == "motor")
+        unit = SIGNALS.get(channel.signal, convert.unit)
+        unit = PRISMATIC.get(unit, unit) if slides else unit
+        if unit and unit != SIGNALS.get(channel.signal):
+            units[channel.name] = unit
+    for name, _ in channel_map.computed:
+        signal, joint = split_name(name) or ("", "")
+        if signal and told.get(joint, (False, ""))[0]:
+            units[name] = signal_unit(signal, prismatic=True)
+    return units

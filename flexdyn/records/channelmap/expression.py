@@ -29,6 +29,7 @@ _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[^\W\d][\w.]*)|'(?P<quoted>[^']+)'|(?P<mark>[-+*/()]))"
 )
 _END = ("end", "")
+_OPERATIONS = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide}
 
 
 @dataclass(frozen=True)
@@ -151,9 +152,5 @@ def _value(tree: Any, channels: Mapping[str, Array]) -> Any:
         return tree
     if isinstance(tree, str):
         return channels[tree]
-    mark, left, right = tree[0], _value(tree[1], channels), _value(tree[2], channels)
-    if mark == "+":
-        return left + right
-    if mark == "-":
-        return left - right
-    return left * right if mark == "*" else np.divide(left, right)
+    mark, left, right = tree
+    return _OPERATIONS[mark](_value(left, channels), _value(right, channels))

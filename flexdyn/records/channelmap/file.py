@@ -39,11 +39,11 @@ from typing import Any
 from flexdyn.checks import check_known
 from flexdyn.errors import InputError, placed
 from flexdyn.io.yaml import check_format, check_keys, read_yaml
+from flexdyn.records.channelmap.convert import conversions_of, units_of
 from flexdyn.records.channelmap.couplings import couplings_of
 from flexdyn.records.channelmap.description import MAP_FORMAT, Channel, ChannelMap
 from flexdyn.records.channelmap.expression import Expression, check_names, expression_of
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
-from flexdyn.records.channelmap.units import conversions_of, units_of
 from flexdyn.records.channelmap.values import POSITIVE, as_choice, as_finite, as_source, as_text, layout_of, time_of
 from flexdyn.records.repairs import repairs_of
 from flexdyn.records.table import check_name

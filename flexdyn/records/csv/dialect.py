@@ -132,12 +132,11 @@ class Dialect:
 
     def _loaded(self, lines: list[str], columns: Sequence[int] | None) -> Array | None:
         delimiter = None if self.delimiter == " " else self.delimiter
-        converters: dict[int | str, Any] | None = (
-            None if self.stamps is None else {self.stamps.column: self.stamps.seconds}
-        )
         settings: dict[str, Any] = {"delimiter": delimiter, "comments": None, "ndmin": 2, "encoding": None}
+        if self.stamps is not None:
+            settings["converters"] = {self.stamps.column: self.stamps.seconds}
         try:
-            return np.asarray(np.loadtxt(lines, usecols=columns, converters=converters, **settings), dtype=np.float64)
+            return np.asarray(np.loadtxt(lines, usecols=columns, **settings), dtype=np.float64)
         except ValueError:
             return None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from array import array
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
@@ -10,7 +11,6 @@ from typing import TextIO
 
 import numpy as np
 
-from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.csv.guess import encoding_of
 from flexdyn.records.csv.header import header_of
@@ -46,15 +46,16 @@ def read(path: Path, request: Request) -> Table:
     with open(path, encoding=encoding, errors=errors) as stream:
         blocks = _blocks(stream, os.path.getsize(path), request)
         header, rest = header_of(blocks, request)
-        columns = _Columns(len(header.wanted))
+        columns = [array("d") for _ in header.wanted]  # they grow in place, without a second copy
         for numbers in blocks_of_numbers(header, chain([rest], blocks)):
-            columns.append(numbers)
+            for column, values in zip(columns, numbers.T, strict=True):
+                column.frombytes(values.tobytes())
     table = Table(rows=Rows("line", header.first_row), units=dict(header.units))
     table.said = [text for text in (guess, _guessed(header)) if text]
     if header.dialect.stamps is not None and header.dialect.stamps.start_ns is not None:
         table.meta["start_ns"] = header.dialect.stamps.start_ns
-    for name, values in zip(header.wanted, columns.finished(), strict=True):
-        table.add(name, values)
+    for name, column in zip(header.wanted, columns, strict=True):
+        table.add(name, np.frombuffer(column))
     return table
 
 
@@ -63,32 +64,6 @@ def _guessed(header: Header) -> str:
     if header.told or header.dialect.decimal == ".":
         return ""
     return "numbers were read with a decimal comma; if that is wrong, say source: {decimal: .} in a channel map"
-
-
-class _Columns:
-    """Columns that grow in place, without a second copy: the system moves their pages."""
-
-    def __init__(self, count: int) -> None:
-        self._arrays = [np.empty(0) for _ in range(count)]
-        self._length = self._room = 0
-
-    def append(self, block: Array) -> None:
-        """Append a block of numbers (rows, columns)."""
-        begin, self._length = self._length, self._length + len(block)
-        if self._length > self._room:
-            self._resize(max(self._length, self._room * 5 // 4))
-        for array, values in zip(self._arrays, block.T, strict=True):
-            array[begin : self._length] = values
-
-    def finished(self) -> list[Array]:
-        """The columns at their true length."""
-        self._resize(self._length)
-        return self._arrays
-
-    def _resize(self, room: int) -> None:
-        self._room = room
-        for array in self._arrays:
-            array.resize(room, refcheck=False)
 
 
 def _quoted(name: str) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.bounds import check_count
+from flexdyn.records.channelmap.description import column_name
 from flexdyn.records.channelmap.known_units import split_unit
 from flexdyn.records.csv.dialect import NOTHING, Dialect, Stamps, is_stamp
 from flexdyn.records.csv.guess import dialect_of
@@ -67,10 +68,8 @@ def _told(blocks: Iterator[Block], layout: Layout) -> _Start:
     first = layout.first_line or (layout.names_line or 0) + 1
     at = layout.names_line or first - 1
     if at >= first:
-        remedy = "the samples must come after their names"
-        raise InputError(
-            "the first line of samples is not below the names", key="first_line", value=first, remedy=remedy
-        )
+        problem, remedy = "the first line of samples is not below the names", "the samples must come after their names"
+        raise InputError(problem, key="first_line", value=first, remedy=remedy)
     text = ""
     for number, lines in blocks:
         if 0 <= at - number < len(lines):
@@ -104,7 +103,8 @@ def _every(start: _Start, request: Request) -> Header:
         wanted = {"t": 0, **wanted}  # pandas with an index of times
     if not request.mapped and "t" not in wanted:
         check_time_named(names, _with_gaps(dialect, names, start.samples[1]))
-    return _header(dialect, len(names), names, wanted, start, units, request.layout)
+    told = request.layout.decimal is not None
+    return _with_stamps(Header(dialect, len(names), names, wanted, start.samples[0], units, told), start)
 
 
 def _with_gaps(dialect: Dialect, names: tuple[str, ...], lines: list[str]) -> set[str]:
@@ -128,27 +128,19 @@ def _as_asked(start: _Start, layout: Layout, asked: frozenset[str | int]) -> Hea
     dialect = dialect_of(row, lines, layout, start.text)
     width = len(dialect.split(row))
     names = tuple(dialect.split(start.text)) if start.at else ()
-    wanted = {_key(one): _column(one, names, width) for one in sorted(asked, key=str)}
+    wanted = {column_name(one): _column(one, names, width) for one in sorted(asked, key=str)}
     units = {key: split_unit(names[column])[1] for key, column in wanted.items() if column < len(names)}
-    return _header(dialect, width, names, wanted, start, {key: unit for key, unit in units.items() if unit}, layout)
+    units = {key: unit for key, unit in units.items() if unit}
+    told = layout.decimal is not None
+    return _with_stamps(Header(dialect, width, names, wanted, start.samples[0], units, told), start)
 
 
-def _header(
-    dialect: Dialect,
-    width: int,
-    names: tuple[str, ...],
-    wanted: dict[str, int],
-    start: _Start,
-    units: dict[str, str],
-    layout: Layout,
-) -> Header:
-    """The header, with a reader of stamps for the first requested column with dates."""
-    check_count(width)
-    first = _first_sample(dialect, start)
-    dated = [column for column in wanted.values() if column < len(first) and is_stamp(first[column])]
-    if dated:
-        dialect = replace(dialect, stamps=Stamps(dated[0]))
-    return Header(dialect, width, names, wanted, start.samples[0], units, layout.decimal is not None)
+def _with_stamps(header: Header, start: _Start) -> Header:
+    """The header with a reader of stamps for the first requested column with dates."""
+    check_count(header.width)
+    first = _first_sample(header.dialect, start)
+    dated = [column for column in header.wanted.values() if column < len(first) and is_stamp(first[column])]
+    return replace(header, dialect=replace(header.dialect, stamps=Stamps(dated[0]))) if dated else header
 
 
 def _first_sample(dialect: Dialect, start: _Start) -> list[str]:
@@ -157,15 +149,11 @@ def _first_sample(dialect: Dialect, start: _Start) -> list[str]:
     return dialect.split(line) if line else []
 
 
-def _key(asked: str | int) -> str:
-    return asked if isinstance(asked, str) else f"column {asked}"
-
-
 def _column(asked: str | int, names: tuple[str, ...], width: int) -> int:
     """Index of a column that was requested by name, or by number from 1."""
     if isinstance(asked, int):
         if not 1 <= asked <= width:
-            raise InputError("no such column", remedy=f"there are {width}", channel=_key(asked))
+            raise InputError("no such column", remedy=f"there are {width}", channel=column_name(asked))
         return asked - 1
     places = [column for column, name in enumerate(names[:width]) if name == asked]
     places = places or [column for column, name in enumerate(names[:width]) if split_unit(name)[0] == asked]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -31,40 +31,26 @@ def new_file(path: Path, **settings: Any) -> Iterator[Any]:
         MissingExtra: h5py is not installed.
     """
     h5py = library()
-    with _Target(path) as target:
+    with closing(_Target(path)) as target:
         with h5py.File(target, "w", track_order=True, libver=("v110", "v110"), **settings) as file:
             yield file
         if target.refusal is not None:
             raise target.refusal
 
 
-class _Target(io.RawIOBase):
+class _Target:
     """A file whose writes never fail; if the disk cannot be written to, this is noted, and the data go into memory.
 
     HDF5 crashes the process, immediately or later, if it cannot close a file because the disk is full (h5py issue 914).
     """
 
     def __init__(self, path: Path) -> None:
-        self._at: io.FileIO | io.BytesIO = open(path, "x+b", buffering=0)  # noqa: SIM115 - closed by `close`
+        self._at: io.FileIO | io.BytesIO = open(path, "x+b", buffering=0)  # noqa: SIM115 - `new_file` closes it
         self.refusal: OSError | None = None
 
-    def readable(self) -> bool:
-        return True
-
-    def writable(self) -> bool:
-        return True
-
-    def seekable(self) -> bool:
-        return True
-
-    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
-        return self._at.seek(offset, whence)
-
-    def tell(self) -> int:
-        return self._at.tell()
-
-    def readinto(self, buffer: Any) -> int:
-        return self._at.readinto(buffer) or 0
+    def __getattr__(self, name: str) -> Any:
+        """Everything that only reads is that of the file."""
+        return getattr(self._at, name)
 
     def write(self, data: Any) -> int:
         left = memoryview(data).cast("B")
@@ -75,17 +61,12 @@ class _Target(io.RawIOBase):
                 self._go_on_in_memory(error)
         return memoryview(data).nbytes
 
-    def truncate(self, size: int | None = None) -> int:
-        size = self.tell() if size is None else size
+    def truncate(self, size: int) -> int:
         try:
             return self._at.truncate(size)
         except OSError as error:
             self._go_on_in_memory(error)
             return size
-
-    def close(self) -> None:
-        self._at.close()
-        super().close()
 
     def _go_on_in_memory(self, refusal: OSError) -> None:
         """Read from the present position of the file."""

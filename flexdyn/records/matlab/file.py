@@ -45,10 +45,13 @@ def write(rec: Recording, path: Path) -> None:
         else:
             variables[variable] = rec.channels[name]
     columns = max((len(value) for value in variables.values() if isinstance(value, dict)), default=1)
-    if rec.t.nbytes * columns < LARGEST_V5:
-        _write_v5(variables, path)
-    else:
+    if rec.t.nbytes * columns >= LARGEST_V5:
         v73.write(variables, path)
+        return
+    from scipy.io import savemat
+
+    with open(path, "xb") as stream:
+        savemat(stream, variables, long_field_names=True, oned_as="column")
 
 
 def read(path: Path, request: Request) -> Table:
@@ -68,13 +71,6 @@ def read(path: Path, request: Request) -> Table:
     with damage_named("not a MAT-file, or truncated"):
         v5.read(path, request, columns)
         return columns.table()
-
-
-def _write_v5(variables: dict[str, Any], path: Path) -> None:
-    from scipy.io import savemat
-
-    with open(path, "xb") as stream:
-        savemat(stream, variables, long_field_names=True, oned_as="column")
 
 
 def _places(names: list[str]) -> dict[str, str]:

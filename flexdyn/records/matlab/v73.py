@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import Array
-from flexdyn.errors import InputError, check_installed
+from flexdyn.errors import InputError
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import MOST_COLUMNS, check_size
 from flexdyn.records.hdf5.file import attribute, check_storage, member
@@ -64,7 +64,6 @@ def read(path: Path, request: Request) -> Table:
         InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
         MissingExtra: h5py is not installed.
     """
-    check_installed("h5py", "hdf5")
     return read_apart(__name__, path, request)
 
 

@@ -15,9 +15,16 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from flexdyn.errors import InputError
 from flexdyn.io.yaml import read_yaml
-from flexdyn.records.ros.database import check_database
 from flexdyn.records.ros.definitions import stored
-from flexdyn.records.ros.guard import MOST_MESSAGE, BoundedReader, check_index, check_mcap, unpack_file, unpacked
+from flexdyn.records.ros.guard import (
+    MOST_MESSAGE,
+    BoundedReader,
+    check_database,
+    check_index,
+    check_mcap,
+    unpack_file,
+    unpacked,
+)
 from flexdyn.records.ros.walk import Fields, MessageLayout, lay_out
 from flexdyn.records.ros.words import check_word, listed
 from flexdyn.records.table import damage_named
@@ -65,17 +72,12 @@ class Bag:
         """Topic, time of recording [ns] and bytes of every message of some topics."""
         for number, storage in enumerate(self.storages):
             wanted = [connection for topic in topics for connection in topic.connections.get(number, ())]
-            if wanted:
-                yield from self._of(storage, wanted)
-
-    def _of(self, storage: Any, connections: list[Any]) -> Iterator[tuple[str, int, bytes]]:
-        unpack = self.unpack
-        with _library():
-            for connection, time, raw in storage.messages(connections):
-                if not isinstance(raw, bytes) or len(raw) > MOST_MESSAGE:
-                    problem = f"a message is not bytes, or more than {MOST_MESSAGE} of them"
-                    raise InputError(problem, key=connection.topic, remedy="choose another topic")
-                yield connection.topic, time, raw if unpack is None else unpack(raw)
+            with _library():
+                for connection, time, raw in storage.messages(wanted) if wanted else ():
+                    if not isinstance(raw, bytes) or len(raw) > MOST_MESSAGE:
+                        problem = f"a message is not bytes, or more than {MOST_MESSAGE} of them"
+                        raise InputError(problem, key=connection.topic, remedy="choose another topic")
+                    yield connection.topic, time, raw if self.unpack is None else self.unpack(raw)
 
     def layout(self, topic: Topic, raw: bytes) -> MessageLayout:
         """The layout of a message; if the bag does not define its type, that of the first type that fits."""

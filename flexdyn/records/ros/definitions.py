@@ -73,11 +73,8 @@ def stored(definition: MessageDefinition, msgtype: str, *, cdr: bool) -> Iterato
     for name, texts in _CONTROL.items():
         known.update(_plain(get_types_from_msg(texts[0], name)))
     if msgtype not in known:
-        raise InputError(
-            "the bag does not hold the definition of its messages, and ROS has no such type",
-            value=msgtype,
-            remedy="convert the bag to MCAP where the type is installed",
-        )
+        problem = "the bag does not hold the definition of its messages, and ROS has no such type"
+        raise InputError(problem, value=msgtype, remedy="convert the bag to MCAP where the type is installed")
     if msgtype not in _CONTROL:
         yield known
     for text in _CONTROL.get(msgtype, ()):
@@ -86,11 +83,10 @@ def stored(definition: MessageDefinition, msgtype: str, *, cdr: bool) -> Iterato
 
 def control_types() -> dict[str, Any]:
     """The parsed definitions that `DynamicJointState` needs beyond those of rosbags, to be registered for writing."""
-    return {
-        name: parsed
-        for msgtype in (INTERFACE_VALUE, DYNAMIC_JOINT_STATE)
-        for name, parsed in get_types_from_msg(_CONTROL[msgtype][0], msgtype).items()
-    }
+    types: dict[str, Any] = {}
+    for msgtype in (INTERFACE_VALUE, DYNAMIC_JOINT_STATE):
+        types |= get_types_from_msg(_CONTROL[msgtype][0], msgtype)
+    return types
 
 
 def _parsed(definition: MessageDefinition, msgtype: str) -> dict[str, Any]:

@@ -11,13 +11,10 @@ import numpy.typing as npt
 from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.request import Request
-from flexdyn.records.ros.clock import seconds
+from flexdyn.records.ros.clock import Integers, seconds
 from flexdyn.records.ros.columns import CONVENTIONAL
-from flexdyn.records.ros.series import Integers, Series
-from flexdyn.records.signals.gaps import in_gaps
-
-MERGES = ("linear", "hold")
-"""``linear``: interpolation between two messages; ``hold``: the value of the last message."""
+from flexdyn.records.ros.series import Series
+from flexdyn.records.signals.gaps import in_gaps, to_nearest
 
 
 @dataclass(frozen=True)
@@ -87,19 +84,13 @@ def _put(series: Series, values: Array, stamps: Integers, zero: int, merge: str)
 
 def _sentence(series: Series, base: Series, stamps: Integers, merge: str) -> str:
     how = "as its last message said" if merge == "hold" else "on straight lines between its messages"
-    apart = 1e3 * seconds(_nearest(series.stamps, stamps), 0)
+    apart = 1e3 * seconds(to_nearest(series.stamps, stamps), 0)
     return (
         f"{series.topic} ({_rate(series):.4g} Hz) was put on the times of {base.topic} ({_rate(base):.4g} Hz), {how}; "
         f"its messages are {np.median(apart):.3g} ms from these times in the median, at most {apart.max():.3g} ms; "
         f"{len(stamps)} of {len(base.stamps)} samples are common. Other times: source: {{topic: ..., merge: ...}}; "
         "a constant lag: delay of the channel"
     )
-
-
-def _nearest(own: Integers, stamps: Integers) -> Integers:
-    """Distance to the nearest of its own stamps [ns]."""
-    right = np.clip(np.searchsorted(own, stamps), 1, len(own) - 1)
-    return np.asarray(np.minimum(np.abs(stamps - own[right - 1]), np.abs(own[right] - stamps)))
 
 
 def _rate(series: Series) -> float:

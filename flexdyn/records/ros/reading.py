@@ -16,8 +16,7 @@ from flexdyn.records.ros.bag import Bag, Topic, opened
 from flexdyn.records.ros.clock import YEAR, seconds
 from flexdyn.records.ros.columns import CONVENTIONAL, is_own
 from flexdyn.records.ros.merging import merged
-from flexdyn.records.ros.picks import Conventional, Pick, Wanted
-from flexdyn.records.ros.series import Integers, Series
+from flexdyn.records.ros.series import Conventional, Series, Wanted
 from flexdyn.records.ros.words import listed, near
 from flexdyn.records.table import Rows, Table
 
@@ -35,14 +34,15 @@ def read(path: Path, request: Request) -> Table:
         raise InputError("no such clock", key="source.clock", value=request.layout.clock, remedy=remedy)
     with opened(path) as bag:
         own = _own(bag, request)
-        every = [_series(bag, topic, pick, request) for topic, pick in _choice(bag, request, own)]
+        every = [Series(bag, topic, pick, request.layout.clock) for topic, pick in _choice(bag, request, own)]
         _collect(bag, every, request)
     table = Table(rows=Rows("message"))
     one = merged(every, request)
     if own and one.said:
         raise InputError("the bag's own topics have different times", remedy="copy the whole bag", channel="t")
     table.said += one.said
-    zero = own["zero_ns"] if own else _zero(one.stamps)
+    first = int(one.stamps[0]) if len(one.stamps) else 0
+    zero = own["zero_ns"] if own else (first if first >= YEAR else 0)  # a time of day
     columns = dict(one.columns)
     exact = columns.pop("t", None)
     table.add("t", seconds(one.stamps, zero) if exact is None else exact)
@@ -75,7 +75,7 @@ def _own(bag: Bag, request: Request) -> dict[str, Any] | None:
     return own
 
 
-def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tuple[Topic, Pick]]:
+def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tuple[Topic, Conventional | Wanted]]:
     """The topics to read, and the columns of each."""
     if own or request.columns is None:
         names = [name for name in bag.topics if is_own(name)] if own else [_topic(bag, request)]
@@ -89,19 +89,11 @@ def _choice(bag: Bag, request: Request, own: dict[str, Any] | None) -> list[tupl
         return [(topic, Conventional(topic.name, topic.msgtype, own=bool(own))) for topic in topics]
     wanted: dict[str, dict[str, str]] = {}
     for column in sorted(str(column) for column in request.columns if column != "t"):
-        topic, name = _split(column)
+        topic, _, name = column.partition(".") if column.startswith("/") else ("", "", column)
         wanted.setdefault(_known(bag, topic) if topic else _topic(bag, request), {})[name] = column
     if not wanted:
         raise InputError("no column of the bag is asked for", remedy="name columns in the channel map")
     return [(bag.topics[topic], Wanted(topic, names)) for topic, names in wanted.items()]
-
-
-def _split(column: str) -> tuple[str, str]:
-    """Topic and column of ``/joint_states.position.elbow``; no topic if the column has none in front."""
-    if not column.startswith("/"):
-        return "", column
-    topic, _, name = column.partition(".")
-    return topic, name
 
 
 def _topic(bag: Bag, request: Request) -> str:
@@ -141,18 +133,6 @@ def _known(bag: Bag, name: str) -> str:
     return name
 
 
-def _series(bag: Bag, topic: Topic, pick: Pick, request: Request) -> Series:
-    return Series(
-        topic.name,
-        topic.msgtype,
-        lambda raw: bag.layout(topic, raw),
-        pick,
-        count=bag.total if topic.count is None else topic.count,
-        size=bag.size,
-        clock=request.layout.clock,
-    )
-
-
 def _collect(bag: Bag, every: Sequence[Series], request: Request) -> None:
     by_topic: Mapping[str, Series] = {series.topic: series for series in every}
     total = sum(series.count for series in every)
@@ -169,12 +149,6 @@ def _collect(bag: Bag, every: Sequence[Series], request: Request) -> None:
             raise InputError(problem, key=series.topic, remedy="the bag is truncated or damaged; reindex or recover it")
 
 
-def _zero(stamps: Integers) -> int:
-    """The stamp that is time 0: the first if it is a time of day."""
-    first = int(stamps[0]) if len(stamps) else 0
-    return first if first >= YEAR else 0
-
-
 def _notes(table: Table, series: Series) -> list[str]:
     """Leave out columns that were never measured, and note the assumptions."""
     notes = []
@@ -182,7 +156,6 @@ def _notes(table: Table, series: Series) -> list[str]:
         del table.columns[name]
         notes.append(f"{name} of {series.topic} is NaN in every message and was left out")
     if any(name.startswith("tau.") for name in table.columns):
-        notes.append(
-            f"effort of {series.topic} was taken as tau, the commanded torque; map it to tau_s if it is measured"
-        )
+        taken = f"effort of {series.topic} was taken as tau, the commanded torque"
+        notes.append(f"{taken}; map it to tau_s if it is measured")
     return notes

@@ -1,8 +1,8 @@
-"""The messages of one topic, collected in blocks and turned into columns with NumPy."""
+"""The messages of one topic: which columns are taken, and how blocks of messages become columns with NumPy."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,43 +11,89 @@ import numpy.typing as npt
 from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.bounds import check_size
-from flexdyn.records.ros.columns import columns_of, stamp_of
-from flexdyn.records.ros.picks import Pick
+from flexdyn.records.ros.bag import Bag, Topic
+from flexdyn.records.ros.clock import NANO, Integers
+from flexdyn.records.ros.columns import channels_of, columns_of, own_channels, stamp_of
 from flexdyn.records.ros.walk import Bytes, MessageLayout, MessageNumber
+from flexdyn.records.ros.words import listed, near
 
-Integers = npt.NDArray[np.int64]
-
+_TWO_PUBLISHERS = "several publishers share the topic: name the channels of one group of joints in a channel map"
+_BAG_CLOCK = "take the time of recording: source: {clock: bag} in a channel map"
 _BLOCK_MESSAGES = 4096
 _BLOCK_BYTES = 8 * 2**20
 _EXACT = 2**53
+
+
+class Conventional:
+    """The channels of a topic without a map; every message must have the same ones."""
+
+    def __init__(self, topic: str, msgtype: str, *, own: bool) -> None:
+        self.topic, self.msgtype, self.own = topic, msgtype, own
+        self.names: frozenset[str] | None = None
+
+    def __call__(self, columns: Mapping[str, MessageNumber], row: int) -> dict[str, MessageNumber]:
+        """Numbers by channel."""
+        own = self.own
+        channels = own_channels(columns, self.topic, self.msgtype) if own else channels_of(columns, self.msgtype)
+        if self.names is None:
+            self.names = frozenset(channels)
+            if not channels:
+                remedy = "name columns in a channel map; there are " + (listed(columns) or "none")
+                raise InputError("the topic has no channels of joints", key=self.topic, remedy=remedy)
+        missing, new = sorted(self.names - set(channels)), sorted(set(channels) - self.names)
+        if missing or new:
+            verb, other = ("lacks", "has") if missing else ("has", "lacks")
+            problem = f"message {row} {verb} {listed(missing or new)}, which the first {other}"
+            raise InputError(problem, key=self.topic, remedy=_TWO_PUBLISHERS, row=row, channel=(missing or new)[0])
+        return {channel: columns[name] for name, channel in channels.items()}
+
+    def check(self) -> None:
+        """Accept: no column was requested."""
+
+
+class Wanted:
+    """Columns that are requested by name; messages without any of them belong to another publisher and are skipped."""
+
+    def __init__(self, topic: str, names: Mapping[str, str]) -> None:
+        self.topic, self.names = topic, names
+        self.found: set[str] = set()
+        self.known: dict[str, None] = {}
+
+    def __call__(self, columns: Mapping[str, MessageNumber], row: int) -> dict[str, MessageNumber] | None:
+        """Numbers by the name of the table's column."""
+        missing = [name for name in self.names if name not in columns]
+        if missing and len(self.known) < 1000:
+            self.known.update(dict.fromkeys(columns))
+        if len(missing) == len(self.names):
+            return None
+        if missing:
+            alike = near(missing[0], columns)
+            problem = f"message {row} of {self.topic} has no such column, but has other requested ones"
+            raise InputError(problem, remedy=f"{alike} if {_TWO_PUBLISHERS}", row=row, channel=missing[0])
+        self.found.update(self.names)
+        return {out: columns[name] for name, out in self.names.items()}
+
+    def check(self) -> None:
+        """Refuse columns that no message had."""
+        if missing := [name for name in self.names if name not in self.found]:
+            problem, remedy = f"the topic {self.topic} has no such column", near(missing[0], self.known)
+            raise InputError(problem, remedy=remedy, channel=missing[0])
 
 
 class Series:
     """Columns of one topic, growing.
 
     Args:
-        topic: name, for messages.
-        msgtype: of its messages.
-        describe: function that gives the layout of a message.
-        pick: chooses the columns.
-        count: number of messages in the index, an upper bound.
-        size: bytes of the bag on disk, for the check of the declared size.
+        bag: that has the messages.
+        topic: of it.
+        pick: chooses the columns of a message.
         clock: ``message`` or ``bag``.
     """
 
-    def __init__(
-        self,
-        topic: str,
-        msgtype: str,
-        describe: Callable[[bytes], MessageLayout],
-        pick: Pick,
-        *,
-        count: int,
-        size: int,
-        clock: str,
-    ) -> None:
-        self.topic, self.msgtype, self.pick, self.clock = topic, msgtype, pick, clock
-        self.describe, self.count, self.size = describe, count, size
+    def __init__(self, bag: Bag, topic: Topic, pick: Conventional | Wanted, clock: str) -> None:
+        self._bag, self._about = bag, topic
+        self.topic, self.msgtype, self.pick, self.clock = topic.name, topic.msgtype, pick, clock
+        self.count = bag.total if topic.count is None else topic.count  # an upper bound
         self.columns: dict[str, Array] = {}
         self.stamps: Integers = np.empty(0, np.int64)
         self.filled = self.seen = 0
@@ -82,14 +128,18 @@ class Series:
             rows = np.flatnonzero(lengths == length)
             block = np.frombuffer(b"".join([raws[row] for row in rows]), np.uint8).reshape(len(rows), length)
             while len(rows):
-                layout = self.describe(raws[rows[0]])
+                layout = self._bag.layout(self._about, raws[rows[0]])
                 same = layout.matches(block)
                 numbers = self._picked(layout, int(rows[0]))
                 if numbers is not None:
                     if not len(values):
                         values = np.empty((len(self.columns), len(raws)))
-                    self._take(layout, numbers, block[same], rows[same], values, stamps)
-                    keep[rows[same]] = True
+                    taken = rows[same]
+                    for index, name in enumerate(self.columns):
+                        values[index, taken] = self._doubles(name, numbers[name].of(block[same]))
+                    if self.clock == "message":
+                        stamps[taken] = self._stamped(layout, block[same])
+                    keep[taken] = True
                 rows, block = rows[~same], block[~same]
         self._append(values, stamps, keep)
         self.seen += len(raws)
@@ -103,8 +153,7 @@ class Series:
             for name in self.columns:
                 self.columns[name] = self.columns[name][: self.filled].copy()
         if self.clock == "message" and self.filled and not self.stamps.any():
-            remedy = "take the time of recording: source: {clock: bag} in a channel map"
-            raise InputError("every stamp is zero", key=self.topic, remedy=remedy, channel="t")
+            raise InputError("every stamp is zero", key=self.topic, remedy=_BAG_CLOCK, channel="t")
 
     def _stamps(self, times: list[int]) -> Integers:
         if self.clock == "message":
@@ -116,29 +165,18 @@ class Series:
     def _picked(self, layout: MessageLayout, row: int) -> dict[str, MessageNumber] | None:
         numbers = self.pick(columns_of(layout, self.msgtype), self.seen + row)
         if numbers is not None and not self.columns:
-            check_size(8 * self.count * (len(numbers) + 1), self.size)
+            check_size(8 * self.count * (len(numbers) + 1), self._bag.size)
             self.columns = {name: np.empty(self.count) for name in numbers}
             self.stamps = np.empty(self.count, np.int64)
         return numbers
 
-    def _take(
-        self,
-        layout: MessageLayout,
-        numbers: dict[str, MessageNumber],
-        block: Bytes,
-        rows: npt.NDArray[np.intp],
-        values: Array,
-        stamps: Integers,
-    ) -> None:
-        for index, name in enumerate(self.columns):
-            values[index, rows] = self._doubles(name, numbers[name].of(block))
-        if self.clock == "message":
-            stamp = stamp_of(layout)
-            if stamp is None:
-                remedy = "take the time of recording: source: {clock: bag} in a channel map"
-                raise InputError(f"messages of {self.msgtype} have no stamp", key=self.topic, remedy=remedy)
-            seconds, nanoseconds = (part.of(block).astype(np.int64) for part in stamp)
-            stamps[rows] = seconds * 10**9 + nanoseconds
+    def _stamped(self, layout: MessageLayout, block: Bytes) -> Integers:
+        """The stamps in the messages of a block [ns]."""
+        stamp = stamp_of(layout)
+        if stamp is None:
+            raise InputError(f"messages of {self.msgtype} have no stamp", key=self.topic, remedy=_BAG_CLOCK)
+        seconds, nanoseconds = (part.of(block).astype(np.int64) for part in stamp)
+        return np.asarray(seconds * NANO + nanoseconds)
 
     def _doubles(self, name: str, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         if values.dtype.itemsize == 8 and values.dtype.kind in "iu" and (np.abs(values.astype(float)) > _EXACT).any():

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.meta import as_plain
-from flexdyn.records.signals.gaps import in_gaps
+from flexdyn.records.signals.gaps import in_gaps, to_nearest
 from flexdyn.records.table import Table
 
 if TYPE_CHECKING:
@@ -47,10 +47,8 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
     for other in others:
         for name in other.channels:
             if name in columns:
-                remedy = "leave it out of one of them, by a channel map"
-                raise InputError(
-                    f"{_named(first)} and {_named(other)} both have it", key=name, remedy=remedy, channel=name
-                )
+                problem, remedy = f"{_named(first)} and {_named(other)} both have it", "leave it out of one of them"
+                raise InputError(problem, key=name, remedy=f"{remedy}, by a channel map", channel=name)
         t, clock = _on_the_clock_of(first, other)
         kept &= (first.t >= t[0]) & (first.t <= t[-1]) & ~in_gaps(t, first.t)
         columns |= {name: _at(first.t, t, values, method) for name, values in other.channels.items()}
@@ -87,12 +85,11 @@ def _at(times: Array, t: Array, values: Array, method: str) -> Array:
 
 def _said(first: Recording, other: Recording, t: Array, method: str, clock: str) -> str:
     """A sentence that says how a recording was aligned."""
-    right = np.clip(np.searchsorted(t, first.t), 1, len(t) - 1)
-    off = np.minimum(np.abs(first.t - t[right - 1]), np.abs(first.t - t[right]))
+    off = float(np.median(to_nearest(t, first.t)))
     how = "on straight lines between its samples" if method == "linear" else "each sample held to the next"
     return (
         f"{_named(other)} ({other.rate:.4g} Hz) was put on the times of {_named(first)} ({first.rate:.4g} Hz), {how};"
-        f" {clock}; its samples are {1e3 * float(np.median(off)):.3g} ms from these times in the median"
+        f" {clock}; its samples are {1e3 * off:.3g} ms from these times in the median"
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -63,6 +63,12 @@ def in_gaps(t: Array, times: Array) -> npt.NDArray[np.bool_]:
     return np.asarray((at >= 0) & (times < t[rows[np.clip(at, 0, None)] + 1] - slack))
 
 
+def to_nearest(t: npt.NDArray[Any], times: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """The distance of each time to the nearest of `t`."""
+    right = np.clip(np.searchsorted(t, times), 1, len(t) - 1)
+    return np.asarray(np.minimum(np.abs(times - t[right - 1]), np.abs(times - t[right])))
+
+
 def apart_at_gaps(recordings: Iterable[Recording]) -> tuple[Recording, ...]:
     """The pieces between gaps as separate recordings; a recording without gaps is returned as it is.
 
@@ -78,9 +84,8 @@ def apart_at_gaps(recordings: Iterable[Recording]) -> tuple[Recording, ...]:
         pieces = rec.split(gaps=gap_limit(rec.t))
         kept = [piece for piece in pieces if piece.duration >= SHORTEST_PIECE]
         if len(kept) < len(pieces) and kept:
-            problem = (
-                f"{len(pieces) - len(kept)} of {len(pieces)} pieces between gaps are shorter than {SHORTEST_PIECE:g} s"
-            )
-            warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=4)
+            count = f"{len(pieces) - len(kept)} of {len(pieces)} pieces between gaps"
+            text = f"{rec.name}: {count} are shorter than {SHORTEST_PIECE:g} s and left out"
+            warnings.warn(text, RecordingWarning, stacklevel=4)
         found += kept or pieces
     return tuple(found)

@@ -11,8 +11,7 @@ import numpy.typing as npt
 from flexdyn.checks import Array
 from flexdyn.errors import InputError
 from flexdyn.records.signals.noise_spectrum import Spectrum, clipped, contrasts, spectrum
-from flexdyn.records.signals.quantisation import held_for, quantisation_step
-from flexdyn.records.signals.reading_noise import reading_noise
+from flexdyn.records.signals.reading_noise import held_for, quantisation_step, reading_noise
 from flexdyn.records.table import Rows, check_finite, check_time
 
 FEWEST = 64
