@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from flexdyn.arrays import Array, Flags
+
 Balance = Callable[[Array], Array]
 MOST_DOUBLINGS = 100
 """Doublings of the first step after which a component counts as having no root."""
 
 
-def roots(f: Balance, start: Array, step: Array, tolerance: Array | float) -> tuple[Array, NDArray[np.bool_]]:
+def roots(f: Balance, start: Array, step: Array, tolerance: Array | float) -> tuple[Array, Flags]:
     """Solve f_j(x_j) = 0 for every j together.
 
     Args:

@@ -12,10 +12,10 @@ from flexdyn.analysis.jacobian import state_matrix
 from flexdyn.analysis.modes_result import Modes
 from flexdyn.analysis.pose import Pose, pose
 from flexdyn.analysis.statics import Statics
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 Rotors = Literal["free", "held"]
 ZERO_FREQUENCY_SHARE = 1e-10
 """Squared frequencies below this share of the largest one are zero [1]."""

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.analysis.pose import checked_frequencies
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

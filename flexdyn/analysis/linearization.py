@@ -14,11 +14,10 @@ from flexdyn.analysis.linear_model import LinearModel
 from flexdyn.analysis.outputs import output_matrix, state_names
 from flexdyn.analysis.pose import Pose, pose, torques, vector
 from flexdyn.analysis.statics import Statics
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import build_plant
-
-Array = NDArray[np.float64]
 
 
 def linearize(

@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.analysis.steady_points import SteadyPoint
+from flexdyn.arrays import Array, Flags
 
-Array = NDArray[np.float64]
 LAWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"stribeck_friction": ("excess", "velocity"), "quadratic_drag": ("coefficient",)}
 )
@@ -46,7 +45,7 @@ class DirectionPoints:
         """The points with larger standard deviations."""
         return DirectionPoints(self.u, self.tau, factor * self.std)
 
-    def part(self, rows: NDArray[np.bool_]) -> DirectionPoints:
+    def part(self, rows: Flags) -> DirectionPoints:
         """A selection of the points."""
         return DirectionPoints(self.u[rows], self.tau[rows], self.std[rows])
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.signals.decimate import CLOCK_JITTER
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +38,13 @@ class Measured:
     theta: Array
     tau: Array
     tau_s: Array
-    has_q: NDArray[np.bool_]
-    has_theta: NDArray[np.bool_]
-    has_tau_s: NDArray[np.bool_]
-    forced: NDArray[np.bool_]
+    has_q: Flags
+    has_theta: Flags
+    has_tau_s: Flags
+    forced: Flags
 
     @property
-    def both(self) -> NDArray[np.bool_]:
+    def both(self) -> Flags:
         """Joints with both encoders (n,)."""
         return np.asarray(self.has_q & self.has_theta)
 

@@ -6,13 +6,12 @@ import dataclasses
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.effects import ChannelLag, SensorEffect, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 SPARE_SAMPLES = 16
 """Number of samples beyond either end that have an influence on a spline's coefficients."""
 

@@ -6,8 +6,8 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
@@ -18,7 +18,6 @@ from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.effects import Effect, SensorEffect
 from flexdyn.errors import SimulationError
 
-Array = NDArray[np.float64]
 SAME_DERIVATIVE_DISTANCE = 0.05
 """If a number differs more from its given value, its derivative is computed again [1]."""
 SAME_SLOPE_STEPS = 5.0

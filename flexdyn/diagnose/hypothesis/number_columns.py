@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, stands_alone
 from flexdyn.diagnose.equations.equations import Equations
@@ -17,7 +17,6 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import OF_LINK, OF_MOTOR, FileNumber
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 RELATIVE_NUMBER_STEP = 1e-3
 """Relative step of the differences."""
 

@@ -6,8 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.channel_noise import encoder_noise, recorded_torque_noise
 from flexdyn.diagnose.data.filters import SECOND_FILTER_WIDTHS, Filters
 from flexdyn.diagnose.data.measured import Measured
@@ -23,7 +23,6 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import file_numbers, with_factors
 
-Array = NDArray[np.float64]
 MANY = 200.0
 """A wider filter is used only if recordings are longer than this multiple of it [1]."""
 
@@ -77,9 +76,7 @@ def prepared(
     return bare, noise, start
 
 
-def weighed(
-    bare: Unweighted, noise: SampleNoise, mask: NDArray[np.bool_] | None = None, extra: Array | None = None
-) -> Workspace:
+def weighed(bare: Unweighted, noise: SampleNoise, mask: Flags | None = None, extra: Array | None = None) -> Workspace:
     """Equations with weights from the noise.
 
     Args:

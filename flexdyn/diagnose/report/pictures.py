@@ -6,13 +6,12 @@ from html import escape
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.report.suspects import Experiment
 from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, packed
 from flexdyn.plots.palette import INK, RULE
 
-Array = NDArray[np.float64]
 BEFORE, AFTER = "#D9805F", "#1F4E9C"
 """Of what the model left unexplained before and after its correction; page.css has the same."""
 FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"

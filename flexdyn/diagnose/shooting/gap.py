@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, bounded_residual, matched
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.diagnose.shooting.starts import first_states
@@ -14,7 +14,6 @@ from flexdyn.diagnose.shooting.whiten import Filter
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 NOISE_GAP = 1.3
 """If the median window's gap is at most this multiple of the floor, it is noise [1]: a window of one joint has about
 twenty independent errors, whose root mean square has a standard deviation of 16 %."""
@@ -49,9 +48,9 @@ class Shot:
     x0: Array
     residual: Array
     std: Array
-    used: NDArray[np.bool_]
+    used: Flags
     fragile: Array
-    failed: NDArray[np.bool_]
+    failed: Flags
     _filter: Filter
     _moved: Array
 
@@ -162,7 +161,7 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None
     return Shot(model, windows, x0, residual, std, used, fragile, failed, filter_, moved)
 
 
-def _used(shooter: Shooter) -> NDArray[np.bool_]:
+def _used(shooter: Shooter) -> Flags:
     """Measured samples, in whole blocks.
 
     A window that needs torques from before the recording does not count, unless there is no other.
@@ -176,7 +175,7 @@ def _used(shooter: Shooter) -> NDArray[np.bool_]:
     return used
 
 
-def _drawn(shooter: Shooter, x0: Array, residual: Array, used: NDArray[np.bool_], seed: int) -> Array:
+def _drawn(shooter: Shooter, x0: Array, residual: Array, used: Flags, seed: int) -> Array:
     """The residual from drawn noise of torques and sensors, if the model is right."""
     windows, draw = shooter.windows, np.random.default_rng(seed)
     noisy = Shooter(

@@ -6,14 +6,13 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.shooting.shooter import Shooter, SimulatedWindows
 from flexdyn.diagnose.shooting.spread import spread
 from flexdyn.diagnose.shooting.starts import Starts
 from flexdyn.diagnose.shooting.whiten import Filter
 
-Array = NDArray[np.float64]
 LARGEST_FIRST_STATE_SHIFT = 100.0
 """Largest change of a first state, in standard deviations [1]: a larger one comes from a divergent response."""
 FAILED_WINDOW_SHARE = 0.3
@@ -46,13 +45,13 @@ class Matched:
     motion: SimulatedWindows
     filter: Filter
 
-    def stray(self, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def stray(self, used: Flags) -> Flags:
         """Windows with much larger residuals than the others (windows,)."""
         size = self.filter.scaled(self.residual)
         return np.asarray(size > STRAY_WINDOW_RATIO**2 * max(float(np.median(size)), float(used[0].sum())))
 
 
-def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], near: Array | None = None) -> Matched:
+def matched(shooter: Shooter, starts: Starts, used: Flags, near: Array | None = None) -> Matched:
     """Correct first states until the residual hardly decreases.
 
     Windows with large residuals are tried again with unmeasured joints at rest, where friction may hold them, and from
@@ -84,10 +83,10 @@ def within(starts: Starts, moved: Array) -> Array:
 def _from(
     shooter: Shooter,
     starts: Starts,
-    used: NDArray[np.bool_],
+    used: Flags,
     moved: Array,
     rest: Matched | None = None,
-    some: NDArray[np.bool_] | None = None,
+    some: Flags | None = None,
 ) -> Matched:
     """Correct the first states by linear responses until the residual hardly decreases.
 
@@ -126,7 +125,7 @@ def _from(
 
 
 def _filter(
-    shooter: Shooter, starts: Starts, used: NDArray[np.bool_], motion: SimulatedWindows, some: NDArray[np.bool_],
+    shooter: Shooter, starts: Starts, used: Flags, motion: SimulatedWindows, some: Flags,
     rest: Matched | None,
 ) -> Filter:  # fmt: skip
     """The filter of a motion: computed again for some windows, unchanged for the others."""
@@ -137,7 +136,7 @@ def _filter(
     return made if rest is None else rest.filter.replaced(which, made)
 
 
-def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matched, other: Matched) -> Matched:
+def _better(shooter: Shooter, starts: Starts, used: Flags, one: Matched, other: Matched) -> Matched:
     """For each window the fit with the smaller residual."""
     wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
     motion = one.motion.replaced(wins, other.motion.part(wins))
@@ -146,7 +145,7 @@ def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matc
     return Matched(moved, residual, motion, _filter(shooter, starts, used, motion, wins, one))
 
 
-def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: NDArray[np.bool_]) -> Array:
+def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: Flags) -> Array:
     """Simulated - measured, bounded, also if the simulation failed."""
     windows = shooter.windows
     measured = windows.measured

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.analysis.jacobian import dry_velocities
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.shooting.sensing import lag, sensors
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.effects import DeflectionEffect, recovered
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 REACHES = (0.04, 0.02, 0.01, 0.005)
 """Half widths of the local cubic [s]; the widest one whose error is only noise is used."""
 LEAST_REST_TIME = 0.02
@@ -179,7 +179,7 @@ def _wound(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
     return delta
 
 
-def _stick(shooter: Shooter, x: Array, std: Array, rests: NDArray[np.bool_]) -> list[int]:
+def _stick(shooter: Shooter, x: Array, std: Array, rests: Flags) -> list[int]:
     """Set the velocities of contacts with dry friction that rest within the noise to 0, without uncertainty.
 
     This is not done on an unmeasured side: it may move while the other side rests, because the spring deflects. The
