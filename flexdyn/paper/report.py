@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from flexdyn.io.json_text import jsonable
 from flexdyn.paper.chapter import Chapter, prose
 from flexdyn.paper.readings import Reading
 from flexdyn.simulation.run import Run
@@ -22,8 +22,8 @@ def summary_data(chapters: Sequence[Chapter], readings: Sequence[Reading], versi
         "flexdyn": version,
         "paper": TITLE,
         "passed": all(check.passed for check in checks),
-        "checks": [_plain(asdict(check)) for check in checks],
-        "numbers": {chapter.title: _plain(chapter.numbers) for chapter in chapters if chapter.numbers},
+        "checks": [jsonable(asdict(check)) for check in checks],
+        "numbers": {chapter.title: jsonable(chapter.numbers) for chapter in chapters if chapter.numbers},
         "readings": [asdict(reading) for reading in readings],
         "figures": {figure.name: figure.caption for chapter in chapters for figure in chapter.figures},
         "runs": {name: _run_data(run) for chapter in chapters for name, run in chapter.runs.items()},
@@ -55,15 +55,6 @@ def _run_data(run: Run) -> dict[str, Any]:
         "solver": run.solver.to_dict(),
         "notes": [*run.notes],
     }
-
-
-def _plain(value: Any) -> Any:
-    """Nested data in a form for JSON: mappings as dicts, numbers that are not finite as null."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _escaped(text: str) -> str:

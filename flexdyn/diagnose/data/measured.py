@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,8 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.signals.decimate import CLOCK_JITTER
+
+SIGNALS = ("q", "theta", "tau", "tau_s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,14 +53,11 @@ class Measured:
 
     def channel(self, signal: str) -> Array:
         """One signal of all joints (samples, n)."""
-        return {"q": self.q, "theta": self.theta, "tau": self.tau, "tau_s": self.tau_s}[signal]
+        return np.asarray(getattr(self, signal))
 
     def part(self, first: int, last: int) -> Measured:
         """Samples from `first` up to, but without, `last`; times are still those since the start of the run."""
-        cut = slice(first, last)
-        columns = (self.q[cut], self.theta[cut], self.tau[cut], self.tau_s[cut])
-        there = (self.has_q, self.has_theta, self.has_tau_s, self.forced)
-        return Measured(self.name, self.t[cut], self.dt, *columns, *there)
+        return dataclasses.replace(self, **{name: getattr(self, name)[first:last] for name in ("t", *SIGNALS)})
 
 
 def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
@@ -70,18 +70,16 @@ def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
     recording = uniform(recording)
     names = model.joint_names
     columns, has = {}, {}
-    for signal in ("q", "theta", "tau", "tau_s"):
-        there = np.array([recording.has(signal, joint) for joint in names])
-        column = np.zeros((len(recording), len(names)))
-        for j in np.flatnonzero(there):
-            column[:, j] = recording[f"{signal}.{names[j]}"]
-        columns[signal], has[signal] = column, there
+    for signal in SIGNALS:
+        has[f"has_{signal}"] = np.array([recording.has(signal, joint) for joint in names])
+        columns[signal] = np.zeros((len(recording), len(names)))
+        for j in np.flatnonzero(has[f"has_{signal}"]):
+            columns[signal][:, j] = recording[f"{signal}.{names[j]}"]
+    del has["has_tau"]  # of every joint
     t = recording.t - recording.t[0]
     dt = float(t[-1]) / (len(t) - 1)
     forced = np.array([joint in recording.prescribed for joint in names])
-    encoders = (has["q"], has["theta"], has["tau_s"])
-    signals = (columns["q"], columns["theta"], columns["tau"], columns["tau_s"])
-    return Measured(recording.name, t, dt, *signals, *encoders, forced)
+    return Measured(name=recording.name, t=t, dt=dt, **columns, **has, forced=forced)
 
 
 def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:

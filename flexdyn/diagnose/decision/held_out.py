@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
-from flexdyn.diagnose.data.channel_noise import encoder_noise, recorded_torque_noise
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener, whitener
@@ -16,6 +15,7 @@ from flexdyn.diagnose.equations.equations import LINK, MOTOR, TOTAL, Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.workspace import recorded_noise
 from flexdyn.errors import InputError
 from flexdyn.records.signals.decimate import CLOCK_JITTER
 
@@ -106,12 +106,6 @@ def _mask(given: Equations, after: Equations, noise: SampleNoise) -> Flags:
     mask = (sign_mask(given, noise) | sign_mask(after, noise)).reshape(-1, many)
     own = (sign_mask(given, noise, alone=True) | sign_mask(after, noise, alone=True)).reshape(-1, many)
     return np.where(mask.all(axis=0), own, mask).ravel()
-
-
-def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
-    """Of the channels, as the record shows it."""
-    torque = np.maximum(recorded_torque_noise(data), 1e-12)
-    return SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
 
 
 def _filters(equations: Equations, dt: float) -> Filters:

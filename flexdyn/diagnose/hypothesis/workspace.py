@@ -63,8 +63,7 @@ def prepared(
         InputError: all rows are masked.
     """
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
-    torque = np.maximum(recorded_torque_noise(data), 1e-12)
-    noise = SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
+    noise = recorded_noise(data)
     bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
     used = ~sign_mask(bare.equations, noise).reshape(-1, len(bare.equations.kinds))
     if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers
@@ -74,6 +73,12 @@ def prepared(
         remedy = "let all joints move at once for seconds: while one sticks, its friction torque is unknown"
         raise InputError(problem, file=data[0].name, key="t", remedy=remedy)
     return bare, noise, start
+
+
+def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
+    """Of the channels, as the record shows it."""
+    torque = np.maximum(recorded_torque_noise(data), 1e-12)
+    return SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
 
 
 def weighed(bare: Unweighted, noise: SampleNoise, mask: Flags | None = None, extra: Array | None = None) -> Workspace:

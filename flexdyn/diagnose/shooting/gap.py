@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
-from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, bounded_residual, matched
+from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, Matching, bounded_residual
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.diagnose.shooting.starts import first_states
 from flexdyn.diagnose.shooting.whiten import Filter
@@ -146,7 +146,7 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None
     shooter = Shooter(model, windows)
     starts = first_states(shooter)
     used = _used(shooter)
-    fit = matched(shooter, starts, used, near)
+    fit = Matching(shooter, starts, used).best(near)
     x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
     std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
     failed = motion.written < windows.rows
