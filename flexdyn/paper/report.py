@@ -1,17 +1,23 @@
-"""The study's summary: Markdown for people, plain data for programs."""
+"""The study's summary, for people and for programs, with the chosen readings of ambiguities and misprints."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from flexdyn.io.json_text import jsonable
+from flexdyn.io.yaml import parse_yaml
+from flexdyn.paper import equations as eq
+from flexdyn.paper.cases import AMPLITUDE, PULSE, PaperCases
 from flexdyn.paper.chapter import Chapter, prose
-from flexdyn.paper.readings import Reading
+from flexdyn.paper.verification import random_states, tip_acceleration
 from flexdyn.simulation.run import Run
 
 TITLE = "The Effect of Friction on the Formulation and Numerical Solution of Elastic Joint Manipulators"
+AREA_MOMENT = 9.9e-12  # m^4: I_1 = I_2 of Table I
 
 
 def summary_data(chapters: Sequence[Chapter], readings: Sequence[Reading], version: str) -> dict[str, Any]:
@@ -62,3 +68,45 @@ def _escaped(text: str) -> str:
     for mark in ("|", "*", "_", "<"):
         text = text.replace(mark, "\\" + mark)
     return text
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One place of the paper.
+
+    Attributes:
+        where: equation, table, figure or section.
+        printed: the printed text.
+        read_as: the reading that is used.
+        why: the reason, with numbers measured by this study.
+    """
+
+    where: str
+    printed: str
+    read_as: str
+    why: str
+
+
+def readings(cases: PaperCases) -> tuple[Reading, ...]:
+    """All of them, from ``readings.yaml``: misprints in equations, symbols, Table I, what is missing, figures."""
+    arm, friction = cases.arm(), cases.friction
+    q, v, _ = random_states()
+    accelerations = np.random.default_rng(1).uniform(-5.0, 5.0, q.shape)
+    measured, _ = tip_acceleration(arm, q, v, accelerations)
+    radius = (4 * AREA_MOMENT / np.pi) ** 0.25
+    text = prose(
+        "readings.yaml",
+        without=np.abs(np.einsum("tij,tj->ti", eq.jacobian(arm, q), accelerations) - measured).max(),
+        wrong=np.abs(eq.jacobian_as_printed(arm, q) - eq.jacobian(arm, q)).max(0),
+        D22=eq.D22(arm),
+        D22_as_printed=eq.D22_as_printed(arm),
+        inertia=arm.inertia,
+        less=100 * arm.inertia / eq.D22(arm),
+        density=round(arm.mu / (np.pi * radius**2), -3),
+        friction=friction,
+        level=100 * friction.dynamic / cases.limit.stall_torque,
+        J=arm.J,
+        amplitude=AMPLITUDE,
+        pulse=PULSE,
+    )
+    return tuple(Reading(**each) for each in parse_yaml(text)["readings"])

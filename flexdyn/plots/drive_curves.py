@@ -1,4 +1,4 @@
-"""Curves of transmissions, links and motors."""
+"""Curves of transmissions, links, motors and sensors."""
 
 from __future__ import annotations
 
@@ -9,14 +9,28 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects import DeflectionEffect, JointEffect
+from flexdyn.effects import ChannelLag, CommandDelay, DeflectionEffect, JointEffect, SensorEffect
 from flexdyn.plots.friction_curves import span, turn, varies
-from flexdyn.plots.page import BLUE, DASHED, GREY, RED, SHADES, beside, cross, legend, line
+from flexdyn.plots.page import (
+    BLUE,
+    GREY,
+    GUIDE_DASHES,
+    LAW_LINE_WIDTH,
+    RED,
+    SHADES,
+    beside,
+    cross,
+    legend,
+    legend_above,
+    line,
+)
 
 ASKED = (-1.2, -0.6, 0.0, 0.6, 1.2)
 """Commanded torques in the pictures of actuator effects [N m]."""
 DEFLECTION = 0.01
 """Deflection of springs in the pictures [rad]."""
+VISIBLE = 0.02
+"""Smaller errors, relative to the measured value, are drawn separately [1]."""
 
 
 def spring(axes: Any, effect: JointEffect) -> tuple[str, str]:
@@ -83,6 +97,46 @@ def _family(axes: Any, effect: JointEffect, across: Array, state: tuple[Any, Any
     """One curve for each commanded torque, which is drawn dashed."""
     cross(axes)
     for tau, shade in zip(ASKED, SHADES, strict=True):
-        axes.axhline(tau, color=shade, linewidth=0.8, linestyle=DASHED)
+        axes.axhline(tau, color=shade, linewidth=0.8, linestyle=GUIDE_DASHES)
         line(axes, across, effect.torque(*state, tau=tau), color=shade, label=f"{tau:g} N m")
     legend(axes, "asked (dashed)", upside_down=True)
+
+
+def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
+    """The response to a step of the commanded torque."""
+    end = 4.0 * effect.delay
+    asked, given = [-0.5 * end, 0.0, end], [-0.5 * end, effect.delay, end]
+    axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
+    step = [0.0, 1.0, 1.0]
+    axes.step(asked, step, where="post", color=GREY, linewidth=1.4, linestyle=GUIDE_DASHES, label=r"asked: $\tau$")
+    axes.step(given, step, where="post", color=BLUE, linewidth=LAW_LINE_WIDTH, label=r"given: $\tau_\mathrm{applied}$")
+    axes.legend(frameon=False, loc="center right")
+    return "time $t$ [s]", "motor torque [N m]"
+
+
+def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
+    """Measured over true value; only the error if it is too small to see; over time for a delay."""
+    if isinstance(effect, ChannelLag):
+        return _late(axes, effect)
+    lengths = [abs(getattr(effect, field.name)) for field in effect.parameters() if field.metadata["unit"] != "1"]
+    turns = any(field.name == "harmonic" for field in effect.parameters())
+    reach = 0.5 * turn(effect) if turns or not any(lengths) else 5.0 * max(lengths)
+    true = np.linspace(-reach, reach, 801)
+    reported = effect.measured(true, np.arange(801.0))
+    cross(axes)
+    if np.abs(reported - true).max() < VISIBLE * reach:
+        line(axes, true, reported - true)
+        return "true position [rad]", "measured - true [rad]"
+    beside(axes, true, "true", reported, "measured")
+    return "true position [rad]", "measured position [rad]"
+
+
+def _late(axes: Any, effect: ChannelLag) -> tuple[str, str]:
+    """An oscillating position, and the reading of the sensor."""
+    t = np.linspace(0.0, 20.0 * effect.delay, 1201)
+    true = np.sin(2.0 * math.pi * t / (10.0 * effect.delay))
+    axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
+    axes.plot(t, true, color=GREY, linewidth=1.4, linestyle=GUIDE_DASHES, label="true")
+    line(axes, t, effect.measured(true, t), label="measured")
+    legend_above(axes, 2)
+    return "time $t$ [s]", "position [rad]"
