@@ -4,25 +4,15 @@ from __future__ import annotations
 
 import math
 
-from flexdyn.diagnose.report.digits import (
-    estimate_text,
-    evidence_text,
-    likely,
-    log_text,
-    percent,
-    probability_text,
-    unit_text,
-    value_text,
-)
+from flexdyn.diagnose.report.digits import estimate_text, probability_text, unit_text, value_text
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Ranks, Structure, Suspect, beyond, ranks
+from flexdyn.diagnose.report.suspects import Finding, Number, Structure, Suspect, beyond
 from flexdyn.diagnose.report.words import (
     capital,
     effect_name,
     grouped_phrases,
     in_one_place,
     is_number,
-    joined,
     plain_phrase,
     suspect_phrase,
     where_phrase,
@@ -67,58 +57,6 @@ def standard_error(number: Number) -> str:
     if math.isfinite(number.std) and number.std > 0.0:
         return f"{value_text(number.std, number.std)} {unit_text(number.unit)}"
     return "not known" if math.isnan(number.std) else "none"
-
-
-def evidence(diagnosis: Diagnosis, finding: Finding) -> list[str]:
-    """Why this name: sentences."""
-    said, told = probability_text(finding.probability), []
-    if math.isfinite(finding.probability):
-        one_of = " that one of these names is right" if finding.rivals else ""
-        short = "" if finding.established else f", not established: {ESTABLISHED} is required"
-        told.append(f"Posterior probability {said}{one_of}: {likely(finding.probability)}{short}.")
-    if not math.isnan(finding.log_bayes_factor):
-        told.append(
-            "The best structure with it against the best without it: log Bayes factor"
-            f" {evidence_text(finding.log_bayes_factor)}."
-        )
-    if math.isfinite(finding.test_gain):
-        told.append(_missed(finding.test_gain))
-    return told + _compared(diagnosis, finding)
-
-
-def _missed(gain: float) -> str:
-    """What its absence would do on the test data."""
-    if gain < 0.0:
-        return f"If it alone is left out, the improvement on the test data grows by {percent(-gain)}."
-    return f"If it alone is left out, {percent(gain)} of the improvement on the test data is lost."
-
-
-def _compared(diagnosis: Diagnosis, finding: Finding) -> list[str]:
-    """How many structures hold it, and the best one without it."""
-    found = ranks(diagnosis.structures, finding.names)
-    if not found.among:
-        return []
-    names, them = ("one of these names", "them") if finding.rivals else ("it", "it")
-    if found.other is None:
-        return [f"Every one of the {found.among} ranked structures holds {names}."]
-    if found.best is None:
-        return [f"None of the {found.among} ranked structures holds {names}."]
-    return [
-        f"{len(found.holding)} of the {found.among} ranked structures hold {names}. {_without(diagnosis, found, them)}"
-    ]
-
-
-def _without(diagnosis: Diagnosis, found: Ranks, them: str) -> str:
-    """The best structure without it: what it has instead, and the difference of the log evidence."""
-    best, other = found.best, found.other
-    if best is None or other is None:
-        return ""
-    behind = best.log_evidence - other.log_evidence
-    instead = grouped_phrases(diagnosis.model, beyond(other, best))
-    names = joined(instead) if instead else "nothing"
-    how = f"lower by {log_text(behind)}" if behind >= 0.0 else f"higher by {log_text(-behind)}"
-    said = probability_text(other.probability)
-    return f"The best one without {them} has {names} instead; its log evidence is {how}, its probability {said}."
 
 
 def rival_text(model: FlexibleJointModel, rival: Suspect) -> str:
