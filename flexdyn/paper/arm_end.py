@@ -11,7 +11,7 @@ from flexdyn.control.commands import PD, FrameWrench, Samples
 from flexdyn.paper import style
 from flexdyn.paper.cases import CASES_OBSERVED, PAPER_V, TORQUE_END, PaperCases, reference
 from flexdyn.paper.chapter import Chapter, figure, prose, stated
-from flexdyn.paper.equations import Arm, jacobian, tip
+from flexdyn.paper.equations import jacobian, tip
 from flexdyn.robot import frame_positions
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
@@ -82,7 +82,7 @@ def end_force(cases: PaperCases) -> Chapter:
     light, heavy = (_pushed(cases, v) for v in (PAPER_V, SETTLING))
     arm = cases.arm()
     at = int(np.argmin(np.abs(light.t - RELEASE))) - 1
-    bent = static_deflection(arm, heavy.q[at])
+    bent = -jacobian(arm, heavy.q[at]).T @ FORCE / arm.K  # theta - q at rest [rad], J_r of eq. 8-11
     error = np.abs(heavy.deflection[at] - bent).max() / np.abs(bent).max()
     sway = light.t < RELEASE - 1e-9
     mean = light.deflection[sway & (light.t > RISE)].mean(0)
@@ -104,16 +104,11 @@ def end_force(cases: PaperCases) -> Chapter:
         mean=mean,
         distance=np.linalg.norm(moved),
         along=abs(moved[0]),
-        both=_degrees,
+        both=lambda angles: " and ".join(f"{angle:.3f}" for angle in np.degrees(angles)),
     )
     checks = (stated("end_force", error, force=-FORCE[0], v=SETTLING, release=RELEASE),)
     picture = figure("end_force", lambda canvas: _draw_push(canvas, light, heavy, bent))
     return Chapter("The end-of-arm force", text, checks, numbers, (picture,), {"end_force": light})
-
-
-def static_deflection(arm: Arm, q: Array) -> Array:
-    """Theta - q at rest under the force [rad]: -K^-1 J_r^T F, J_r of eq. 8-11."""
-    return np.asarray(-jacobian(arm, q).T @ FORCE / arm.K)
 
 
 def _pushed(cases: PaperCases, v: float) -> Run:
@@ -127,10 +122,6 @@ def _pushed(cases: PaperCases, v: float) -> Run:
     push = Samples(t, np.outer(size, [*FORCE, 0, 0, 0, 0]), "linear")
     wrench = FrameWrench(model.robot.tip, push)
     return simulate(model, PD(still, END_FORCE_KP, END_FORCE_KD), END, reference(), rate=100.0, external=wrench)
-
-
-def _degrees(angles: Array) -> str:
-    return " and ".join(f"{angle:.3f}" for angle in np.degrees(angles))
 
 
 def _draw_push(canvas: Any, light: Run, heavy: Run, bent: Array) -> None:

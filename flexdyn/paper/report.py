@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ TITLE = "The Effect of Friction on the Formulation and Numerical Solution of Ela
 AREA_MOMENT = 9.9e-12  # m^4: I_1 = I_2 of Table I
 
 
-def summary_data(chapters: Sequence[Chapter], readings: Sequence[Reading], version: str) -> dict[str, Any]:
+def summary_data(chapters: Sequence[Chapter], readings: list[dict[str, str]], version: str) -> dict[str, Any]:
     """Everything measured, as it goes to summary.json."""
     checks = [check for chapter in chapters for check in chapter.checks]
     return {
@@ -30,13 +30,13 @@ def summary_data(chapters: Sequence[Chapter], readings: Sequence[Reading], versi
         "passed": all(check.passed for check in checks),
         "checks": [jsonable(asdict(check)) for check in checks],
         "numbers": {chapter.title: jsonable(chapter.numbers) for chapter in chapters if chapter.numbers},
-        "readings": [asdict(reading) for reading in readings],
+        "readings": readings,
         "figures": {figure.name: figure.caption for chapter in chapters for figure in chapter.figures},
         "runs": {name: _run_data(run) for chapter in chapters for name, run in chapter.runs.items()},
     }
 
 
-def summary_text(chapters: Sequence[Chapter], readings: Sequence[Reading], version: str) -> str:
+def summary_text(chapters: Sequence[Chapter], readings: list[dict[str, str]], version: str) -> str:
     """The same to read, figures embedded."""
     runs = {name: run for chapter in chapters for name, run in chapter.runs.items()}
     text = prose(
@@ -70,25 +70,12 @@ def _escaped(text: str) -> str:
     return text
 
 
-@dataclass(frozen=True)
-class Reading:
-    """One place of the paper.
+def readings(cases: PaperCases) -> list[dict[str, str]]:
+    """Misprints and ambiguities of equations, symbols, tables and figures: entries of ``readings.yaml``.
 
-    Attributes:
-        where: equation, table, figure or section.
-        printed: the printed text.
-        read_as: the reading that is used.
-        why: the reason, with numbers measured by this study.
+    Each has the place (``where``), the text that is ``printed`` there, the reading that is used (``read_as``) and the
+    reason (``why``), with numbers measured by this study.
     """
-
-    where: str
-    printed: str
-    read_as: str
-    why: str
-
-
-def readings(cases: PaperCases) -> tuple[Reading, ...]:
-    """All of them, from ``readings.yaml``: misprints in equations, symbols, Table I, what is missing, figures."""
     arm, friction = cases.arm(), cases.friction
     q, v, _ = random_states()
     accelerations = np.random.default_rng(1).uniform(-5.0, 5.0, q.shape)
@@ -109,4 +96,4 @@ def readings(cases: PaperCases) -> tuple[Reading, ...]:
         amplitude=AMPLITUDE,
         pulse=PULSE,
     )
-    return tuple(Reading(**each) for each in parse_yaml(text)["readings"])
+    return list(parse_yaml(text)["readings"])

@@ -13,16 +13,10 @@ from flexdyn.diagnose.report.suspects import Considered, Number, Structure, Susp
 from flexdyn.effects import Effect, unit_for
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.uncertain_parameters import FileNumber
+from flexdyn.model.uncertain_parameters import OF_MOTOR, FileNumber
 
 PLACES = ("channel", "other", "frame", "of", "parameter")
-SIDES = {
-    "rotor_inertia": "motor",
-    "torque_constant": "motor",
-    "resistance": "motor",
-    "stiffness": "transmission",
-    "damping": "transmission",
-}
+SIDES = dict.fromkeys(("rotor_inertia", *OF_MOTOR), "motor") | dict.fromkeys(("stiffness", "damping"), "transmission")
 RANKED = 20
 """Largest number of structures in the report."""
 FAR = "It was compared as an addition to the most probable structure alone, where it was far too improbable to go on."

@@ -58,11 +58,10 @@ class Side:
     def apart(self, passes: int) -> list[float]:
         """Expected delta BIC of this hypothesis to each of the others."""
         kinds = [pairs for pairs in (self.by_equations, self.by_windows) if pairs]
-        return [max(_delta(own, other, passes) for own, other in pairs) for pairs in zip(*kinds, strict=True)]
-
-
-def _delta(own: Refit, other: Refit, passes: int) -> float:
-    return max(other.chi2(passes) - own.chi2(passes), 0.0)
+        return [
+            max(*(other.chi2(passes) - own.chi2(passes) for own, other in pairs), 0.0)
+            for pairs in zip(*kinds, strict=True)
+        ]
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,19 +4,10 @@ from __future__ import annotations
 
 import math
 
+from flexdyn.diagnose.report import words
 from flexdyn.diagnose.report.digits import estimate_text, probability_text, unit_text, value_text
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Finding, Number, Structure, Suspect, beyond
-from flexdyn.diagnose.report.words import (
-    capital,
-    effect_name,
-    grouped_phrases,
-    in_one_place,
-    is_number,
-    plain_phrase,
-    suspect_phrase,
-    where_phrase,
-)
 from flexdyn.effects import catalogue
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -29,16 +20,20 @@ STRUCTURES_OPEN = 8
 def finding_title(model: FlexibleJointModel, finding: Finding) -> str:
     """Names of what it may be in one place."""
     suspect = finding.suspect
-    first = f"wrong {where_phrase(model, suspect)}" if is_number(suspect) else effect_name(suspect.effect)
-    names = [first, *(effect_name(each.effect) for each in in_one_place(model, finding))]
-    return capital(" or ".join(dict.fromkeys(names)))
+    first = (
+        f"wrong {words.where_phrase(model, suspect)}" if words.is_number(suspect) else words.effect_name(suspect.effect)
+    )
+    names = [first, *(words.effect_name(each.effect) for each in words.in_one_place(model, finding))]
+    return words.capital(" or ".join(dict.fromkeys(names)))
 
 
 def finding_places(model: FlexibleJointModel, finding: Finding) -> str:
     """Where it acts, and rivals at other places; empty if the title says that."""
-    here = [] if is_number(finding.suspect) else [where_phrase(model, finding.suspect)]
-    alike = in_one_place(model, finding)
-    return ", ".join([*here, *(f"or {suspect_phrase(model, rival)}" for rival in finding.rivals if rival not in alike)])
+    here = [] if words.is_number(finding.suspect) else [words.where_phrase(model, finding.suspect)]
+    alike = words.in_one_place(model, finding)
+    return ", ".join(
+        [*here, *(f"or {words.suspect_phrase(model, rival)}" for rival in finding.rivals if rival not in alike)]
+    )
 
 
 def law_text(suspect: Suspect) -> str:
@@ -63,7 +58,7 @@ def rival_text(model: FlexibleJointModel, rival: Suspect) -> str:
     """One of the names between which the data do not decide, with its numbers and its probability."""
     numbers = f" ({estimates(rival)})" if rival.parameters else ""
     said = f": probability {probability_text(rival.probability)}" if math.isfinite(rival.probability) else ""
-    return f"{suspect_phrase(model, rival)}{numbers}{said}"
+    return f"{words.suspect_phrase(model, rival)}{numbers}{said}"
 
 
 def structure_lines(diagnosis: Diagnosis, rank: int, entry: Structure) -> list[str]:
@@ -71,12 +66,12 @@ def structure_lines(diagnosis: Diagnosis, rank: int, entry: Structure) -> list[s
     first = diagnosis.structures[0]
     if not entry.effects:
         return ["No effect: the calibrated model alone"]
-    own = [plain_phrase(phrase) for phrase in grouped_phrases(diagnosis.model, entry.effects)]
+    own = [words.plain_phrase(phrase) for phrase in words.grouped_phrases(diagnosis.model, entry.effects)]
     more, less = (beyond(*pair) for pair in ((entry, first), (first, entry)))
     if rank == 1 or len(more) + len(less) >= len(entry.effects):
         return own
-    lines = [f"without {phrase}" for phrase in grouped_phrases(diagnosis.model, less)]
-    lines += [f"with {phrase}" for phrase in grouped_phrases(diagnosis.model, more)]
+    lines = [f"without {phrase}" for phrase in words.grouped_phrases(diagnosis.model, less)]
+    lines += [f"with {phrase}" for phrase in words.grouped_phrases(diagnosis.model, more)]
     return ["As rank 1", *lines] if lines else ["The effects of rank 1, with other numbers"]
 
 
