@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from flexdyn.diagnose.report.measures import Gap, Left
+from flexdyn.diagnose.report.measures import Left
 from flexdyn.diagnose.report.result import Diagnosis
 
 NOTHING, BEYOND = "0%", "55%"
@@ -36,18 +36,10 @@ def largest(values: Iterable[float]) -> float:
     return max((value for value in values if math.isfinite(value)), default=1.0) or 1.0
 
 
-def gaps(diagnosis: Diagnosis) -> list[tuple[str, Gap]]:
-    """The gap on both kinds of data, as far as it is known, each with its title."""
-    given = (
-        ("On the test data, which no decision read", diagnosis.gap_test),
-        ("On the data of the fit", diagnosis.gap_fit),
-    )
-    return [(title, entry) for title, entry in given if entry is not None]
-
-
 def largest_gap(diagnosis: Diagnosis) -> float:
     """Scale of the gap's bars."""
-    return largest(value for _, entry in gaps(diagnosis) for value in vars(entry).values())
+    known = (gap for gap in (diagnosis.gap_test, diagnosis.gap_fit) if gap is not None)
+    return largest(value for gap in known for value in vars(gap).values())
 
 
 def largest_share(diagnosis: Diagnosis) -> float:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 from flexdyn.diagnose.report import words
-from flexdyn.diagnose.report.digits import estimate_text, probability_text, unit_text, value_text
+from flexdyn.diagnose.report.digits import estimate_text
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import Finding, Number, Structure, Suspect, beyond
+from flexdyn.diagnose.report.suspects import Finding, Structure, Suspect, beyond
 from flexdyn.effects import catalogue
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -47,20 +45,6 @@ def estimates(suspect: Suspect) -> str:
     return ", ".join(f"{name} {estimate_text(number)}" for name, number in suspect.parameters.items())
 
 
-def standard_error(number: Number) -> str:
-    """The standard error of a number with its unit, or why there is none."""
-    if math.isfinite(number.std) and number.std > 0.0:
-        return f"{value_text(number.std, number.std)} {unit_text(number.unit)}"
-    return "not known" if math.isnan(number.std) else "none"
-
-
-def rival_text(model: FlexibleJointModel, rival: Suspect) -> str:
-    """One of the names between which the data do not decide, with its numbers and its probability."""
-    numbers = f" ({estimates(rival)})" if rival.parameters else ""
-    said = f": probability {probability_text(rival.probability)}" if math.isfinite(rival.probability) else ""
-    return f"{words.suspect_phrase(model, rival)}{numbers}{said}"
-
-
 def structure_lines(diagnosis: Diagnosis, rank: int, entry: Structure) -> list[str]:
     """Its effects; of the second and those after it, what they have more and less than the first."""
     first = diagnosis.structures[0]
@@ -73,8 +57,3 @@ def structure_lines(diagnosis: Diagnosis, rank: int, entry: Structure) -> list[s
     lines = [f"without {phrase}" for phrase in words.grouped_phrases(diagnosis.model, less)]
     lines += [f"with {phrase}" for phrase in words.grouped_phrases(diagnosis.model, more)]
     return ["As rank 1", *lines] if lines else ["The effects of rank 1, with other numbers"]
-
-
-def is_named(diagnosis: Diagnosis, suspect: Suspect) -> bool:
-    """Whether a finding names it, alone or as one of several."""
-    return any(suspect.key == each.key for finding in diagnosis.findings for each in finding.names)
