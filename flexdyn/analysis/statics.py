@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from flexdyn.analysis.balance import roots
+from flexdyn.analysis.roots import roots
 from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel

@@ -11,8 +11,7 @@ from typing import Any
 from flexdyn.cli.output import table
 from flexdyn.diagnose.report import digits
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.sentences import gap_sentence, model_sentence, stopped_sentence
-from flexdyn.diagnose.report.verdicts import verdict_sentence
+from flexdyn.diagnose.report.sentences import gap_sentence, model_sentence, stopped_sentence, verdict_sentence
 from flexdyn.diagnose.report.words import finding_phrase, plain_phrase, suspect_phrase
 
 EVIDENCE = ("no.", "finding", "p", "ln B", "share")

@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.diagnose import Diagnosis, Number, Suspect, diagnose
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.report.digits import estimate_text, times
-from flexdyn.diagnose.report.verdicts import verdict_sentence
+from flexdyn.diagnose.report.sentences import verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, place_phrase
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -69,17 +70,18 @@ def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
     _check_joints(model, recording)
     recording = uniform(recording)
     names = model.joint_names
-    columns, has = {}, {}
+    found: dict[str, Any] = {}
     for signal in SIGNALS:
-        has[f"has_{signal}"] = np.array([recording.has(signal, joint) for joint in names])
-        columns[signal] = np.zeros((len(recording), len(names)))
-        for j in np.flatnonzero(has[f"has_{signal}"]):
-            columns[signal][:, j] = recording[f"{signal}.{names[j]}"]
-    del has["has_tau"]  # of every joint
+        there = np.array([recording.has(signal, joint) for joint in names])
+        column = np.zeros((len(recording), len(names)))
+        for j in np.flatnonzero(there):
+            column[:, j] = recording[f"{signal}.{names[j]}"]
+        found |= {signal: column, f"has_{signal}": there}
+    del found["has_tau"]  # of every joint
     t = recording.t - recording.t[0]
     dt = float(t[-1]) / (len(t) - 1)
     forced = np.array([joint in recording.prescribed for joint in names])
-    return Measured(name=recording.name, t=t, dt=dt, **columns, **has, forced=forced)
+    return Measured(name=recording.name, t=t, dt=dt, forced=forced, **found)
 
 
 def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
