@@ -133,16 +133,11 @@ def resting_statics(model: FlexibleJointModel) -> Statics:
     return Statics(without(model, lambda effect: effect.stage == "dry" or effect.name == "torque_speed_limit"))
 
 
-def tangent_at(statics: Statics, q: Array) -> Tangent:
-    """Small motions about a pose held by its motors."""
-    theta = statics.loaded_springs(q)
-    return Tangent(statics, q, theta, statics.holding(q, theta))
-
-
 def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:
     """`modes` for a prepared model and checked arguments."""
     model, n = statics.model, statics.model.n
-    tangent = tangent_at(statics, q)
+    theta = statics.loaded_springs(q)
+    tangent = Tangent(statics, q, theta, statics.holding(q, theta))
     kept = np.flatnonzero(model.elastic) if rotors == "held" else np.arange(len(tangent.inertia))
     squared, vectors = tangent.squared_frequencies(kept)
     damping = np.einsum("ik,ij,jk->k", vectors, tangent.damping[np.ix_(kept, kept)], vectors)

@@ -111,7 +111,7 @@ class Search:
             else:
                 break
             q, y = trial, value
-        return q, self._balanced(y)
+        return q, float(np.linalg.norm(y)) <= EQUILIBRIUM_TORQUE_SHARE * self._size
 
     def _downhill(self, q: Array) -> tuple[Array, bool]:
         """Minimise the potential, by Newton steps in directions of positive curvature."""
@@ -144,9 +144,6 @@ class Search:
         unit = np.eye(len(q)) * h
         columns = [(self._torques(q + e) - self._torques(q - e)) / (2.0 * h) for e in unit]
         return np.array(columns).T * self._weight
-
-    def _balanced(self, y: Array) -> bool:
-        return float(np.linalg.norm(y)) <= EQUILIBRIUM_TORQUE_SHARE * self._size
 
     @staticmethod
     def _short(step: Array) -> Array:

@@ -74,12 +74,7 @@ def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) 
     joint, robot = after.true.joint_names[j], after.true.robot
     unit = robot.angle_unit(joint) if side == TRANSMISSION else robot.torque_unit(joint)
     trace = ResidualTrace.thinned(
-        f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}",
-        label,
-        f"residual [{unit}]",
-        x,
-        rows + left,
-        left,
+        f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}", label, f"residual [{unit}]", x, rows + left, left
     )
     gone = float((whiten(without.residual) ** 2).sum() - (whiten(after.residual) ** 2).sum())
     return dataclasses.replace(trace, law=_line(x, rows, LAW_POINTS if curve else LAW_BINS), note=note), gone

@@ -26,12 +26,7 @@ OUT_OF_TOLERANCE_WIDTH = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
 
 
-def linearised(
-    hypothesis: Hypothesis,
-    space: Workspace,
-    before: Fit | None = None,
-    at: Equations | None = None,
-) -> Fit:
+def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = None, at: Equations | None = None) -> Fit:
     """The least-squares problem at a hypothesis; its step is not taken.
 
     Args:

@@ -74,11 +74,7 @@ class Windows:
 
     @classmethod
     def of(
-        cls,
-        model: FlexibleJointModel,
-        recordings: Sequence[Recording],
-        noise: SampleNoise,
-        most: int = MOST_WINDOWS,
+        cls, model: FlexibleJointModel, recordings: Sequence[Recording], noise: SampleNoise, most: int = MOST_WINDOWS
     ) -> Windows:
         """Cut recordings into windows; a window never crosses a gap in time, and the last partial one is dropped.
 
