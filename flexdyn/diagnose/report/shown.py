@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from flexdyn.diagnose.report import words
 from flexdyn.diagnose.report.digits import estimate_text
-from flexdyn.diagnose.report.measures import Left
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Finding, Structure, Suspect, beyond
 from flexdyn.effects import catalogue
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-NOTHING, BEYOND = "0%", "55%"
-"""Lengths of bars without a number: room is left for the words behind them."""
 PICTURES = 6
 """Number of pictures of residuals that are shown at once; the others open on a click."""
 OPEN_PICTURE_SHARE = 0.01
@@ -23,21 +20,6 @@ FINDINGS_OPEN = 4
 """Number of findings that are shown in full at once; the others open on a click."""
 STRUCTURES_OPEN = 8
 """Number of structures that are shown at once; the others open on a click."""
-
-
-def along(value: float, scale: float) -> str:
-    """A place on the track of a bar; the last part of it is left for the number."""
-    return f"{84.0 * min(max(value / scale, 0.0), 1.0):.2f}%"
-
-
-def bar_width(value: float, scale: float) -> str:
-    """Length of a bar.
-
-    Args:
-        value: that it shows.
-        scale: what fills the track.
-    """
-    return along(value, scale) if math.isfinite(value) else NOTHING if math.isnan(value) else BEYOND
 
 
 def largest(values: Iterable[float]) -> float:
@@ -54,20 +36,6 @@ def largest_gap(diagnosis: Diagnosis) -> float:
 def largest_share(diagnosis: Diagnosis) -> float:
     """Scale of the bars of the joints' errors."""
     return largest(x for e in diagnosis.errors.values() for x in (e.torque.share_before, e.torque.share_after))
-
-
-def left_ordered(diagnosis: Diagnosis) -> list[Left]:
-    """What is left, most of it first."""
-    return sorted(diagnosis.left, key=_share, reverse=True)
-
-
-def largest_left(ordered: Sequence[Left]) -> float:
-    """Scale of the bars of what is left."""
-    return max(_share(ordered[0]), 0.01)
-
-
-def _share(entry: Left) -> float:
-    return entry.share_of_torque if math.isfinite(entry.share_of_torque) else 0.0
 
 
 def shown_at_once(diagnosis: Diagnosis) -> int:

@@ -218,10 +218,9 @@ def _torques(model: FlexibleJointModel, windows: Windows, extra: Array | None) -
     tables: list[Array] = []
     for recording in windows.recordings:
         columns = np.zeros((len(recording), len(names)))
-        for j, joint in enumerate(names):
+        for j, (joint, each) in enumerate(zip(names, effects, strict=True)):
             if recording.has("tau", joint):
                 columns[:, j] = recording[f"tau.{joint}"]
-        for j, each in enumerate(effects):
             columns[:, j] = recovered(each, columns[:, j], recording.t)
         tables.append(columns)
     found = []
