@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from flexdyn.diagnose.report import words
 from flexdyn.diagnose.report.digits import estimate_text
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import Finding, Structure, Suspect, beyond
+from flexdyn.diagnose.report.suspects import Finding, Suspect
 from flexdyn.effects import catalogue
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -72,17 +72,3 @@ def law_text(suspect: Suspect) -> str:
 def estimates(suspect: Suspect) -> str:
     """All its numbers in a line."""
     return ", ".join(f"{name} {estimate_text(number)}" for name, number in suspect.parameters.items())
-
-
-def structure_lines(diagnosis: Diagnosis, rank: int, entry: Structure) -> list[str]:
-    """Its effects; of the second and those after it, what they have more and less than the first."""
-    first = diagnosis.structures[0]
-    if not entry.effects:
-        return ["No effect: the calibrated model alone"]
-    own = [words.plain_phrase(phrase) for phrase in words.grouped_phrases(diagnosis.model, entry.effects)]
-    more, less = (beyond(*pair) for pair in ((entry, first), (first, entry)))
-    if rank == 1 or len(more) + len(less) >= len(entry.effects):
-        return own
-    lines = [f"without {phrase}" for phrase in words.grouped_phrases(diagnosis.model, less)]
-    lines += [f"with {phrase}" for phrase in words.grouped_phrases(diagnosis.model, more)]
-    return ["As rank 1", *lines] if lines else ["The effects of rank 1, with other numbers"]
