@@ -13,7 +13,6 @@ from flexdyn.paper.chapter import Figure
 # Okabe and Ito's colours, which colour-blind readers can distinguish; each has its own line style for print.
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 BLACK, GREY = "#000000", "#8C8C8C"
-FULL_WIDTH = 7.16  # inch: both columns of a journal page
 DASHED, DOTTED = (0, (5, 2)), (0, (1, 1.2))
 FLEXIBLE = {"color": BLUE, "linestyle": "-", "label": "flexible"}
 RIGID = {"color": VERMILION, "linestyle": DASHED, "label": "rigid"}
