@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import CommandDelay, Effect, JointCoupling
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import check_model
@@ -40,7 +40,7 @@ def _at_once(model: FlexibleJointModel) -> FlexibleJointModel:
     return model.replace(joints=joints, effects=effects)
 
 
-def command_delays(model: FlexibleJointModel) -> NDArray[np.float64]:
+def command_delays(model: FlexibleJointModel) -> Array:
     """Dead time between the commanded torque and the motor's (n,) [s]."""
     delays = np.zeros(model.n)
     for effect in model.resolved().effects:

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexdyn.analysis.along import Along, along_recording, along_samples
 from flexdyn.analysis.analysed_model import checked_model
-from flexdyn.analysis.regressor import FRICTION, body_numbers, regressor
+from flexdyn.analysis.regressor import FRICTION, Along, along_recording, along_samples, body_numbers, regressor
 from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked

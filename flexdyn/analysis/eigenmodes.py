@@ -12,10 +12,10 @@ from flexdyn.analysis.jacobian import state_matrix
 from flexdyn.analysis.modes_result import Modes
 from flexdyn.analysis.pose import Pose, pose
 from flexdyn.analysis.statics import Statics
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 Rotors = Literal["free", "held"]
 ZERO_FREQUENCY_SHARE = 1e-10
 """Squared frequencies below this share of the largest one are zero [1]."""
@@ -133,16 +133,11 @@ def resting_statics(model: FlexibleJointModel) -> Statics:
     return Statics(without(model, lambda effect: effect.stage == "dry" or effect.name == "torque_speed_limit"))
 
 
-def tangent_at(statics: Statics, q: Array) -> Tangent:
-    """Small motions about a pose held by its motors."""
-    theta = statics.loaded_springs(q)
-    return Tangent(statics, q, theta, statics.holding(q, theta))
-
-
 def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:
     """`modes` for a prepared model and checked arguments."""
     model, n = statics.model, statics.model.n
-    tangent = tangent_at(statics, q)
+    theta = statics.loaded_springs(q)
+    tangent = Tangent(statics, q, theta, statics.holding(q, theta))
     kept = np.flatnonzero(model.elastic) if rotors == "held" else np.arange(len(tangent.inertia))
     squared, vectors = tangent.squared_frequencies(kept)
     damping = np.einsum("ik,ij,jk->k", vectors, tangent.damping[np.ix_(kept, kept)], vectors)

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.eigenmodes import Tangent
-from flexdyn.analysis.equilibrium_search import Search
 from flexdyn.analysis.holding import HoldingTorques, holding_at, link_range
 from flexdyn.analysis.jacobian import without_resting_friction
 from flexdyn.analysis.pose import Pose, pose, torques
+from flexdyn.analysis.roots import Search
 from flexdyn.analysis.statics import Statics
 from flexdyn.arrays import Array
 from flexdyn.errors import InputError

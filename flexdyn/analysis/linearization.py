@@ -10,15 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.analysis.analysed_model import checked_model, command_delays
 from flexdyn.analysis.jacobian import actuator_gains, resting, sliding_rate, state_matrix, without_resting_friction
-from flexdyn.analysis.linear_model import LinearModel
-from flexdyn.analysis.outputs import output_matrix, state_names
+from flexdyn.analysis.linear_model import LinearModel, output_matrix, state_names
 from flexdyn.analysis.pose import Pose, pose, torques, vector
 from flexdyn.analysis.statics import Statics
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import build_plant
-
-Array = NDArray[np.float64]
 
 
 def linearize(

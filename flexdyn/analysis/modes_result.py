@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import card, table
 
-Array = NDArray[np.float64]
 MOST_FREQUENCIES = 8
 """Frequencies that the short form lists."""
 
@@ -61,7 +61,7 @@ class Modes(Locked):
         return len(self.frequencies)
 
     @property
-    def rigid_body(self) -> NDArray[np.bool_]:
+    def rigid_body(self) -> Flags:
         """Whether each mode moves without a restoring torque (m,)."""
         return np.array([kind == "rigid-body" for kind in self.kinds])
 

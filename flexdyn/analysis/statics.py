@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from flexdyn.analysis.balance import roots
+from flexdyn.analysis.roots import roots
 from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -89,7 +89,7 @@ class Statics:
         def lacking(theta: Array) -> Array:
             return np.where(self.elastic, self.net(q, theta, still)[0] - net, 0.0)
 
-        return self._rotors(lacking, q, self.tolerance(q, lacking(q)), "no deflection of the spring balances")
+        return self._rotors(lacking, q, self.tolerance(q, lacking(q)))
 
     def driven_springs(self, q: Array, tau: Array) -> Array:
         """Rotor positions (n,) at which the springs balance the motors' torques tau at rest.
@@ -101,7 +101,7 @@ class Statics:
         def excess(theta: Array) -> Array:
             return np.where(self.elastic, -self.net(q, theta, tau)[1], 0.0)
 
-        return self._rotors(excess, q, self.tolerance(q, excess(q), tau), "no deflection of the spring balances")
+        return self._rotors(excess, q, self.tolerance(q, excess(q), tau))
 
     def motor_torques(self, q: Array, theta: Array, net: Array | float = 0.0) -> Array:
         """Commanded torques (n,) that give the net torques `net` on the rotors; for rigid joints on the links.
@@ -131,11 +131,12 @@ class Statics:
             raise InputError(problem, key="q", value=q, remedy=remedy)
         return tau
 
-    def _rotors(self, f: Callable[[Array], Array], q: Array, tolerance: float, what: str) -> Array:
+    def _rotors(self, f: Callable[[Array], Array], q: Array, tolerance: float) -> Array:
         first = np.maximum(np.abs(f(q)) / self._stiffness, 1e-9)
         finest = 4.0 * np.spacing(np.abs(q) + first) * self._stiffness  # the torque of one bit of theta
         theta, found = roots(f, q, first, np.maximum(tolerance, finest))
         if not found.all():
             joint = self.model.joint_names[int(np.argmin(found))]
-            raise InputError(f"no equilibrium: {what} the torque on {joint}", remedy="check its transmission")
+            problem = f"no equilibrium: no deflection of the spring balances the torque on {joint}"
+            raise InputError(problem, remedy="check its transmission")
         return theta

@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.analysis.steady_points import SteadyPoint
+from flexdyn.arrays import Array, Flags
 
-Array = NDArray[np.float64]
 LAWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"stribeck_friction": ("excess", "velocity"), "quadratic_drag": ("coefficient",)}
 )
@@ -46,7 +45,7 @@ class DirectionPoints:
         """The points with larger standard deviations."""
         return DirectionPoints(self.u, self.tau, factor * self.std)
 
-    def part(self, rows: NDArray[np.bool_]) -> DirectionPoints:
+    def part(self, rows: Flags) -> DirectionPoints:
         """A selection of the points."""
         return DirectionPoints(self.u[rows], self.tau[rows], self.std[rows])
 
@@ -146,11 +145,7 @@ def _column(name: str, u: Array, velocity: float | None) -> Array:
 
 def _physical(X: Array, y: Array) -> Array:
     """Least squares in which only the first parameter, the level, may be negative: friction never supplies power."""
-    values, free = np.zeros(X.shape[1]), list(range(X.shape[1]))
-    while True:
-        solved = np.linalg.lstsq(X[:, free], y, rcond=None)[0]
-        worst = min(range(len(free)), key=lambda k: solved[k] * np.linalg.norm(X[:, free[k]]) if free[k] else np.inf)
-        if not free[worst] or solved[worst] >= 0.0:
-            values[free] = solved
-            return values
-        del free[worst]
+    from scipy.optimize import nnls
+
+    both = nnls(np.column_stack([X, -X[:, 0]]), y)[0]  # the level is the difference of two numbers
+    return np.asarray([both[0] - both[-1], *both[1:-1]])

@@ -29,6 +29,8 @@ SURE = 3.0
 """Standard deviations by which its coefficient must be above zero: root of the decrease of chi^2."""
 PREDICTION_RISE = 4.0
 """If the squared errors at points that were not fitted increase by more than this, they contradict a law."""
+SETS = [laws for count in range(len(LAWS) + 1) for laws in itertools.combinations(LAWS, count)]
+"""All sets of laws, the smaller ones first."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +148,7 @@ def _of_direction(direction: int, points: DirectionPoints, check: DirectionPoint
     whole = FrictionCurve.fitted(points, tuple(LAWS))
     scatter = math.sqrt(whole.chi2 / max(1, len(points.u) - whole.size))
     points, check = (each.scaled(max(1.0, scatter)) for each in (points, check))
-    believed = {laws: FrictionCurve.fitted(points, laws, FASTEST_STRIBECK_SHARE) for laws in _sets()}
+    believed = {laws: FrictionCurve.fitted(points, laws, FASTEST_STRIBECK_SHARE) for laws in SETS}
     bic = {laws: curve.bic(len(points.u)) for laws, curve in believed.items()}
     named = min(bic, key=lambda laws: bic[laws])
     while True:  # a law that is not named no longer stands beside the others, but stays their rival
@@ -157,11 +159,6 @@ def _of_direction(direction: int, points: DirectionPoints, check: DirectionPoint
         named = tuple(law for law in named if law not in refused)
     now = FrictionCurve.fitted(points, [each.effect for each in trials if each.named])
     return SteadyFriction(direction, now.number("level"), now.number("viscous"), trials, scatter, len(points.u))
-
-
-def _sets() -> list[tuple[str, ...]]:
-    """All sets of laws, the smaller ones first."""
-    return [laws for count in range(len(LAWS) + 1) for laws in itertools.combinations(LAWS, count)]
 
 
 def _trial(

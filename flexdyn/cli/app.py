@@ -44,8 +44,7 @@ class Commands(TyperGroup):
 def build() -> Any:
     """The click command of the whole program."""
     from flexdyn.cli.batch import batch
-    from flexdyn.cli.compare import compare
-    from flexdyn.cli.compare_models import compare_models
+    from flexdyn.cli.compare import compare, compare_models
     from flexdyn.cli.diagnose import DiagnoseCommand, diagnose
     from flexdyn.cli.doctor import doctor
     from flexdyn.cli.effects import effects

@@ -11,17 +11,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from flexdyn.cli.diagnose_inputs import (
-    CHECK,
-    EXPLAIN,
-    block_of,
-    check_pictures,
-    check_targets,
-    check_twice,
-    named,
-    record_of,
-    report_folder,
-)
+from flexdyn.cli import diagnose_inputs
 from flexdyn.cli.failures import ProgramInterrupted
 from flexdyn.cli.options import JsonOption, ModelArgument, naming, option, output_option
 from flexdyn.cli.output import note, show, show_json
@@ -34,7 +24,7 @@ FitArgument = Annotated[
 CHECK_OPTION = option(
     "CHECK...",
     "Test data, which no decision reads. Default: the last fifth of what moves in every recording of FIT.",
-    CHECK,
+    diagnose_inputs.CHECK,
 )
 MAPS_OPTION = option(
     "MAP", "A channel map (YAML) of every recording; or one for each, in their order, FIT before CHECK.", "--map"
@@ -49,7 +39,7 @@ EXPECT_OPTION = option("EFFECT", "An effect that the drive is likely to have, by
 EXPLAIN_OPTION = option(
     "EFFECT@JOINT",
     "Say why an effect was named or was not: coulomb_friction@elbow, channel_lag@q.elbow, payload.",
-    EXPLAIN,
+    diagnose_inputs.EXPLAIN,
 )
 OUTPUT_OPTION = output_option("DIR", "Folder for report.html, report.json and model.yaml.")
 
@@ -83,9 +73,9 @@ def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
         elif arg.startswith("-") and arg != "-":
             name, sign, _ = arg.partition("=")
             values = 0 if sign else takes.get(name, 0)
-            checking = name == CHECK
+            checking = name == diagnose_inputs.CHECK
         elif checking and words >= 2:
-            found.append(CHECK)
+            found.append(diagnose_inputs.CHECK)
         else:
             words += 1
         found.append(arg)
@@ -111,20 +101,20 @@ def diagnose(
     from flexdyn.diagnose.report.result import Interrupted as Partial
 
     checks, targets = check or [], explain or []
-    folder = report_folder(output, [Path(model), *fit, *checks])
-    check_twice(fit, checks)
-    check_pictures()
+    folder = diagnose_inputs.report_folder(output, [Path(model), *fit, *checks])
+    diagnose_inputs.check_twice(fit, checks)
+    diagnose_inputs.check_pictures()
     arm = model_file(model)
-    check_targets(model, arm, targets)
-    blocks = [block_of(text) for text in hold_out or ()]
+    diagnose_inputs.check_targets(model, arm, targets)
+    blocks = [diagnose_inputs.block_of(text) for text in hold_out or ()]
     loaded = trimmed(load_each([*fit, *checks], maps or ()), trim or ())
     recordings = [loaded[: len(fit)], loaded[len(fit) :]]
     from flexdyn.diagnose import diagnose as run
 
-    done = record_of(model, fit, checks, maps or ())
+    done = diagnose_inputs.record_of(model, fit, checks, maps or ())
     try:
-        options = {"fit": "FIT", "check": CHECK, "expect": "--expect", "hold_out": "--hold-out"}
-        with naming(options, file=named(fit), files={}):
+        options = {"fit": "FIT", "check": diagnose_inputs.CHECK, "expect": "--expect", "hold_out": "--hold-out"}
+        with naming(options, file=diagnose_inputs.named(fit), files={}):
             diagnosis = run(arm, *recordings, hold_out=blocks, expect=expect or ())
     except Partial as stop:
         if stop.diagnosis is not None:

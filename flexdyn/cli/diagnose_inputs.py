@@ -40,7 +40,7 @@ def record_of(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequ
 
 def check_targets(path: str, model: FlexibleJointModel, targets: Sequence[str]) -> None:
     """What is to be explained exists: better said now than after the work."""
-    from flexdyn.diagnose.report.targets import check_target
+    from flexdyn.diagnose.report.explain import check_target
 
     with naming({"explain": EXPLAIN}, file="", files={}):
         for target in targets:

@@ -9,19 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.cli.output import table
-from flexdyn.diagnose.report.digits import (
-    interval_text,
-    log_text,
-    percent,
-    probability_text,
-    rounded,
-    times,
-    unit_text,
-    value_text,
-)
+from flexdyn.diagnose.report import digits
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.sentences import gap_sentence, model_sentence, stopped_sentence
-from flexdyn.diagnose.report.verdicts import verdict_sentence
+from flexdyn.diagnose.report.sentences import gap_sentence, model_sentence, stopped_sentence, verdict_sentence
 from flexdyn.diagnose.report.words import finding_phrase, plain_phrase, suspect_phrase
 
 EVIDENCE = ("no.", "finding", "p", "ln B", "share")
@@ -69,10 +59,10 @@ def diagnosis_text(diagnosis: Diagnosis, folder: Path) -> Iterator[Any]:
 def _findings(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
     """A row for every finding, with the probability of each of several names."""
     for k, finding in enumerate(diagnosis.findings):
-        factor = "-" if math.isnan(finding.log_bayes_factor) else log_text(finding.log_bayes_factor)
-        share = "-" if diagnosis.shares is None else percent(diagnosis.shares.findings[k])
+        factor = "-" if math.isnan(finding.log_bayes_factor) else digits.log_text(finding.log_bayes_factor)
+        share = "-" if diagnosis.shares is None else digits.percent(diagnosis.shares.findings[k])
         name = plain_phrase(finding_phrase(diagnosis.model, finding, each=True))
-        yield f"{k + 1}", name, probability_text(finding.probability), factor, share
+        yield f"{k + 1}", name, digits.probability_text(finding.probability), factor, share
 
 
 def _numbers(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
@@ -81,18 +71,20 @@ def _numbers(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
         for suspect in finding.names:
             place = plain_phrase(suspect_phrase(diagnosis.model, suspect)) if finding.rivals else ""
             for name, entry in suspect.parameters.items():
-                value = value_text(entry.value, entry.std)
-                interval = interval_text(dataclasses.replace(entry, unit="1"))
-                yield f"{k}", place, name, value, unit_text(entry.unit) or "1", interval
+                value = digits.value_text(entry.value, entry.std)
+                interval = digits.interval_text(dataclasses.replace(entry, unit="1"))
+                yield f"{k}", place, name, value, digits.unit_text(entry.unit) or "1", interval
                 place = ""
 
 
 def _errors(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
     """A row for every joint."""
     for joint, entry in diagnosis.errors.items():
-        torque = f"{rounded(entry.torque.before)}, {rounded(entry.torque.after)} {entry.torque.unit}"
-        share = f"{percent(entry.torque.share_before)}, {percent(entry.torque.share_after)}"
-        position = f"{rounded(entry.position.before)}, {rounded(entry.position.after)} {entry.position.unit}"
+        torque = f"{digits.rounded(entry.torque.before)}, {digits.rounded(entry.torque.after)} {entry.torque.unit}"
+        share = f"{digits.percent(entry.torque.share_before)}, {digits.percent(entry.torque.share_after)}"
+        position = (
+            f"{digits.rounded(entry.position.before)}, {digits.rounded(entry.position.after)} {entry.position.unit}"
+        )
         position = "prescribed" if entry.force else position
-        noise = f"{times(entry.gap[0])}, {times(entry.gap[-1])}" if entry.gap else "-"
+        noise = f"{digits.times(entry.gap[0])}, {digits.times(entry.gap[-1])}" if entry.gap else "-"
         yield joint, torque, share, position, noise

@@ -29,19 +29,13 @@ def doctor(as_json: JsonOption = False) -> int:
         show_json(document)
         return FAULT if failed else 0
     lacking = [extra["name"] for extra in document["extras"] if not extra["works"]]
+    found = [(extra["name"], extra["state"], EXTRAS[extra["name"]][0]) for extra in document["extras"]]
+    tested = [(test["name"], "yes" if test["passed"] else "NO", test["measured"]) for test in document["tests"]]
     show(
         table("Versions", ("what", "version"), document["versions"].items()),
-        table(
-            "Extras",
-            ("extra", "state", "for"),
-            [(extra["name"], extra["state"], EXTRAS[extra["name"]][0]) for extra in document["extras"]],
-        ),
+        table("Extras", ("extra", "state", "for"), found),
         f"C++ compiler: {document['compiler'] or 'none found'} (needed only to build flexdyn from source)",
-        table(
-            "Self-test",
-            ("test", "passed", "measured"),
-            [(test["name"], "yes" if test["passed"] else "NO", test["measured"]) for test in document["tests"]],
-        ),
+        table("Self-test", ("test", "passed", "measured"), tested),
     )
     if lacking:
         show(f"To add what is missing: pip install 'flexdyn[{','.join(lacking)}]'")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from typing import Any, TextIO
+from typing import Any
 
 import typer
 
@@ -45,14 +45,7 @@ def report(error: BaseException) -> int:
     return _say(f"internal error: {type(error).__name__}: {error}{hint}", 1)
 
 
-def show_warning(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
+def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     """Print a warning as one line, without the source line that Python adds."""
     _say(f"warning: {message}", 0)
 

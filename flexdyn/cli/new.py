@@ -7,7 +7,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from flexdyn.cli.options import flag, model_argument, output_file, output_option
 from flexdyn.cli.output import number, show
@@ -72,7 +72,8 @@ def model_text(model: FlexibleJointModel, folder: Path) -> str:
         urdf=model_to_dict(model, folder)["robot"]["urdf"],
         first=names[0],
         dynamics=f"{len(model.urdf_effects)} effects" if model.urdf_effects else "none",
-        joints=[_joint(model, j, float(M[j, j])) for j in range(model.n)],
+        robot=model.robot,
+        inertias=dict(zip(model.joint_names, M.diagonal().tolist(), strict=True)),
         followers=list(map(quoted, model.robot.followers)),
         motion=[f"{position:.4g}" for position in _motion(model)],
         kp=kp,
@@ -80,6 +81,10 @@ def model_text(model: FlexibleJointModel, folder: Path) -> str:
         bandwidth=f"{SUGGESTED_BANDWIDTH:g}",
         effects=list(_effects(model)),
         quoted=quoted,
+        number=number,
+        two_digits=_two_digits,
+        isinf=math.isinf,
+        pi=math.pi,
     )
     return text.rstrip("\n") + "\n"
 
@@ -97,26 +102,6 @@ def quoted(text: str) -> str:
         else:
             letters.append(f"\\U{ord(letter):08x}")
     return f'"{"".join(letters)}"'
-
-
-def _joint(model: FlexibleJointModel, j: int, inertia: float) -> dict[str, Any]:
-    """What the file says of a joint."""
-    robot, name = model.robot, model.joint_names[j]
-    unit = robot.angle_unit(j)
-    ends = f"{number(float(robot.lower[j]))} to {number(float(robot.upper[j]))} {unit}"
-    span = "without limits" if math.isinf(robot.upper[j] - robot.lower[j]) else ends
-    return {
-        "name": quoted(name),
-        "kind": "continuous" if robot.continuous[j] else robot.kinds[j],
-        "span": span + ("" if robot.lower[j] <= 0.0 <= robot.upper[j] else ", 0 is outside"),
-        "inertia": number(inertia),
-        "mass": "kg m^2" if unit == "rad" else "kg",
-        "turned": "angle" if unit == "rad" else "position [rad/m]",
-        "unit": unit,
-        "torque": robot.torque_unit(j),
-        "stiffness": _two_digits((math.tau * 10.0) ** 2 * inertia),  # K with sqrt(K/M_ii)/2pi = 10 Hz
-        "drive": model.joints[name],
-    }
 
 
 def _two_digits(value: float) -> str:

@@ -10,10 +10,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from flexdyn.cli.sheet import Sheet
 from flexdyn.errors import visible
+from flexdyn.io.json_text import json_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -56,7 +55,7 @@ def show(*parts: Any) -> None:
 
 def show_json(document: Any) -> None:
     """Print pure JSON on stdout; numbers that JSON does not have (infinite, NaN) are null."""
-    text = json.dumps(plain(document), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json_text(document)
     safe = (letter if letter.isprintable() or letter == "\n" else json.dumps(letter)[1:-1] for letter in text)
     sys.stdout.write("".join(safe) + "\n")
 
@@ -98,20 +97,3 @@ def table(
 def number(value: float | None, digits: int = 4) -> str:
     """A number for a table; a dash if there is none."""
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
-
-
-def plain(value: Any) -> Any:
-    """Data in a form for JSON."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [plain(entry) for entry in value]
-    if isinstance(value, np.bool_ | np.integer | np.floating):
-        return plain(value.item())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    return str(value)

@@ -9,18 +9,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from flexdyn.cli.options import (
-    JsonOption,
-    MapOption,
-    ModelArgument,
-    by_joint,
-    decimal,
-    flag,
-    naming,
-    option,
-    output_file,
-    output_option,
-)
+from flexdyn.cli import options
 from flexdyn.cli.output import note, number, progress, show, show_json, table
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
@@ -49,36 +38,41 @@ SYMBOLS = {
 
 
 def simulate(
-    model: ModelArgument,
-    output: Annotated[Path | None, output_option("RUN", f"The run: {', '.join(SUFFIXES)} by its suffix.")] = None,
+    model: options.ModelArgument,
+    output: Annotated[
+        Path | None, options.output_option("RUN", f"The run: {', '.join(SUFFIXES)} by its suffix.")
+    ] = None,
     command: Annotated[
         Path | None,
-        option(
+        options.option(
             "FILE",
             "A recording whose tau drives the arm, or a YAML file with pd: or torques:. Default: the model's own, "
             "else no torque.",
         ),
     ] = None,
-    map: MapOption = None,
-    duration: Annotated[str | None, option("S", "Duration in s. Default: the command's.")] = None,
-    solver: Annotated[str, option("NAME", f"auto, {', '.join(SOLVERS)}.")] = "auto",
-    step: Annotated[str | None, option("S", "Step of RungeKutta4 or TimeStepping, in s.")] = None,
-    rtol: Annotated[str | None, option("R", "Relative tolerance of an adaptive solver.")] = None,
-    atol: Annotated[str | None, option("A", "Absolute tolerance of an adaptive solver, in rad and rad/s.")] = None,
+    map: options.MapOption = None,
+    duration: Annotated[str | None, options.option("S", "Duration in s. Default: the command's.")] = None,
+    solver: Annotated[str, options.option("NAME", f"auto, {', '.join(SOLVERS)}.")] = "auto",
+    step: Annotated[str | None, options.option("S", "Step of RungeKutta4 or TimeStepping, in s.")] = None,
+    rtol: Annotated[str | None, options.option("R", "Relative tolerance of an adaptive solver.")] = None,
+    atol: Annotated[
+        str | None, options.option("A", "Absolute tolerance of an adaptive solver, in rad and rad/s.")
+    ] = None,
     smoothing: Annotated[
-        str | None, option("U", "Smooth dry friction below this velocity, in rad/s. Default: exact sticking.")
+        str | None, options.option("U", "Smooth dry friction below this velocity, in rad/s. Default: exact sticking.")
     ] = None,
-    rate: Annotated[str, option("HZ", "Sample rate of the run, in Hz.")] = "1000",
-    q0: Annotated[list[str] | None, option("VALUES", f"First link positions, {STARTS}; rad or m.")] = None,
-    v0: Annotated[list[str] | None, option("VALUES", "First link velocities, likewise.")] = None,
+    rate: Annotated[str, options.option("HZ", "Sample rate of the run, in Hz.")] = "1000",
+    q0: Annotated[list[str] | None, options.option("VALUES", f"First link positions, {STARTS}; rad or m.")] = None,
+    v0: Annotated[list[str] | None, options.option("VALUES", "First link velocities, likewise.")] = None,
     theta0: Annotated[
-        list[str] | None, option("VALUES", "First rotor positions, likewise, or equilibrium: springs carry gravity.")
+        list[str] | None,
+        options.option("VALUES", "First rotor positions, likewise, or equilibrium: springs carry gravity."),
     ] = None,
-    omega0: Annotated[list[str] | None, option("VALUES", "First rotor velocities, likewise.")] = None,
+    omega0: Annotated[list[str] | None, options.option("VALUES", "First rotor velocities, likewise.")] = None,
     limits: Annotated[
-        bool, flag("--limits", "Keep to the URDF's limits: end stops at the ends of range, motors saturate.")
+        bool, options.flag("--limits", "Keep to the URDF's limits: end stops at the ends of range, motors saturate.")
     ] = False,
-    as_json: JsonOption = False,
+    as_json: options.JsonOption = False,
 ) -> None:
     """Simulate a model under a command and write the run.
 
@@ -87,12 +81,12 @@ def simulate(
     """
     from flexdyn.simulation.simulate import simulate as integrate
 
-    path = output_file("--output", output, SUFFIXES, inputs=(Path(model), command, map))
-    span = None if duration is None else decimal("--duration", duration)
-    hertz = decimal("--rate", rate)
+    path = options.output_file("--output", output, SUFFIXES, inputs=(Path(model), command, map))
+    span = None if duration is None else options.decimal("--duration", duration)
+    hertz = options.decimal("--rate", rate)
     settings = _settings(step=step, rtol=rtol, atol=atol, smoothing=smoothing)
     arm = enforce_limits(model_file(model)) if limits else model_file(model)
-    with naming(NAMES, file=model, files={"samples": command, "pd": command, "command": command}):
+    with options.naming(NAMES, file=model, files={"samples": command, "pd": command, "command": command}):
         chosen = choose(solver, **settings)
         starts = _starts(arm, q0=q0, v0=v0, theta0=theta0, omega0=omega0)
         drive = _read_command(command, map)
@@ -159,7 +153,7 @@ def summary(run: Run, path: Path) -> dict[str, Any]:
 
 def _settings(**texts: str | None) -> dict[str, float]:
     """The given values, as numbers."""
-    return {key: decimal(f"--{key}", text) for key, text in texts.items() if text is not None}
+    return {key: options.decimal(f"--{key}", text) for key, text in texts.items() if text is not None}
 
 
 def _starts(model: FlexibleJointModel, **given: list[str] | None) -> dict[str, Any]:
@@ -168,7 +162,7 @@ def _starts(model: FlexibleJointModel, **given: list[str] | None) -> dict[str, A
         if texts == ["equilibrium"] and signal == "theta0":
             starts[signal] = "equilibrium"
         elif texts:
-            starts[signal] = by_joint(f"--{signal}", texts, model.joint_names)
+            starts[signal] = options.by_joint(f"--{signal}", texts, model.joint_names)
     return starts
 
 

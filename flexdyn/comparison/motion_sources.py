@@ -17,7 +17,6 @@ from flexdyn.records.units import SIGNALS as UNITS
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.run import Run
 
-Array = NDArray[np.float64]
 HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that are held from one sample to the next; all others are interpolated linearly."""
 

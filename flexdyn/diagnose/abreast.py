@@ -19,9 +19,7 @@ SILENT = partial(np.errstate, over="ignore", invalid="ignore")
 """Ignore overflow, which is detected afterwards in the results; every thread has its own setting."""
 
 
-def abreast(
-    work: Callable[[Item], Result], items: Iterable[Item], progress: Callable[[float], None] | None = None
-) -> list[Result]:
+def abreast(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     """The results of `work` for all items, in their order.
 
     NumPy and the core let other threads run while they compute. The threads end with the call, so that a process that
@@ -30,21 +28,14 @@ def abreast(
     Args:
         work: function whose result does not depend on other items.
         items: its arguments.
-        progress: called with the finished share.
     """
-    items = list(items)
-    found: list[Result] = []
     tasks = [(copy_context(), item) for item in items]
 
     def do(task: tuple[Context, Item]) -> Result:
         return task[0].run(_checked, work, task[1])
 
     with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-abreast") as pool:
-        for each in pool.map(do, tasks) if len(items) > 1 else map(do, tasks):
-            found.append(each)
-            if progress is not None:
-                progress(len(found) / len(items))
-    return found
+        return list(pool.map(do, tasks) if len(tasks) > 1 else map(do, tasks))
 
 
 def _checked(work: Callable[[Item], Result], item: Item) -> Result:

@@ -47,7 +47,7 @@ def damping(cases: PaperCases) -> Chapter:
             "modes": [
                 {"frequency_hz": mode.frequency, "rate": mode.rate, "decrement": mode.decrement}
                 for mode in modes(cases.arm(v=v), ELBOW)
-            ],
+            ]
         }
         for v in DAMPINGS
     }

@@ -110,11 +110,7 @@ def link_acceleration(arm: Arm, q: ArrayLike, v: ArrayLike, torque: ArrayLike) -
         torque: what the springs and friction leave for the links, -K (q1 - q3) - b1 and so on (..., 2) [N m].
     """
     rest = np.asarray(torque, dtype=float) - coriolis(arm, q, v)
-    D = mass_matrix(arm, q)
-    determinant = D[..., 0, 0] * D[..., 1, 1] - D[..., 0, 1] ** 2
-    first = D[..., 1, 1] * rest[..., 0] - D[..., 0, 1] * rest[..., 1]
-    second = D[..., 0, 0] * rest[..., 1] - D[..., 0, 1] * rest[..., 0]
-    return np.asarray(np.stack([first, second], -1) / determinant[..., None])
+    return np.asarray(np.linalg.solve(mass_matrix(arm, q), rest[..., None])[..., 0])
 
 
 def derivative(arm: Arm, x: ArrayLike, tau: ArrayLike) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.diagnose import Diagnosis, Number, Suspect, diagnose
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.report.digits import estimate_text, times
-from flexdyn.diagnose.report.verdicts import verdict_sentence
+from flexdyn.diagnose.report.sentences import verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, place_phrase
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
@@ -161,22 +161,15 @@ def _numbers(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) 
 
 
 def _text(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) -> str:
-    rows = [
-        (
-            effect_name(effect.name),
-            place_phrase(str(getattr(effect, "joint", "")), getattr(effect, "side", None)),
-            name,
-            true,
-            "not found" if found is None else estimate_text(found),
-        )
-        for effect, name, true, found in _compared(truth, answer)
-    ]
     return prose(
         "hidden_friction.md",
         torque_noise=TORQUE_NOISE,
         verdict=verdict_sentence(answer),
         folder=FOLDER,
-        rows=rows,
+        rows=_compared(truth, answer),
         steps=steps,
+        effect_name=effect_name,
+        place_phrase=place_phrase,
+        estimate_text=estimate_text,
         times=times,
     )

@@ -42,10 +42,7 @@ def rotor_inertia(cases: PaperCases) -> Chapter:
     rows = [_row(cases, J) for J in INERTIAS]
     parts = [[row.residuals[v].left for v in COMPARED_DAMPINGS] for row in rows]
     shares = [ratio for part in parts for ratio in np.divide(part[1:], part[:-1])]
-    checks = (
-        stated("inertia_oscillation", max(row.ringing for row in rows)),
-        stated("inertia_damping", max(shares)),
-    )
+    checks = (stated("inertia_oscillation", max(row.ringing for row in rows)), stated("inertia_damping", max(shares)))
     numbers = {
         f"{row.J:g}": {
             "frequencies_hz": list(row.frequencies),

@@ -12,18 +12,15 @@ from typing import Any
 from flexdyn.errors import InputError, MissingExtra
 from flexdyn.io.files import write_text
 from flexdyn.paper import style
+from flexdyn.paper.arm_end import end_force, tip_deflection
 from flexdyn.paper.cases import PaperCases
 from flexdyn.paper.chapter import Chapter, Check
 from flexdyn.paper.damping import damping
-from flexdyn.paper.end_force import end_force
-from flexdyn.paper.friction_effect import friction_effect
-from flexdyn.paper.friction_law import friction_law
-from flexdyn.paper.readings import readings
-from flexdyn.paper.report import summary_data, summary_text
+from flexdyn.paper.friction import friction_effect, friction_law
+from flexdyn.paper.report import readings, summary_data, summary_text
 from flexdyn.paper.responses import responses
 from flexdyn.paper.rigid_limit import rigid_limit
 from flexdyn.paper.rotor_inertia import rotor_inertia
-from flexdyn.paper.tip_deflection import tip_deflection
 from flexdyn.paper.verification import verification
 
 CHAPTERS: tuple[tuple[str, Callable[[PaperCases], Chapter]], ...] = (

@@ -13,36 +13,10 @@ from flexdyn.paper.chapter import Figure
 # Okabe and Ito's colours, which colour-blind readers can distinguish; each has its own line style for print.
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 BLACK, GREY = "#000000", "#8C8C8C"
-FULL_WIDTH = 7.16  # inch: both columns of a journal page
 DASHED, DOTTED = (0, (5, 2)), (0, (1, 1.2))
 FLEXIBLE = {"color": BLUE, "linestyle": "-", "label": "flexible"}
 RIGID = {"color": VERMILION, "linestyle": DASHED, "label": "rigid"}
-STYLE = {
-    "font.family": "STIXGeneral",  # comes with matplotlib: the same letters everywhere
-    "mathtext.fontset": "stix",
-    "font.size": 9.0,
-    "axes.titlesize": 9.0,
-    "axes.labelsize": 9.0,
-    "legend.fontsize": 8.0,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
-    "axes.linewidth": 0.6,
-    "lines.linewidth": 1.1,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "axes.grid": True,
-    "grid.color": "#D9D9D9",
-    "grid.linewidth": 0.4,
-    "axes.axisbelow": True,
-    "legend.frameon": True,
-    "legend.framealpha": 0.92,
-    "legend.edgecolor": "none",
-    "legend.handlelength": 2.6,
-    "pdf.fonttype": 42,
-    "savefig.dpi": 300,
-}
+STYLE = Path(__file__).with_name("figures.mplstyle")
 
 
 def require_matplotlib() -> Any:

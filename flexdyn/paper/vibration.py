@@ -8,14 +8,13 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebfit, chebval
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper.cases import CASES_OBSERVED, TORQUE_END
 from flexdyn.paper.equations import Arm, mass_matrix
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince
-
-Array = NDArray[np.float64]
 
 
 def amplitude(arm: Arm, run: Run) -> Array:

@@ -1,8 +1,7 @@
 """Pictures of motions, laws and frequencies; Matplotlib and Plotly (extra ``plot``) are imported when needed."""
 
-from flexdyn.plots.examples import example_entry
 from flexdyn.plots.frequencies import draw_frequencies
-from flexdyn.plots.laws import draw_law
+from flexdyn.plots.laws import draw_law, example_entry
 from flexdyn.plots.motions import plot
 from flexdyn.plots.page import SUFFIXES
 from flexdyn.plots.picture import Picture

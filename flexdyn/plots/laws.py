@@ -1,4 +1,4 @@
-"""draw_law: the law of an effect as a picture, with the parameters of its example."""
+"""draw_law: the law of an effect as a picture, with the parameters of its example; and its entry in a model file."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 from flexdyn.effects import CommandDelay, DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect, unit_for
 from flexdyn.errors import InputError
-from flexdyn.plots import friction_curves, sensor_curves, torque_curves
+from flexdyn.plots import drive_curves, friction_curves
 from flexdyn.plots.page import GREY, checked_path, dress, new_figure, save
 
 Labels = tuple[str, str]
@@ -17,16 +17,16 @@ Drawing = Callable[[Any, Any], Labels]
 
 _BY_KIND: tuple[tuple[type[Effect], Drawing], ...] = (
     (MemoryEffect, friction_curves.loop),
-    (DeflectionEffect, torque_curves.deflection),
-    (CommandDelay, sensor_curves.delayed_command),
-    (SensorEffect, sensor_curves.measured),
+    (DeflectionEffect, drive_curves.deflection),
+    (CommandDelay, drive_curves.delayed_command),
+    (SensorEffect, drive_curves.measured),
 )
 _BY_STAGE: dict[str, Drawing] = {
     "friction": friction_curves.smooth,
     "dry": friction_curves.dry,
-    "spring": torque_curves.spring,
-    "link": torque_curves.link,
-    "actuator": torque_curves.actuator,
+    "spring": drive_curves.spring,
+    "link": drive_curves.link,
+    "actuator": drive_curves.actuator,
 }
 
 
@@ -94,3 +94,17 @@ def _shown_unit(field: dataclasses.Field[Any]) -> str:
     unit = str(field.metadata["unit"])
     # The examples of sensors measure a position.
     return {"1": "", "unit of the channel": "rad"}.get(unit, unit)
+
+
+def example_entry(kind: type[Effect], joint: str, other: str = "OTHER_JOINT") -> dict[str, Any]:
+    """An entry of a model file, to be copied.
+
+    Args:
+        kind: the effect's class.
+        joint: name of the joint that it acts on.
+        other: name of a second joint, if it needs one.
+    """
+    effect = kind.example(joint, other)
+    if isinstance(effect, JointEffect):
+        effect = dataclasses.replace(effect, side=kind.sides[-1])  # the motor's rather than the link's
+    return effect.to_dict()

@@ -14,7 +14,7 @@ SUFFIXES = (".png", ".pdf", ".svg")
 BLUE, RED, GREY, PALE = "#1f4e9c", "#c23b22", "#6b7280", "#dbe4f3"
 SHADES = ("#7f1d1d", "#d97757", GREY, "#6ea0dc", BLUE)
 """Colours of five curves, from the smallest to the largest."""
-SHORT_DASHES = (0, (3, 3))
+GUIDE_DASHES = (0, (3, 3))
 LAW_LINE_WIDTH = 2.2
 """Width of a law's line [pt]."""
 
@@ -67,7 +67,7 @@ def line(axes: Any, x: Any, y: Any, color: str | tuple[float, ...] = BLUE, **loo
 
 def beside(axes: Any, x: Any, plain: str, law: Any, label: str) -> None:
     """A law beside y = x, which is dashed, with a legend of both."""
-    axes.plot(x, x, color=GREY, linewidth=1.0, linestyle=SHORT_DASHES, label=plain)
+    axes.plot(x, x, color=GREY, linewidth=1.0, linestyle=GUIDE_DASHES, label=plain)
     line(axes, x, law, label=label)
     axes.legend(frameon=False, loc="upper left")
 

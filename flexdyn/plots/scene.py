@@ -20,7 +20,6 @@ from flexdyn.records import Recording
 from flexdyn.records.meta import as_plain
 from flexdyn.records.table import Table
 
-Array = NDArray[np.float64]
 MOST_DOTS = 150
 """A measured curve of up to this many samples is drawn as dots."""
 DEFLECTION = "deflection"

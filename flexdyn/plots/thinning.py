@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.plots.panel import Curve, short
 from flexdyn.records.signals.gaps import gap_rows
 
-Array = NDArray[np.float64]
 MOST_CURVE_POINTS = 6000
 """Curves of up to this many samples are drawn as they are."""
 SLICES = 1500

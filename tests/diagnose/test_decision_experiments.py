@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from flexdyn.diagnose.decision.corrected import corrected
-from flexdyn.diagnose.decision.experiments import with_experiments
-from flexdyn.diagnose.decision.findings import findings
+from flexdyn.diagnose.decision.findings import findings, with_experiments
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.experiment.design import CLEAR_DELTA_BIC

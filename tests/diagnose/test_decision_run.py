@@ -22,7 +22,7 @@ from flexdyn.diagnose.decision.verdict import left
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
-from flexdyn.diagnose.report.verdicts import verdict_sentence
+from flexdyn.diagnose.report.sentences import verdict_sentence
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 from tests.diagnose.workspaces import workspace
 

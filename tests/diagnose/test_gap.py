@@ -72,8 +72,8 @@ def test_only_windows_that_stray_are_tried_from_rest() -> None:
     shooter = shooting.Shooter(model, windows)
     starts, used = first_states(shooter), shoot(model, windows).used
     assert starts.stuck is not None
-    alone = matching.matched(shooter, dataclasses.replace(starts, stuck=None), used)
-    both = matching.matched(shooter, starts, used)
+    alone = matching.Matching(shooter, dataclasses.replace(starts, stuck=None), used).best()
+    both = matching.Matching(shooter, starts, used).best()
     strays = alone.stray(used)
     assert 0 < strays.sum() < 5 < len(windows)
     after, before = (each.filter.scaled(each.residual) for each in (both, alone))

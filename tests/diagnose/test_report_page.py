@@ -12,15 +12,13 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.control.commands import PD, Samples
-from flexdyn.diagnose.report.apart import PICTURES
 from flexdyn.diagnose.report.digits import percent, probability_text, rounded, times
-from flexdyn.diagnose.report.found import FINDINGS_OPEN
 from flexdyn.diagnose.report.measures import Gap, JointError, Left, RecordingSpan, ResidualPlace, SignalError
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.sentences import next_measurements
+from flexdyn.diagnose.report.sentences import next_measurements, verdict_sentence
+from flexdyn.diagnose.report.shown import FINDINGS_OPEN, PICTURES
 from flexdyn.diagnose.report.suspects import Considered, Experiment, Finding, Number, Structure, Suspect
 from flexdyn.diagnose.report.trace import ResidualTrace
-from flexdyn.diagnose.report.verdicts import verdict_sentence
 from tests.browser import open_page
 from tests.diagnose import report_cases as cases
 

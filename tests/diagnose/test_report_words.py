@@ -28,9 +28,9 @@ from flexdyn.diagnose.report.sentences import (
     finding_sentences,
     gap_sentence,
     next_measurements,
+    verdict_sentence,
 )
 from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Structure, Suspect
-from flexdyn.diagnose.report.verdicts import verdict_sentence
 from flexdyn.diagnose.report.words import channel_unit, finding_phrase
 from tests.diagnose import report_cases as cases
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.held_out import recorded_noise
 from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.equations.rest import borders, long_runs, near
+from flexdyn.diagnose.hypothesis.workspace import recorded_noise
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, RATE, Levels
 from tests.oracles.integrate import held

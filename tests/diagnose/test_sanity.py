@@ -296,7 +296,8 @@ def test_joints_that_turn_back_all_the_time(model: fd.FlexibleJointModel) -> Non
     """Their velocities have no certain sign anywhere."""
     t = np.arange(6000) / 1000.0
     noise = np.random.default_rng(3)
-    wave, channels = np.sin(2.0 * np.pi * 60.0 * t), {}
+    wave = np.sin(2.0 * np.pi * 60.0 * t)
+    channels: dict[str, np.ndarray] = {}
     for joint in model.joint_names:
         channels |= {f"q.{joint}": 1e-3 * wave + 1e-6 * noise.standard_normal(len(t)), f"tau.{joint}": wave}
     data = (measured(model, fd.Recording(t, channels, name="log.csv")),)

@@ -17,7 +17,7 @@ from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import reweighed
+from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows, unlike_noise
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 from tests.diagnose.workspaces import workspace
@@ -99,7 +99,31 @@ def test_windows_bring_back_what_the_search_had_lost(tmp_path: Path) -> None:
     nothing = frozenset[tuple[int, int]]()
     empty = fit(start, found.fitted.space, steps=1)
     lost = dataclasses.replace(found, best=nothing, fitted=empty, earlier=(frozenset(),))
-    again = reweighed(lost, Windows.of(model, [recording], LEVELS.noise(1)))
+    windows = Windows.of(model, [recording], LEVELS.noise(1))
+    again = reweighed(lost, windows, lambda made: True)
+    assert again is not None
     (level,) = (each.level for each in again.fitted.hypothesis.effects if isinstance(each, fd.effects.CoulombFriction))
     assert level == pytest.approx(LEVEL, rel=0.03)
     assert not again.earlier
+    # What the level takes off the windows is thousands of times what is left.
+    (place,) = [c for c, _ in again.best]
+    assert share_in_windows(again, windows, place) > 1e3
+    assert not unlike_noise(shoot(again.fitted.hypothesis.seen(), windows))
+    assert unlike_noise(shoot(empty.hypothesis.seen(), windows))
+
+
+def test_what_windows_do_not_need_has_no_share_in_them(tmp_path: Path) -> None:
+    """A drag that a free mass does not have."""
+    model = slider_model(tmp_path)
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS, 0.0)
+    recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
+    bare, noise, start = prepared(model, (measured(model, recording),))
+    found = posterior(bare, noise, start)
+    (drag,) = [c for c, each in enumerate(found.space.candidates) if each.kind == "quadratic_drag"][:1]
+    here = dataclasses.replace(
+        found.fitted.hypothesis, effects=(fd.effects.QuadraticDrag("slide", side="motor", coefficient=0.5),)
+    )
+    held = dataclasses.replace(found, best=frozenset({(drag, 0)}), fitted=fit(here, found.fitted.space, steps=1))
+    windows = Windows.of(model, [recording], LEVELS.noise(1))
+    assert not unlike_noise(shoot(found.fitted.hypothesis.seen(), windows))
+    assert share_in_windows(held, windows, drag) == 0.0

@@ -206,10 +206,10 @@ def test_a_check_that_fails_is_reported() -> None:
     good, bad, none = (check("is small", value, 1.0, "m") for value in (1.0, 1.5, math.nan))
     assert (good.passed, bad.passed, none.passed) == (True, False, False)
     chapter = Chapter("Part", "Text.", (good, bad, none), {"found": [1.0, math.inf]})
-    text = summary_text([chapter], (), "0")
+    text = summary_text([chapter], [], "0")
     assert "1 of 3 checks hold" in text
     assert text.count("**NO**") == 2
-    data = summary_data([chapter], (), "0")
+    data = summary_data([chapter], [], "0")
     assert data["passed"] is False
     assert data["checks"][2]["value"] is None
     json.dumps(data, allow_nan=False)

@@ -112,7 +112,7 @@ class ModelsCompared(Public):
         """A row a number: its name, a value a model, how often chance differs so much, and what became of it."""
         return [
             [
-                _with_unit(each),
+                f"{each.name} [{each.unit}]",
                 *("-" if x is None else _estimate(x) for x in each.values),
                 "-" if math.isnan(each.probability) else probability_text(each.probability),
                 each.verdict,
@@ -256,10 +256,6 @@ def _lined(rows: Sequence[Sequence[str]]) -> list[str]:
     """Rows of a table as lines."""
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
-
-
-def _with_unit(number: NumberOverModels) -> str:
-    return f"{number.name} [{number.unit}]"
 
 
 def _estimate(number: Number) -> str:

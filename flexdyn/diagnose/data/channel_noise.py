@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.records.signals.reading_noise import high_frequency_std, reading_noise
-
-Array = NDArray[np.float64]
 
 
 def encoder_noise(data: tuple[Measured, ...], signal: str) -> Array:

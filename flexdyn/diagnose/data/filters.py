@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.records.signals.kernels import GaussianSmoother
 
-Array = NDArray[np.float64]
 FIRST_FILTER_WIDTH = 0.00125
 """Standard deviation of the first filter [s]: as small as the clock allows, because it rounds corners of the motion."""
 SECOND_FILTER_WIDTHS = (0.005, 0.008, 0.0128, 0.02)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.signals.decimate import CLOCK_JITTER
 
-Array = NDArray[np.float64]
+SIGNALS = ("q", "theta", "tau", "tau_s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,26 +42,23 @@ class Measured:
     theta: Array
     tau: Array
     tau_s: Array
-    has_q: NDArray[np.bool_]
-    has_theta: NDArray[np.bool_]
-    has_tau_s: NDArray[np.bool_]
-    forced: NDArray[np.bool_]
+    has_q: Flags
+    has_theta: Flags
+    has_tau_s: Flags
+    forced: Flags
 
     @property
-    def both(self) -> NDArray[np.bool_]:
+    def both(self) -> Flags:
         """Joints with both encoders (n,)."""
         return np.asarray(self.has_q & self.has_theta)
 
     def channel(self, signal: str) -> Array:
         """One signal of all joints (samples, n)."""
-        return {"q": self.q, "theta": self.theta, "tau": self.tau, "tau_s": self.tau_s}[signal]
+        return np.asarray(getattr(self, signal))
 
     def part(self, first: int, last: int) -> Measured:
         """Samples from `first` up to, but without, `last`; times are still those since the start of the run."""
-        cut = slice(first, last)
-        columns = (self.q[cut], self.theta[cut], self.tau[cut], self.tau_s[cut])
-        there = (self.has_q, self.has_theta, self.has_tau_s, self.forced)
-        return Measured(self.name, self.t[cut], self.dt, *columns, *there)
+        return dataclasses.replace(self, **{name: getattr(self, name)[first:last] for name in ("t", *SIGNALS)})
 
 
 def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
@@ -71,19 +70,18 @@ def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
     _check_joints(model, recording)
     recording = uniform(recording)
     names = model.joint_names
-    columns, has = {}, {}
-    for signal in ("q", "theta", "tau", "tau_s"):
+    found: dict[str, Any] = {}
+    for signal in SIGNALS:
         there = np.array([recording.has(signal, joint) for joint in names])
         column = np.zeros((len(recording), len(names)))
         for j in np.flatnonzero(there):
             column[:, j] = recording[f"{signal}.{names[j]}"]
-        columns[signal], has[signal] = column, there
+        found |= {signal: column, f"has_{signal}": there}
+    del found["has_tau"]  # of every joint
     t = recording.t - recording.t[0]
     dt = float(t[-1]) / (len(t) - 1)
     forced = np.array([joint in recording.prescribed for joint in names])
-    encoders = (has["q"], has["theta"], has["tau_s"])
-    signals = (columns["q"], columns["theta"], columns["tau"], columns["tau_s"])
-    return Measured(recording.name, t, dt, *signals, *encoders, forced)
+    return Measured(name=recording.name, t=t, dt=dt, forced=forced, **found)
 
 
 def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:

@@ -6,13 +6,12 @@ import dataclasses
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.measured import Measured
+from flexdyn.arrays import Array
+from flexdyn.diagnose.data.measured import SIGNALS, Measured
 from flexdyn.effects import ChannelLag, SensorEffect, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 SPARE_SAMPLES = 16
 """Number of samples beyond either end that have an influence on a spline's coefficients."""
 
@@ -22,7 +21,7 @@ def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
     effects = [e for e in model.effects if isinstance(e, SensorEffect) and not e.is_neutral]
     if not effects:
         return data
-    columns = {signal: getattr(data, signal).copy() for signal in ("q", "theta", "tau", "tau_s")}
+    columns = {signal: getattr(data, signal).copy() for signal in SIGNALS}
     for channel in {e.channel for e in effects}:
         signal, _, joint = channel.partition(".")
         if signal in columns:

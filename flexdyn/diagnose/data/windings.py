@@ -10,14 +10,12 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-
-Array = NDArray[np.float64]
 
 
 def without_inductance(model: FlexibleJointModel) -> FlexibleJointModel:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.figures import OnData, OnFit
 from flexdyn.diagnose.decision.gaps import Shots
@@ -21,7 +22,6 @@ from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.report.trace import MeasuredCurve, ResidualTrace, Trajectory
 from flexdyn.diagnose.shooting.gap import Shot
 
-Array = NDArray[np.float64]
 HIGHEST_DRAWN_RATE = 200.0
 """Positions are drawn at most so often [Hz]; torques at the rate of the equations' rows."""
 
@@ -92,7 +92,7 @@ def _torques(on: OnData, j: int, label: str) -> list[MeasuredCurve]:
     The lines are open at masked rows: a joint may rest there, and friction may then have any value.
     """
     left = [summed(at, j) for at in on.models]
-    clear: NDArray[np.bool_] = np.asarray(on.seen[:, left[0][1]].all(axis=1))
+    clear: Flags = np.asarray(on.seen[:, left[0][1]].all(axis=1))
     curves, first = [], 0
     for along, part in zip(on.models[-1].motions, on.parts, strict=True):
         filters = on.models[-1].filters

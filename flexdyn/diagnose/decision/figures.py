@@ -6,9 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from flexdyn.arrays import Flags
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.forces import Forces, are_prescribed, errors_of, recorded
 from flexdyn.diagnose.decision.gains import gains, shares
@@ -22,9 +20,6 @@ from flexdyn.diagnose.equations.localise import localise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.report.measures import Gap, JointError, Left, ResidualPlace, Shares, SignalError
-
-Array = NDArray[np.float64]
-
 
 Models = tuple[Equations, Equations, Equations]
 
@@ -42,7 +37,7 @@ class OnData:
 
     parts: Sequence[DataPart]
     models: Models
-    seen: NDArray[np.bool_]
+    seen: Flags
     off: Shots | Forces | None
 
     @property

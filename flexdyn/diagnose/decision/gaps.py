@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.decision.forces import are_prescribed
 from flexdyn.diagnose.decision.held_out import rms
@@ -20,7 +20,6 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 FIT_WINDOWS = 40
 """Number of windows of the fit data that are simulated, evenly spaced: 20 s give the gap within some percent.
 Of the test data all windows are simulated."""

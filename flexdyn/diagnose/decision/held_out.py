@@ -6,9 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.channel_noise import encoder_noise, recorded_torque_noise
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener, whitener
@@ -16,10 +15,9 @@ from flexdyn.diagnose.equations.equations import LINK, MOTOR, TOTAL, Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.workspace import recorded_noise
 from flexdyn.errors import InputError
 from flexdyn.records.signals.decimate import CLOCK_JITTER
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +37,7 @@ class HeldOut:
     whiten: Whitener
 
     @property
-    def seen(self) -> NDArray[np.bool_]:
+    def seen(self) -> Flags:
         """Rows that are not masked (rows of an equation, equations)."""
         return ~self.whiten.mask.reshape(-1, len(self.after.kinds))
 
@@ -99,7 +97,7 @@ def held_out(equations: Equations, hypothesis: Hypothesis, data: tuple[Measured,
     return HeldOut(given, after, noise, whitener(after, noise, mask))
 
 
-def _mask(given: Equations, after: Equations, noise: SampleNoise) -> NDArray[np.bool_]:
+def _mask(given: Equations, after: Equations, noise: SampleNoise) -> Flags:
     """Rows that are masked by the given or by the corrected model (rows,).
 
     Where a corrected model's made-up positions would hide all rows of an equation, its own joint's standstill decides.
@@ -108,12 +106,6 @@ def _mask(given: Equations, after: Equations, noise: SampleNoise) -> NDArray[np.
     mask = (sign_mask(given, noise) | sign_mask(after, noise)).reshape(-1, many)
     own = (sign_mask(given, noise, alone=True) | sign_mask(after, noise, alone=True)).reshape(-1, many)
     return np.where(mask.all(axis=0), own, mask).ravel()
-
-
-def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
-    """Of the channels, as the record shows it."""
-    torque = np.maximum(recorded_torque_noise(data), 1e-12)
-    return SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
 
 
 def _filters(equations: Equations, dt: float) -> Filters:

@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.equations.covariance import Whitener
@@ -16,7 +16,6 @@ from flexdyn.diagnose.equations.localise import SIDES
 from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.words import capital, effect_name
 
-Array = NDArray[np.float64]
 CURVE_VARIANCE_SHARE = 0.9
 """Share of a law's variance that one quantity must explain for the law to be a curve over it [1]."""
 EQUAL_SHARE_DIFFERENCE = 0.02
@@ -75,12 +74,7 @@ def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) 
     joint, robot = after.true.joint_names[j], after.true.robot
     unit = robot.angle_unit(joint) if side == TRANSMISSION else robot.torque_unit(joint)
     trace = ResidualTrace.thinned(
-        f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}",
-        label,
-        f"residual [{unit}]",
-        x,
-        rows + left,
-        left,
+        f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}", label, f"residual [{unit}]", x, rows + left, left
     )
     gone = float((whiten(without.residual) ** 2).sum() - (whiten(after.residual) ** 2).sum())
     return dataclasses.replace(trace, law=_line(x, rows, LAW_POINTS if curve else LAW_BINS), note=note), gone

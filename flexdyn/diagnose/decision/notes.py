@@ -26,6 +26,7 @@ FARTHEST_NUMBERS_TOLD = 3
 their standard deviations."""
 CORRELATION_TOLD, MOST_CORRELATIONS = 0.1, 40
 """Correlations that are reported: not below the first number [1], and at most the second one."""
+UNSETTLED = "The search was stopped while its last linearisation still changed the most probable structure."
 METHOD = "Gauss-Newton, weighted by noise and model error, with the stated tolerances as priors"
 
 
@@ -38,7 +39,7 @@ def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
         *_of_torques(found),
         *_of_unknown(found),
         *_of_priors(found),
-        *_of_search(compared),
+        *([] if compared.settled else [UNSETTLED]),
     )
 
 
@@ -82,11 +83,6 @@ def _of_channels(compared: Posterior) -> Iterator[str]:
             yield f"{joint}: no link encoder, only the spring separates friction on the link from friction on the motor"
         if model.elastic[j] and not data.has_theta[j]:
             yield f"{joint}: no motor encoder, so the motion of the rotor is seen through the spring alone"
-
-
-def _of_search(compared: Posterior) -> Iterator[str]:
-    if not compared.settled:
-        yield "The search was stopped while its last linearisation still changed the most probable structure."
 
 
 def number_words(here: Hypothesis) -> list[str]:

@@ -11,7 +11,6 @@ import dataclasses
 from flexdyn.diagnose.decision.corrected import effect_of, possible
 from flexdyn.diagnose.equations.columns import moves_links
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.apart import beyond_noise
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.whitening import Tempered
@@ -40,13 +39,10 @@ def share_in_forces(found: Posterior, candidate: int) -> float:
         return 0.0
     rest = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
     given = dataclasses.replace(rest, factors=dict.fromkeys(rest.factors, 1.0))
-    without = min((fit(start, made.space, steps=STEPS_WITHOUT) for start in (rest, given)), key=_reached)
+    without = min(
+        (fit(start, made.space, steps=STEPS_WITHOUT) for start in (rest, given)), key=lambda made: made.reached
+    )
     error = whiten.error
     squares = (made.regression.left[: len(made.regression.y)] ** 2).reshape(-1, len(error.scale)).sum(axis=0)
     left = float(error.weights @ beyond_noise(error, squares / error.weights))
     return max(without.reached - made.reached, 0.0) / max(left, 1e-9)
-
-
-def _reached(made: Fit) -> float:
-    """Sum of squares of rows and priors at a fit."""
-    return made.reached

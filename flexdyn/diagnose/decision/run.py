@@ -11,11 +11,10 @@ from typing import Any
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
 from flexdyn.diagnose.data.windings import with_inductance, with_lagging_current, without_inductance
 from flexdyn.diagnose.decision.background import Progress, beside, shown
-from flexdyn.diagnose.decision.held_out import recorded_noise
 from flexdyn.diagnose.decision.split import checked_blocks, parts, without_blocks
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.hypothesis.workspace import prepared, recorded_noise, weighed
 from flexdyn.diagnose.progress import Course, know, tell
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.effects import registered

@@ -10,8 +10,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Flags
 from flexdyn.checks import as_number
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured, measured
@@ -21,7 +21,6 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, RecordingWarning
 
-Array = NDArray[np.float64]
 TEST_SHARE = 0.2
 """Share of the moving part of every recording that is test data if none are given [1] (contract, section 8)."""
 SHORTEST_TEST_DATA = 1.0
@@ -133,7 +132,7 @@ def _cut(data: Measured) -> int:
     return min(at, len(data.t) - 1 - least)
 
 
-def moving(data: Measured) -> NDArray[np.bool_]:
+def moving(data: Measured) -> Flags:
     """Samples (samples,) about which some measured position changes by more than noise."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 

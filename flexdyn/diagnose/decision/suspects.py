@@ -13,16 +13,11 @@ from flexdyn.diagnose.report.suspects import Considered, Number, Structure, Susp
 from flexdyn.effects import Effect, unit_for
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.uncertain_parameters import FileNumber
+from flexdyn.model.resolved_parameters import OF_MOTOR
 
 PLACES = ("channel", "other", "frame", "of", "parameter")
-SIDES = {
-    "rotor_inertia": "motor",
-    "torque_constant": "motor",
-    "resistance": "motor",
-    "stiffness": "transmission",
-    "damping": "transmission",
-}
+SIDES = dict.fromkeys(("rotor_inertia", *OF_MOTOR), "motor") | dict.fromkeys(("stiffness", "damping"), "transmission")
+"""Where a number of a joint acts; one of an effect acts on the effect's own side."""
 RANKED = 20
 """Largest number of structures in the report."""
 FAR = "It was compared as an addition to the most probable structure alone, where it was far too improbable to go on."
@@ -43,9 +38,10 @@ def suspect_of(
         numbers: its parameters; None: they were not estimated.
     """
     if candidate.number is not None:
-        number = candidate.number
+        number, at = candidate.number, effect_place(candidate.number.of)
         place = {"of": number.of, "parameter": number.parameter}
-        return Suspect("parameter_error", number.joint, side_of(model, number), numbers or {}, place, probability)
+        side = SIDES.get(number.parameter) if at is None else getattr(model.effects[at], "side", None)
+        return Suspect("parameter_error", number.joint, side, numbers or {}, place, probability)
     kind = candidate.kind
     place = {key: value for key, value in candidate.place.items() if key in PLACES}
     effect = candidate.stands
@@ -54,12 +50,6 @@ def suspect_of(
         effect = units[0][0] if units else None
     joint, side = (getattr(effect, key, candidate.place.get(key)) for key in ("joint", "side"))
     return Suspect(kind, joint, side, numbers or {}, place, probability)
-
-
-def side_of(model: FlexibleJointModel, number: FileNumber) -> str | None:
-    """Where a number acts: a joint's by its kind, an effect's own side."""
-    place = effect_place(number.of)
-    return SIDES.get(number.parameter) if place is None else getattr(model.effects[place], "side", None)
 
 
 def numbers_of(

@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.decision.gaps import Shots
 from flexdyn.diagnose.decision.held_out import HeldOut, rms
 from flexdyn.diagnose.equations.equations import LINK, TRANSMISSION
@@ -16,7 +16,6 @@ from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.report.measures import Left, ResidualPlace
 from flexdyn.diagnose.report.result import Verdict
 
-Array = NDArray[np.float64]
 LEFT_TORQUE_SHARE = 0.01
 """Share of a joint's torque from which something is left [1]: no model of a robot is right to less."""
 QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(after a reversal)")
@@ -81,7 +80,7 @@ def left(rows: HeldOut, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left
     return tuple(sorted(found.values(), key=lambda each: (-each.share_of_torque, each.joint)))
 
 
-def _alike(white: Array, clear: NDArray[np.bool_]) -> int:
+def _alike(white: Array, clear: Flags) -> int:
     """Rows over which what is left stays alike: until its autocorrelation has fallen to 1/e.
 
     Of white rows noise adds 1 to the power, and nothing to products of different rows.

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.covariance import SampleNoise, whitener
@@ -24,7 +24,6 @@ from flexdyn.effects import Payload, SensorOffset
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
 
-Array = NDArray[np.float64]
 NEW_MOTION_STEPS = 2
 """Number of Gauss-Newton steps with which a hypothesis is fitted to a new motion."""
 

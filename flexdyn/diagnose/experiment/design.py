@@ -8,9 +8,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
+from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.experiment.apart import Known
@@ -24,7 +22,6 @@ from flexdyn.diagnose.report.words import effect_name, is_number, suspect_phrase
 from flexdyn.errors import FlexdynError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 CLEAR_DELTA_BIC = 50.0
 """Two laws are separated if the expected delta BIC is at least this [1]."""
 AMPLE_DELTA_BIC = 4.0 * CLEAR_DELTA_BIC

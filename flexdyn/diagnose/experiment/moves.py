@@ -7,12 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.experiment.reach import Reach
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 MOTION_REST_TIME = 0.4
 """Time of rest at the beginning and the end of every motion [s]."""
 PASS_DURATION = 8.0

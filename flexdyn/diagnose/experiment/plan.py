@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.experiment.apart import hypothesis_of_refit
@@ -14,7 +14,6 @@ from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
 from flexdyn.diagnose.report.suspects import Experiment
 from flexdyn.diagnose.shooting.gap import shoot
 
-Array = NDArray[np.float64]
 PICTURE_POINTS = 240
 """Number of points of a picture; samples between them are averaged."""
 DRAWS = 60

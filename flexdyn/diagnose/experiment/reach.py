@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.effects import Payload
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 GREATEST_PERCENTILE = 99.0
 """This percentile of speeds and accelerations counts as the largest one: noise causes larger ones."""
 USED_RANGE_SHARE = 0.9

@@ -7,8 +7,8 @@ import time
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -28,7 +28,6 @@ from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solver_choice import STIFF
 from flexdyn.simulation.solvers import Rosenbrock, Solver
 
-Array = NDArray[np.float64]
 RUNAWAY_TIME = 20.0
 """Processor time after which a motion counts as divergent and is stopped [s]: others need a hundredth of it."""
 WINDOWS = 10
@@ -59,11 +58,10 @@ class Side:
     def apart(self, passes: int) -> list[float]:
         """Expected delta BIC of this hypothesis to each of the others."""
         kinds = [pairs for pairs in (self.by_equations, self.by_windows) if pairs]
-        return [max(_delta(own, other, passes) for own, other in pairs) for pairs in zip(*kinds, strict=True)]
-
-
-def _delta(own: Refit, other: Refit, passes: int) -> float:
-    return max(other.chi2(passes) - own.chi2(passes), 0.0)
+        return [
+            max(*(other.chi2(passes) - own.chi2(passes) for own, other in pairs), 0.0)
+            for pairs in zip(*kinds, strict=True)
+        ]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -16,7 +16,6 @@ from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect
 from flexdyn.model.uncertain_parameters import FileNumber
 
-Array = NDArray[np.float64]
 CORRELATION_BLOCK = 0.5
 """Length of the blocks within which rows may be correlated [s]."""
 

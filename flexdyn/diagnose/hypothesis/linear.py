@@ -6,8 +6,8 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
@@ -18,7 +18,6 @@ from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.effects import Effect, SensorEffect
 from flexdyn.errors import SimulationError
 
-Array = NDArray[np.float64]
 SAME_DERIVATIVE_DISTANCE = 0.05
 """If a number differs more from its given value, its derivative is computed again [1]."""
 SAME_SLOPE_STEPS = 5.0
@@ -27,12 +26,7 @@ OUT_OF_TOLERANCE_WIDTH = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
 
 
-def linearised(
-    hypothesis: Hypothesis,
-    space: Workspace,
-    before: Fit | None = None,
-    at: Equations | None = None,
-) -> Fit:
+def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = None, at: Equations | None = None) -> Fit:
     """The least-squares problem at a hypothesis; its step is not taken.
 
     Args:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, stands_alone
 from flexdyn.diagnose.equations.equations import Equations
@@ -18,7 +18,6 @@ from flexdyn.model.resolved_parameters import OF_LINK, OF_MOTOR
 from flexdyn.model.uncertain_parameters import FileNumber
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 RELATIVE_NUMBER_STEP = 1e-3
 """Relative step of the differences."""
 

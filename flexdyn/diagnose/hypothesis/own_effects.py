@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, extent_of
@@ -19,7 +19,6 @@ from flexdyn.effects.extent import MotionExtent
 from flexdyn.errors import InputError
 from flexdyn.simulation.plant import PYTHON_STAGES
 
-Array = NDArray[np.float64]
 LINEARITY_SAMPLES = 300
 """Number of samples of a motion that are used to test linearity."""
 EQUAL_TORQUE_DIFFERENCE = 1e-7

@@ -6,14 +6,13 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.effects import Effect, effect_from_dict
 from flexdyn.effects.extent import MotionExtent
 
-Array = NDArray[np.float64]
 Point = tuple[float, ...]
 Unit = tuple[Effect, float]
 HALF_GAP_POINTS = 10

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.lazy import lazy
 
-Array = NDArray[np.float64]
 ROWS_PER_COLUMN = 16
 """Rows of a block of a tall matrix, per column."""
 

@@ -6,8 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.channel_noise import encoder_noise, recorded_torque_noise
 from flexdyn.diagnose.data.filters import SECOND_FILTER_WIDTHS, Filters
 from flexdyn.diagnose.data.measured import Measured
@@ -23,7 +23,6 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import file_numbers, with_factors
 
-Array = NDArray[np.float64]
 MANY = 200.0
 """A wider filter is used only if recordings are longer than this multiple of it [1]."""
 
@@ -64,8 +63,7 @@ def prepared(
         InputError: all rows are masked.
     """
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
-    torque = np.maximum(recorded_torque_noise(data), 1e-12)
-    noise = SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(model.n))
+    noise = recorded_noise(data)
     bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
     used = ~sign_mask(bare.equations, noise).reshape(-1, len(bare.equations.kinds))
     if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers
@@ -77,9 +75,13 @@ def prepared(
     return bare, noise, start
 
 
-def weighed(
-    bare: Unweighted, noise: SampleNoise, mask: NDArray[np.bool_] | None = None, extra: Array | None = None
-) -> Workspace:
+def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
+    """Of the channels, as the record shows it."""
+    torque = np.maximum(recorded_torque_noise(data), 1e-12)
+    return SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
+
+
+def weighed(bare: Unweighted, noise: SampleNoise, mask: Flags | None = None, extra: Array | None = None) -> Workspace:
     """Equations with weights from the noise.
 
     Args:

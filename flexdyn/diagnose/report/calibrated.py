@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
-from flexdyn.diagnose.report.digits import interval_text, relative, rounded, unit_text, value_text
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import CONFIDENCE, Number
-from flexdyn.diagnose.report.words import number_phrase
 from flexdyn.effects import unit_for
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -47,31 +44,6 @@ def beyond_tolerance(entries: Sequence[Calibration]) -> int:
 def _displacement(entry: Calibration) -> float:
     size = abs(entry.factor - 1.0) / entry.tolerance if entry.tolerance > 0.0 else abs(entry.factor - 1.0)
     return size if math.isfinite(size) else 0.0
-
-
-def calibrated_row(model: FlexibleJointModel, entry: Calibration) -> dict[str, Any]:
-    """A row of the table, as the template reads it.
-
-    Args:
-        model: corrected.
-        entry: the number.
-    """
-    held = entry.tolerance <= 0.0 or entry.std < LIMIT * entry.tolerance
-    value, unit = given_number(model, entry.of, entry.parameter)
-    number = estimate(model, entry)
-    known = held and math.isfinite(number.std)
-    absolute = f"{rounded(entry.tolerance * value, 2)} {unit_text(unit)}"
-    given = f"{value_text(value, 0.0)} {unit_text(unit)}".strip() if unit != FACTOR else "factor 1"
-    return {
-        "name": number_phrase(model, entry.of, entry.parameter),
-        "tolerance": absolute if entry.is_open else f"{100.0 * entry.tolerance:.3g}\u00a0%",
-        "given": "not known" if entry.is_open else given,
-        "estimate": value_text(number.value, number.std) if known else "not held by these data",
-        "std": value_text(number.std, number.std) if known else "",
-        "interval": interval_text(replace(number, unit="1")) if known else "",
-        "change": "" if entry.is_open else relative(entry.factor),
-        "drift": _drift(entry),
-    }
 
 
 def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
@@ -115,7 +87,7 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
     return math.nan, FACTOR
 
 
-def _drift(entry: Calibration) -> dict[str, Any] | None:
+def drift(entry: Calibration) -> dict[str, Any] | None:
     """A number's picture, 200 wide: a dot with its interval on an axis from -3 to 3 tolerances, with ticks at each."""
     if not (entry.tolerance > 0.0 and math.isfinite(entry.factor)):
         return None

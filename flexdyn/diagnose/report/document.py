@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
-
-import numpy as np
 
 from flexdyn.diagnose.report.calibrated import estimate
 from flexdyn.diagnose.report.measures import JointError, RecordingSpan, SignalError, Statistics
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import model_sentence, stopped_sentence
-from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Suspect
+from flexdyn.diagnose.report.suspects import Finding, Number, Suspect
+from flexdyn.io.json_text import json_text
+from flexdyn.io.locked import thawed
 
 SCHEMA = "flexdyn.diagnosis/2"
 CONSIDERED = 40
@@ -34,23 +32,36 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "gap": {"fit": _fields(diagnosis.gap_fit), "test": _fields(diagnosis.gap_test)},
         "errors": {joint: _error(entry) for joint, entry in diagnosis.errors.items()},
         "where": [_fields(entry) for entry in diagnosis.where],
-        "left": [{**vars(entry), "depends_on": list(entry.depends_on)} for entry in diagnosis.left],
+        "left": [_fields(entry) for entry in diagnosis.left],
         "structures": [
             {**vars(each), "effects": [_suspect(own) for own in each.effects]} for each in diagnosis.structures
         ],
-        "considered": [_considered(entry) for entry in diagnosis.considered[:CONSIDERED]],
-        "data": [_source(entry) for entry in diagnosis.data],
+        "considered": [
+            _suspect(entry.suspect) | {key: value for key, value in vars(entry).items() if key != "suspect"}
+            for entry in diagnosis.considered[:CONSIDERED]
+        ],
+        "data": [_span(entry) for entry in diagnosis.data],
         "notes": [*told, *diagnosis.notes],
         "seconds": diagnosis.seconds,
-        "record": {**vars(diagnosis.record), "files": [_fields(entry) for entry in diagnosis.record.files]},
-        "fit": None if diagnosis.fit is None else _statistics(diagnosis.fit),
+        "record": _fields(diagnosis.record),
+        "fit": _statistics(diagnosis.fit) if diagnosis.fit else None,
         "shares": _fields(diagnosis.shares),
     }
 
 
 def report_json(diagnosis: Diagnosis) -> str:
     """Text of report.json: strict JSON, in which a number that is not finite is null."""
-    return json.dumps(_strict(document(diagnosis)), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_text(document(diagnosis)) + "\n"
+
+
+def _fields(entry: Any) -> dict[str, Any] | None:
+    """A dataclass as mappings and lists."""
+    return None if entry is None else thawed(asdict(entry))
+
+
+def _span(entry: RecordingSpan) -> dict[str, Any]:
+    ends = {"from": entry.start, "to": entry.end}
+    return ends | {key: value for key, value in thawed(asdict(entry)).items() if key not in ("start", "end")}
 
 
 def _finding(entry: Finding) -> dict[str, Any]:
@@ -72,19 +83,6 @@ def _suspect(entry: Suspect) -> dict[str, Any]:
     return {"effect": entry.effect, "joint": entry.joint, "side": entry.side, **entry.place, "parameters": numbers}
 
 
-def _considered(entry: Considered) -> dict[str, Any]:
-    return {
-        **_suspect(entry.suspect),
-        "probability": entry.probability,
-        "log_bayes_factor": entry.log_bayes_factor,
-        "note": entry.note,
-    }
-
-
-def _fields(entry: object | None) -> dict[str, Any] | None:
-    return None if entry is None else vars(entry).copy()
-
-
 def _error(entry: JointError) -> dict[str, Any]:
     return {
         "torque": _signal(entry.torque),
@@ -94,36 +92,10 @@ def _error(entry: JointError) -> dict[str, Any]:
     }
 
 
-def _signal(entry: SignalError) -> dict[str, Any]:
-    found = {name: getattr(entry, name) for name in ("before", "calibrated", "after", "unit")}
-    return found | ({"share_before": entry.share_before, "share_after": entry.share_after} if entry.size else {})
-
-
-def _source(entry: RecordingSpan) -> dict[str, Any]:
-    return {
-        "file": entry.file,
-        "role": entry.role,
-        "from": entry.start,
-        "to": entry.end,
-        "rate": entry.rate,
-        "samples": entry.samples,
-        "channels": list(entry.channels),
-        "noise": dict(entry.noise),
-    }
-
-
 def _statistics(entry: Statistics) -> dict[str, Any]:
-    pairs = [{"of": [one, other], "value": value} for one, other, value in entry.correlations]
-    return {**vars(entry), "correlations": pairs}
+    return {**vars(entry), "correlations": [{"of": pair, "value": value} for *pair, value in entry.correlations]}
 
 
-def _strict(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _strict(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_strict(entry) for entry in value]
-    if isinstance(value, np.generic):
-        return _strict(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+def _signal(entry: SignalError) -> dict[str, Any]:
+    shares = ("share_before", "share_after") if entry.size else ()
+    return {name: getattr(entry, name) for name in ("before", "calibrated", "after", "unit", *shares)}

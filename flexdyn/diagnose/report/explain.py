@@ -1,19 +1,26 @@
-"""Why an effect was named or was not: an answer to ``flexdyn diagnose --explain EFFECT@JOINT``."""
+"""Why an effect was named or was not: candidates that ``--explain EFFECT@JOINT`` means, and what is told of them."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
+from typing import Any
 
-from flexdyn.diagnose.report.digits import evidence_text, likely, log_text, percent, probability_text
+from flexdyn.diagnose.report import digits, words
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Considered, Finding, Suspect, ranks
-from flexdyn.diagnose.report.targets import resolved
-from flexdyn.diagnose.report.words import is_number, joined, suspect_phrase, title_phrase
+from flexdyn.diagnose.report.suspects import ESTABLISHED, Key, Suspect, ranks
+from flexdyn.diagnose.report.words import is_number
+from flexdyn.effects import SensorEffect, catalogue
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.text import fill
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 RANKS_LISTED = 5
 """Largest number of ranks that are listed."""
+KEY = "explain"
+SIDES = ("link", "motor", "transmission", "sensor")
 
 
 def explanation(diagnosis: Diagnosis, target: str) -> str:
@@ -26,98 +33,132 @@ def explanation(diagnosis: Diagnosis, target: str) -> str:
     Raises:
         InputError: no such effect, or no such place.
     """
-    found = resolved(diagnosis, target)
-    parts = [_paragraph(diagnosis, each) for each in found] or [_not_compared(diagnosis, target)]
-    if diagnosis.verdict == "interrupted":
-        parts.append("The diagnosis was interrupted: this is what was known then.")
-    return "\n\n".join(parts)
+    text = fill(
+        "diagnose/report/explain.txt",
+        **{**vars(digits), **vars(words)},
+        diagnosis=diagnosis,
+        model=diagnosis.model,
+        target=target,
+        found=[_facts(diagnosis, each) for each in resolved(diagnosis, target)],
+        isnan=math.isnan,
+        ESTABLISHED=ESTABLISHED,
+        RANKS_LISTED=RANKS_LISTED,
+    )
+    return text.rstrip("\n")
 
 
-def _paragraph(diagnosis: Diagnosis, suspect: Suspect) -> str:
+def _facts(diagnosis: Diagnosis, suspect: Suspect) -> dict[str, Any]:
+    """What is told of a candidate: its finding, its entry among those compared, the structures that hold it, rivals."""
     entry = next((each for each in diagnosis.considered if each.suspect.key == suspect.key), None)
     finding = next((each for each in diagnosis.findings if suspect.key in {name.key for name in each.names}), None)
-    told = [_status(diagnosis, suspect, finding, entry), *_ranks(diagnosis, suspect, entry)]
-    told.append(_confused(diagnosis, suspect, finding))
-    if entry is not None and entry.note:
-        told.append(entry.note)
-    return "\n".join([title_phrase(diagnosis.model, suspect), *(f"  {line}" for line in told if line)])
-
-
-def _status(diagnosis: Diagnosis, suspect: Suspect, finding: Finding | None, entry: Considered | None) -> str:
-    """Whether it was named, its probability, and the reasons for it."""
-    probability = _marginal(diagnosis, suspect, entry)
-    said = f"{probability_text(probability)} ({likely(probability)})"
-    moved = _calibrated(diagnosis, suspect)
-    if finding is not None and not finding.rivals:
-        held = "Named" if finding.established else f"Listed among the findings, below {ESTABLISHED}"
-        return f"{held}: its probability is {probability_text(finding.probability)} ({likely(finding.probability)})."
-    if finding is not None:
-        together = probability_text(finding.probability)
-        return f"Named as one of {len(finding.names)}: together they have probability {together}; alone it has {said}."
-    if moved is not None:
-        return (
-            f"Calibrated, and no finding: factor {moved.factor:.4g} with standard deviation {moved.std:.2g}, at a"
-            f" tolerance of {percent(moved.tolerance)}; a number is called wrong only beyond 3 tolerances."
-        )
-    below = f", and {ESTABLISHED} is required" if probability < ESTABLISHED else ""
-    return f"Not named: its probability is {said}{below}."
-
-
-def _marginal(diagnosis: Diagnosis, suspect: Suspect, entry: Considered | None) -> float:
-    """Its marginal probability: as computed, else as its structures have it."""
-    for known in (entry.probability if entry else math.nan, suspect.probability):
-        if math.isfinite(known):
-            return known
-    return ranks(diagnosis.structures, [suspect]).probability if diagnosis.structures else math.nan
-
-
-def _ranks(diagnosis: Diagnosis, suspect: Suspect, entry: Considered | None) -> Iterator[str]:
-    """Which of the ranked structures hold it, and its Bayes factor."""
-    found = ranks(diagnosis.structures, [suspect])
-    if found.among and not found.holding:
-        yield f"It stands in none of the {found.among} ranked structures."
-    elif found.among:
-        few = [str(place) for place in found.holding[:RANKS_LISTED]]
-        more = ", ..." if found.holding[RANKS_LISTED:] else ""
-        word = "rank" if len(found.holding) == 1 else "ranks"
-        yield (
-            f"It stands in {len(found.holding)} of {found.among} ranked structures ({word} {', '.join(few)}{more}),"
-            f" which together have probability {probability_text(found.probability)}."
-        )
-    factor = entry.log_bayes_factor if entry is not None else math.nan
-    if not math.isnan(factor):
-        yield f"Log Bayes factor of the best structure with it against the best without it: {evidence_text(factor)}."
-    elif found.log_bayes_factor is not None:
-        yield (
-            "Of the ranked structures, the best with it and the best without it differ by a log evidence of"
-            f" {log_text(found.log_bayes_factor)}."
-        )
-
-
-def _confused(diagnosis: Diagnosis, suspect: Suspect, finding: Finding | None) -> str:
-    """The effects from which the data cannot separate it."""
+    held = ranks(diagnosis.structures, [suspect])
+    # As computed, else as the structures have it.
+    known = (entry.probability if entry else math.nan, suspect.probability)
+    marginal = held.probability if diagnosis.structures else math.nan
     others = [] if finding is None else [each for each in finding.names if each.key != suspect.key]
-    if not others:
-        return "No other effect is listed that explains the data equally well."
-    names = [f"{suspect_phrase(diagnosis.model, each)}{_own(each)}" for each in others]
-    apart = f" What would tell them apart: {finding.experiment}" if finding and finding.experiment else ""
-    return f"These data do not tell it from {joined(names)}.{apart}"
+    return {
+        "suspect": suspect,
+        "entry": entry,
+        "finding": finding,
+        "held": held,
+        "probability": next((each for each in known if math.isfinite(each)), marginal),
+        "moved": _calibrated(diagnosis, suspect),
+        "others": [f"{words.suspect_phrase(diagnosis.model, each)}{_own(each)}" for each in others],
+    }
 
 
 def _own(suspect: Suspect) -> str:
     known = math.isfinite(suspect.probability)
-    return f" (probability {probability_text(suspect.probability)})" if known else ""
+    return f" (probability {digits.probability_text(suspect.probability)})" if known else ""
 
 
 def _calibrated(diagnosis: Diagnosis, suspect: Suspect) -> Calibration | None:
     """The number of a parameter error, if it was calibrated within its tolerance."""
-    if not is_number(suspect):
+    if not words.is_number(suspect):
         return None
     whose = (suspect.place.get("of"), suspect.place.get("parameter"))
     return next((each for each in diagnosis.calibration if (each.of, each.parameter) == whose), None)
 
 
-def _not_compared(diagnosis: Diagnosis, target: str) -> str:
-    """The text for an effect and a joint that exist but were not a candidate."""
-    stop = " before it was interrupted" if diagnosis.verdict == "interrupted" else ""
-    return f"{target}\n  Not named: the search compared no such candidate{stop}."
+def target_of(suspect: Suspect) -> str:
+    """The name of a suspect: its effect, and after ``@`` where it acts, without the side."""
+    place = suspect.place
+    if "channel" in place:
+        where = place["channel"]
+    elif is_number(suspect):
+        where = f"{place.get('of', suspect.joint)}.{place.get('parameter', 'number')}"
+    else:
+        where = suspect.joint or ""
+    return f"{suspect.effect}@{where}" if where else suspect.effect
+
+
+def known_suspects(diagnosis: Diagnosis) -> list[Suspect]:
+    """Every candidate in a diagnosis, findings first, then the most probable."""
+    found: dict[Key, Suspect] = {}
+    for suspect in _mentioned(diagnosis):
+        found.setdefault(suspect.key, suspect)
+    numbers = {target_of(suspect) for suspect in found.values()}
+    for number in diagnosis.calibration:
+        joint = number.of if number.of in diagnosis.model.joint_names else None
+        moved = Suspect("parameter_error", joint, None, {}, {"of": number.of, "parameter": number.parameter})
+        if target_of(moved) not in numbers:
+            found.setdefault(moved.key, moved)
+    return list(found.values())
+
+
+def resolved(diagnosis: Diagnosis, target: str) -> list[Suspect]:
+    """Every candidate that a target means; none where effect and joint exist and were not compared.
+
+    Raises:
+        InputError: no such effect, or no such place.
+    """
+    known = known_suspects(diagnosis)
+    found = [each for each in known if target in _names(each)]
+    if found:
+        return found
+    check_target(diagnosis.model, target)
+    numbers = [target_of(each) for each in known if is_number(each)]
+    if target.startswith("parameter_error@") and numbers:
+        raise InputError("no such number was compared", key=KEY, value=target, remedy=did_you_mean(target, numbers))
+    return []
+
+
+def check_target(model: FlexibleJointModel, target: str) -> None:
+    """Find a target fit before any work is done: its effect is in the catalogue, its joint in the model.
+
+    Raises:
+        InputError: it can mean nothing; the remedy names the near miss.
+    """
+    effect, at, where = target.partition("@")
+    if effect not in catalogue():
+        raise InputError("no such effect", key=KEY, value=effect, remedy=did_you_mean(effect, catalogue()))
+    if not at or effect == "parameter_error":
+        return
+    places = list(model.joint_names)
+    if issubclass(catalogue()[effect], SensorEffect):
+        where = where.removesuffix(".sensor").partition(".")[2]
+    elif any(field.name == "frame" for field in dataclasses.fields(catalogue()[effect])):  # type: ignore[arg-type]
+        places += model.robot.frame_names
+    if where not in places and not any(where == f"{joint}.{side}" for joint in model.joint_names for side in SIDES):
+        raise InputError("no such place", key=KEY, value=target, remedy=did_you_mean(where, places))
+
+
+def _mentioned(diagnosis: Diagnosis) -> Iterator[Suspect]:
+    for finding in diagnosis.findings:
+        yield from finding.names
+    yield from (each.suspect for each in diagnosis.considered)
+    for structure in diagnosis.structures:
+        yield from structure.effects
+
+
+def _names(suspect: Suspect) -> set[str]:
+    """All that a suspect answers to: its effect alone, its target, its target with side, frame or other joint."""
+    target = target_of(suspect)
+    names = {suspect.effect, target}
+    if suspect.side is not None and "@" in target:
+        names.add(f"{target}.{suspect.side}")
+    if "frame" in suspect.place:
+        names.add(f"{suspect.effect}@{suspect.place['frame']}")
+    if "other" in suspect.place:
+        names.add(f"{target}.{suspect.place['other']}")
+    return names

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 
 from flexdyn.diagnose.report.digits import estimate_text, percent, probability_text, rounded
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.sentences import gap_sentence
-from flexdyn.diagnose.report.verdicts import verdict_sentence
+from flexdyn.diagnose.report.sentences import gap_sentence, verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, where_phrase
 from flexdyn.errors import visible
 from flexdyn.io.notebook import card, table

@@ -10,16 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from flexdyn.diagnose.report import (
-    apart,
-    calibrated,
-    digits,
-    found,
-    motions,
-    sentences,
-    verdicts,
-    words,
-)
+from flexdyn.diagnose.report import calibrated, digits, motions, sentences, shown, suspects, words
 from flexdyn.diagnose.report.document import CONSIDERED
 from flexdyn.diagnose.report.law import law_picture
 from flexdyn.diagnose.report.motions import motion_figures
@@ -50,7 +41,7 @@ PARTS = (
 """Templates of the page's parts, in their order; each is empty if it has no content."""
 KNOWN = {
     name: value
-    for module in (apart, calibrated, digits, found, motions, sentences, verdicts, words)
+    for module in (calibrated, digits, motions, sentences, shown, suspects, words)
     for name, value in vars(module).items()
     if not name.startswith("_")
 }

@@ -6,13 +6,12 @@ from html import escape
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.report.suspects import Experiment
 from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, packed
 from flexdyn.plots.palette import INK, RULE
 
-Array = NDArray[np.float64]
 BEFORE, AFTER = "#D9805F", "#1F4E9C"
 """Of what the model left unexplained before and after its correction; page.css has the same."""
 FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
@@ -34,10 +33,7 @@ LEVELS = (10_000, 1500)
 def residual_figure(trace: ResidualTrace) -> dict[str, Any]:
     """Data and layout for Plotly in the page: before below, after above it."""
     lines = bool((np.diff(trace.x) > 0.0).all())
-    data = [
-        curve(trace.x, trace.before, "before", BEFORE, lines),
-        curve(trace.x, trace.after, "after", AFTER, lines),
-    ]
+    data = [curve(trace.x, trace.before, "before", BEFORE, lines), curve(trace.x, trace.after, "after", AFTER, lines)]
     for column, name, colour in ((1, "before", BEFORE), (2, "after", AFTER)):
         if len(trace.means) and not (len(trace.law) and column == 1):
             data += _stands_out(trace.means[:, 0], trace.means[:, column], f"{name}, averaged", colour)
@@ -96,13 +92,7 @@ def experiment_figure(plan: Experiment) -> dict[str, Any]:
     band = 2.0 * plan.noise
     t, edges = np.concatenate([plan.t, plan.t[::-1]]), np.concatenate([band, -band[::-1]])
     there = np.isfinite(edges)
-    noise: dict[str, Any] = {
-        "type": "scatter",
-        "x": t[there],
-        "y": edges[there],
-        "name": "noise",
-        "yaxis": "y2",
-    }
+    noise: dict[str, Any] = {"type": "scatter", "x": t[there], "y": edges[there], "name": "noise", "yaxis": "y2"}
     noise |= {"mode": "lines", "fill": "toself", "fillcolor": f"{BEFORE}55", "line": {"width": 0}, "hoverinfo": "skip"}
     data = [
         curve(plan.t, plan.position, "motion", INK, lines=True),

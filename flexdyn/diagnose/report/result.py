@@ -7,18 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from flexdyn.diagnose.report.measures import (
-    Calibration,
-    Gap,
-    JointError,
-    Left,
-    Record,
-    RecordingSpan,
-    ResidualPlace,
-    Shares,
-    Statistics,
-    record,
-)
+from flexdyn.diagnose.report import measures
 from flexdyn.diagnose.report.suspects import Considered, Finding, Structure
 from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, Trajectory
 from flexdyn.io.notebook import Public
@@ -77,14 +66,14 @@ class Diagnosis(Public):
     verdict: Verdict
     findings: tuple[Finding, ...]
     model: FlexibleJointModel
-    calibration: tuple[Calibration, ...] = ()
-    gap_fit: Gap | None = None
-    gap_test: Gap | None = None
-    errors: Mapping[str, JointError] = field(default_factory=dict)
-    where: tuple[ResidualPlace, ...] = ()
-    left: tuple[Left, ...] = ()
+    calibration: tuple[measures.Calibration, ...] = ()
+    gap_fit: measures.Gap | None = None
+    gap_test: measures.Gap | None = None
+    errors: Mapping[str, measures.JointError] = field(default_factory=dict)
+    where: tuple[measures.ResidualPlace, ...] = ()
+    left: tuple[measures.Left, ...] = ()
     structures: tuple[Structure, ...] = ()
-    data: tuple[RecordingSpan, ...] = ()
+    data: tuple[measures.RecordingSpan, ...] = ()
     notes: tuple[str, ...] = ()
     seconds: float = 0.0
     residuals: tuple[ResidualTrace, ...] = ()
@@ -93,9 +82,9 @@ class Diagnosis(Public):
     stopped: tuple[str, ...] = ()
     trajectories: tuple[Trajectory, ...] = ()
     stopped_at: str = ""
-    record: Record = field(default_factory=record, compare=False)
-    fit: Statistics | None = None
-    shares: Shares | None = None
+    record: measures.Record = field(default_factory=measures.record, compare=False)
+    fit: measures.Statistics | None = None
+    shares: measures.Shares | None = None
     loops: tuple[ForceLoop, ...] = ()
 
     def __repr__(self) -> str:

@@ -1,21 +1,24 @@
-"""Sentences of the report except the verdict, each generated from the numbers of the diagnosis."""
+"""Sentences of the report, generated from the numbers of the diagnosis; those of the verdict are in verdict.txt."""
 
 from __future__ import annotations
 
 import math
 
-from flexdyn.diagnose.report.digits import likely, percent, probability_text, rounded, times
+from flexdyn.diagnose.report import digits, words
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import Finding
-from flexdyn.diagnose.report.words import capital, finding_phrase, joined, joints_phrase, kind_of
+from flexdyn.diagnose.report.suspects import CONFIDENCE, ESTABLISHED, Finding
+from flexdyn.io.text import fill
+
+FINDINGS_IN_ONE_SENTENCE = 2
+"""So many findings are all named in one sentence."""
 
 
 def finding_sentence(diagnosis: Diagnosis, finding: Finding) -> str:
     """A finding with its probability in words and numbers, and that of every name that it may have."""
-    phrase = capital(finding_phrase(diagnosis.model, finding, each=True))
+    phrase = words.capital(words.finding_phrase(diagnosis.model, finding, each=True))
     together = "together " if finding.rivals else ""
-    words, said = likely(finding.probability), probability_text(finding.probability)
-    held = f"{words} ({together}probability {said})" if math.isfinite(finding.probability) else words
+    how, said = digits.likely(finding.probability), digits.probability_text(finding.probability)
+    held = f"{how} ({together}probability {said})" if math.isfinite(finding.probability) else how
     return f"{phrase}: {held}."
 
 
@@ -23,7 +26,7 @@ def finding_sentences(diagnosis: Diagnosis) -> list[str]:
     """All findings; those of one effect on one side of several joints in one sentence."""
     groups: dict[object, list[Finding]] = {}
     for place, finding in enumerate(diagnosis.findings):
-        kind = None if finding.rivals else kind_of(finding.suspect)
+        kind = None if finding.rivals else words.kind_of(finding.suspect)
         groups.setdefault(kind or place, []).append(finding)
     return [_together(diagnosis, group) for group in groups.values()]
 
@@ -33,9 +36,9 @@ def _together(diagnosis: Diagnosis, group: list[Finding]) -> str:
     if len(group) == 1:
         return finding_sentence(diagnosis, group[0])
     least = min(finding.probability for finding in group)
-    said = probability_text(least)
-    held = f"each {likely(least)} (probability {said}{'' if ' ' in said else ' or more'})"
-    return f"{capital(joints_phrase([finding.suspect for finding in group]))}: {held}."
+    said = digits.probability_text(least)
+    held = f"each {digits.likely(least)} (probability {said}{'' if ' ' in said else ' or more'})"
+    return f"{words.capital(words.joints_phrase([finding.suspect for finding in group]))}: {held}."
 
 
 def gap_sentence(diagnosis: Diagnosis) -> str:
@@ -43,8 +46,8 @@ def gap_sentence(diagnosis: Diagnosis) -> str:
     gap, data = (diagnosis.gap_test, "test data") if diagnosis.gap_test else (diagnosis.gap_fit, "data of the fit")
     if gap is None:
         return "The gap was not measured." if diagnosis.verdict == "interrupted" else "The gap could not be measured."
-    moved = f"from {times(gap.before)} to {times(gap.after)}"
-    return f"On the {data}, the gap goes {moved}; noise alone makes {times(gap.floor)}."
+    moved = f"from {digits.times(gap.before)} to {digits.times(gap.after)}"
+    return f"On the {data}, the gap goes {moved}; noise alone makes {digits.times(gap.floor)}."
 
 
 def error_sentence(diagnosis: Diagnosis) -> str:
@@ -59,10 +62,10 @@ def error_sentence(diagnosis: Diagnosis) -> str:
     joint, entry = max(known, key=lambda each: each[1].torque.share_before)
     worst = ", the joint with the greatest share before," if len(known) > 1 else ""
     return (
-        f"At {joint}{worst} the torque error goes from {rounded(entry.torque.before, 2)} to"
-        f" {rounded(entry.torque.after, 2)} {entry.torque.unit}, from"
-        f" {percent(entry.torque.share_before)} to"
-        f" {percent(entry.torque.share_after)} of its torque."
+        f"At {joint}{worst} the torque error goes from {digits.rounded(entry.torque.before, 2)} to"
+        f" {digits.rounded(entry.torque.after, 2)} {entry.torque.unit}, from"
+        f" {digits.percent(entry.torque.share_before)} to"
+        f" {digits.percent(entry.torque.share_after)} of its torque."
     )
 
 
@@ -70,7 +73,7 @@ def stopped_sentence(diagnosis: Diagnosis) -> str:
     """Which estimates did not converge; empty where all did."""
     if not diagnosis.stopped:
         return ""
-    names = joined(diagnosis.stopped)
+    names = words.joined(diagnosis.stopped)
     if len(diagnosis.stopped) == 1:
         return f"This estimate stopped before it had converged: {names}."
     return f"These estimates stopped before they had converged: {names}."
@@ -83,7 +86,9 @@ def model_sentence(diagnosis: Diagnosis) -> str:
 
 def next_measurements(diagnosis: Diagnosis) -> list[str]:
     """What to measure next, one sentence each; empty if the answer needs no further data."""
-    wanted = list(dict.fromkeys(capital(finding.experiment) for finding in diagnosis.findings if finding.experiment))
+    wanted = list(
+        dict.fromkeys(words.capital(finding.experiment) for finding in diagnosis.findings if finding.experiment)
+    )
     if diagnosis.verdict == "interrupted":
         wanted.insert(0, "Run the diagnosis to its end: it needs no new measurement.")
     if diagnosis.verdict in ("unexplained", "partly_explained"):
@@ -100,3 +105,47 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.gap_test is None and diagnosis.verdict != "interrupted":
         wanted.append("A second recording of another motion, to test the answer on data that no decision read.")
     return wanted
+
+
+def verdict_sentence(diagnosis: Diagnosis) -> str:
+    """The verdict in a sentence or two; of many findings it names the first, of the greatest share."""
+    text = fill(
+        "diagnose/report/verdict.txt",
+        **{**vars(digits), **vars(words)},
+        diagnosis=diagnosis,
+        model=diagnosis.model,
+        firm=[finding for finding in diagnosis.findings if finding.established],
+        moved=sum(abs(entry.factor - 1.0) > CONFIDENCE * entry.std for entry in diagnosis.calibration),
+        weak=_most_probable(diagnosis),
+        so_far=_first_so_far(diagnosis),
+        stage_phrase=stage_phrase,
+        stopped_sentence=stopped_sentence,
+        ESTABLISHED=ESTABLISHED,
+        FINDINGS_IN_ONE_SENTENCE=FINDINGS_IN_ONE_SENTENCE,
+    )
+    return text.rstrip("\n")
+
+
+def _most_probable(diagnosis: Diagnosis) -> tuple[float, str] | None:
+    """Probability and name of the best one if none was established."""
+    model = diagnosis.model
+    named = [(each.probability, words.finding_phrase(model, each)) for each in diagnosis.findings]
+    named += [(each.probability, words.suspect_phrase(model, each.suspect)) for each in diagnosis.considered]
+    weak = [each for each in named if each[0] < ESTABLISHED]
+    return max(weak, key=lambda entry: entry[0]) if weak and len(weak) == len(named) else None
+
+
+def stage_phrase(stage: str) -> str:
+    """``comparing structures, pass 2 of at most 5``: a stage within a sentence."""
+    return stage.replace(": ", ", ").replace(" (", ", stage ").removesuffix(")")
+
+
+def _first_so_far(diagnosis: Diagnosis) -> str:
+    """The most probable structure of a comparison that had not ended; empty if there is none."""
+    if diagnosis.findings or not diagnosis.structures:
+        return ""
+    first = diagnosis.structures[0].effects
+    names = words.grouped_phrases(diagnosis.model, first)
+    if len(names) > FINDINGS_IN_ONE_SENTENCE:
+        return f"a set of {len(first)} effects, listed below,"
+    return words.joined(names) if names else "no effect at all"

@@ -6,9 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from flexdyn.arrays import Array
 from flexdyn.control.commands import PD
 from flexdyn.io.locked import Locked
 
@@ -45,10 +43,10 @@ class Experiment(Locked):
     delta_bic: float
     command: PD
     names: tuple[str, str]
-    t: NDArray[np.float64]
-    position: NDArray[np.float64]
-    left: NDArray[np.float64]
-    noise: NDArray[np.float64]
+    t: Array
+    position: Array
+    left: Array
+    noise: Array
     labels: tuple[str, str]
 
     @property

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.report.measures import Role
 from flexdyn.io.locked import Locked
 
-Array = NDArray[np.float64]
 NARROW = 500
 """Slices of time whose extremes are drawn: such a picture is half as wide as the page."""
 MODELS = ("as given", "calibrated", "corrected")
@@ -44,11 +44,11 @@ class ResidualTrace(Locked):
     title: str
     x_label: str
     y_label: str
-    x: NDArray[np.float64]
-    before: NDArray[np.float64]
-    after: NDArray[np.float64]
-    means: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
-    law: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    x: Array
+    before: Array
+    after: Array
+    means: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    law: Array = field(default_factory=lambda: np.zeros((0, 2)))
     note: str = ""
     explains: float = math.nan
 

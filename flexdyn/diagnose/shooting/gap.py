@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, bounded_residual, matched
+from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, Matching, bounded_residual
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.diagnose.shooting.starts import first_states
 from flexdyn.diagnose.shooting.whiten import Filter
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Array = NDArray[np.float64]
 NOISE_GAP = 1.3
 """If the median window's gap is at most this multiple of the floor, it is noise [1]: a window of one joint has about
 twenty independent errors, whose root mean square has a standard deviation of 16 %."""
@@ -49,9 +48,9 @@ class Shot:
     x0: Array
     residual: Array
     std: Array
-    used: NDArray[np.bool_]
+    used: Flags
     fragile: Array
-    failed: NDArray[np.bool_]
+    failed: Flags
     _filter: Filter
     _moved: Array
 
@@ -147,7 +146,7 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None
     shooter = Shooter(model, windows)
     starts = first_states(shooter)
     used = _used(shooter)
-    fit = matched(shooter, starts, used, near)
+    fit = Matching(shooter, starts, used).best(near)
     x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
     std = np.repeat(np.sqrt(filter_.variance), windows.block, axis=1)
     failed = motion.written < windows.rows
@@ -162,7 +161,7 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None
     return Shot(model, windows, x0, residual, std, used, fragile, failed, filter_, moved)
 
 
-def _used(shooter: Shooter) -> NDArray[np.bool_]:
+def _used(shooter: Shooter) -> Flags:
     """Measured samples, in whole blocks.
 
     A window that needs torques from before the recording does not count, unless there is no other.
@@ -176,7 +175,7 @@ def _used(shooter: Shooter) -> NDArray[np.bool_]:
     return used
 
 
-def _drawn(shooter: Shooter, x0: Array, residual: Array, used: NDArray[np.bool_], seed: int) -> Array:
+def _drawn(shooter: Shooter, x0: Array, residual: Array, used: Flags, seed: int) -> Array:
     """The residual from drawn noise of torques and sensors, if the model is right."""
     windows, draw = shooter.windows, np.random.default_rng(seed)
     noisy = Shooter(

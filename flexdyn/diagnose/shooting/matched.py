@@ -6,14 +6,13 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.shooting.shooter import Shooter, SimulatedWindows
 from flexdyn.diagnose.shooting.spread import spread
 from flexdyn.diagnose.shooting.starts import Starts
 from flexdyn.diagnose.shooting.whiten import Filter
 
-Array = NDArray[np.float64]
 LARGEST_FIRST_STATE_SHIFT = 100.0
 """Largest change of a first state, in standard deviations [1]: a larger one comes from a divergent response."""
 FAILED_WINDOW_SHARE = 0.3
@@ -46,107 +45,102 @@ class Matched:
     motion: SimulatedWindows
     filter: Filter
 
-    def stray(self, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def stray(self, used: Flags) -> Flags:
         """Windows with much larger residuals than the others (windows,)."""
         size = self.filter.scaled(self.residual)
         return np.asarray(size > STRAY_WINDOW_RATIO**2 * max(float(np.median(size)), float(used[0].sum())))
 
 
-def matched(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], near: Array | None = None) -> Matched:
-    """Correct first states until the residual hardly decreases.
+@dataclass(frozen=True, eq=False)
+class Matching:
+    """The search for the best first states of windows.
 
-    Windows with large residuals are tried again with unmeasured joints at rest, where friction may hold them, and from
-    the first states of a similar model.
-
-    Args:
+    Attributes:
         shooter: of the model and the windows.
         starts: prior means and widths of the first states.
         used: samples that count (windows, rows, channels).
-        near: best first states of a similar model (windows, nx); None: there is none.
     """
-    found = _from(shooter, starts, used, np.zeros_like(starts.x))
-    for other in (starts.stuck, near):
-        stray = found.stray(used)
-        if other is None or other.shape != starts.x.shape or not stray.any():
-            continue
-        begin = np.where(stray[:, None], within(starts, other - starts.x), found.moved)
-        found = _better(shooter, starts, used, found, _from(shooter, starts, used, begin, found, stray))
-    return found
 
+    shooter: Shooter
+    starts: Starts
+    used: Flags
 
-def within(starts: Starts, moved: Array) -> Array:
-    """Limit changes (windows, nx) to their largest allowed size."""
-    return np.clip(
-        np.nan_to_num(moved), -LARGEST_FIRST_STATE_SHIFT * starts.std, LARGEST_FIRST_STATE_SHIFT * starts.std
-    )
+    def best(self, near: Array | None = None) -> Matched:
+        """Correct first states until the residual hardly decreases.
 
+        Windows with large residuals are tried again with unmeasured joints at rest, where friction may hold them, and
+        from the first states of a similar model.
 
-def _from(
-    shooter: Shooter,
-    starts: Starts,
-    used: NDArray[np.bool_],
-    moved: Array,
-    rest: Matched | None = None,
-    some: NDArray[np.bool_] | None = None,
-) -> Matched:
-    """Correct the first states by linear responses until the residual hardly decreases.
+        Args:
+            near: best first states of a similar model (windows, nx); None: there is none.
+        """
+        means = self.starts.x
+        found = self._from(np.zeros_like(means))
+        for other in (self.starts.stuck, near):
+            stray = found.stray(self.used)
+            if other is None or other.shape != means.shape or not stray.any():
+                continue
+            begin = np.where(stray[:, None], self._within(other - means), found.moved)
+            found = self._better(found, self._from(begin, found, stray))
+        return found
 
-    Args:
-        shooter: of the model and the windows.
-        starts: prior means and widths of the first states.
-        used: samples that count (windows, rows, channels).
-        moved: first changes (windows, nx).
-        rest: present result, of which only some windows are corrected; None: all of them.
-        some: windows to correct (windows,).
-    """
-    some = np.ones(len(moved), bool) if some is None else some
-    motion = shooter.run(starts.x + moved, which=np.flatnonzero(some), others=None if rest is None else rest.motion)
-    residual = bounded_residual(shooter, motion, used)
-    fit = Matched(moved, residual, motion, _filter(shooter, starts, used, motion, some, rest))
-    factor, active = np.ones(len(moved)), some
-    if np.mean(motion.written < shooter.windows.rows) > FAILED_WINDOW_SHARE:
+    def _within(self, moved: Array) -> Array:
+        """Limit changes (windows, nx) to their largest allowed size."""
+        most = LARGEST_FIRST_STATE_SHIFT * self.starts.std
+        return np.clip(np.nan_to_num(moved), -most, most)
+
+    def _from(self, moved: Array, rest: Matched | None = None, some: Flags | None = None) -> Matched:
+        """Correct the first states by linear responses until the residual hardly decreases.
+
+        Args:
+            moved: first changes (windows, nx).
+            rest: present result, of which only some windows are corrected; None: all of them.
+            some: windows to correct (windows,).
+        """
+        shooter, means = self.shooter, self.starts.x
+        some = np.ones(len(moved), bool) if some is None else some
+        motion = shooter.run(means + moved, which=np.flatnonzero(some), others=None if rest is None else rest.motion)
+        residual = bounded_residual(shooter, motion, self.used)
+        fit = Matched(moved, residual, motion, self._filter(motion, some, rest))
+        factor, active = np.ones(len(moved)), some
+        if np.mean(motion.written < shooter.windows.rows) > FAILED_WINDOW_SHARE:
+            return fit
+        for _ in range(CORRECTION_ROUNDS):
+            wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
+            wanted = shooter.bounded(means + self._within(wanted)) - means
+            again = shooter.run(means + wanted, which=np.flatnonzero(active), others=fit.motion)
+            left = bounded_residual(shooter, again, self.used)
+            before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
+            better = active & (after < before)
+            factor = np.where(better, 1.0, SHORTENED_CORRECTION * factor)
+            motion = fit.motion.replaced(better, again.part(better))
+            moved = np.where(better[:, None], wanted, fit.moved)
+            fit = Matched(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
+            stray = some & fit.stray(self.used)
+            if np.minimum(before, after)[some].sum() > WORTHWHILE_REMAINDER * before[some].sum() and not stray.any():
+                break
+            active = active & (np.abs(before - after) > (1.0 - WORTHWHILE_REMAINDER) * before) | stray
+            fit = dataclasses.replace(fit, filter=self._filter(motion, better, fit))
         return fit
-    for _ in range(CORRECTION_ROUNDS):
-        wanted = fit.moved - factor[:, None] * fit.filter.first_error(fit.residual, fit.moved)
-        wanted = shooter.bounded(starts.x + within(starts, wanted)) - starts.x
-        again = shooter.run(starts.x + wanted, which=np.flatnonzero(active), others=fit.motion)
-        left = bounded_residual(shooter, again, used)
-        before, after = (fit.filter.scaled(each) for each in (fit.residual, left))
-        better = active & (after < before)
-        factor = np.where(better, 1.0, SHORTENED_CORRECTION * factor)
-        motion = fit.motion.replaced(better, again.part(better))
-        moved = np.where(better[:, None], wanted, fit.moved)
-        fit = Matched(moved, np.where(better[:, None, None], left, fit.residual), motion, fit.filter)
-        stray = some & fit.stray(used)
-        if np.minimum(before, after)[some].sum() > WORTHWHILE_REMAINDER * before[some].sum() and not stray.any():
-            break
-        active = active & (np.abs(before - after) > (1.0 - WORTHWHILE_REMAINDER) * before) | stray
-        fit = dataclasses.replace(fit, filter=_filter(shooter, starts, used, motion, better, fit))
-    return fit
+
+    def _filter(self, motion: SimulatedWindows, some: Flags, rest: Matched | None) -> Filter:
+        """The filter of a motion: computed again for some windows, unchanged for the others."""
+        which = np.flatnonzero(some)
+        if rest is not None and not len(which):
+            return rest.filter
+        made = Filter.of(self.shooter.windows, spread(self.shooter, motion, which), self.starts.std, self.used, which)
+        return made if rest is None else rest.filter.replaced(which, made)
+
+    def _better(self, one: Matched, other: Matched) -> Matched:
+        """For each window the fit with the smaller residual."""
+        wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
+        motion = one.motion.replaced(wins, other.motion.part(wins))
+        moved = np.where(wins[:, None], other.moved, one.moved)
+        residual = np.where(wins[:, None, None], other.residual, one.residual)
+        return Matched(moved, residual, motion, self._filter(motion, wins, one))
 
 
-def _filter(
-    shooter: Shooter, starts: Starts, used: NDArray[np.bool_], motion: SimulatedWindows, some: NDArray[np.bool_],
-    rest: Matched | None,
-) -> Filter:  # fmt: skip
-    """The filter of a motion: computed again for some windows, unchanged for the others."""
-    which = np.flatnonzero(some)
-    if rest is not None and not len(which):
-        return rest.filter
-    made = Filter.of(shooter.windows, spread(shooter, motion, which), starts.std, used, which)
-    return made if rest is None else rest.filter.replaced(which, made)
-
-
-def _better(shooter: Shooter, starts: Starts, used: NDArray[np.bool_], one: Matched, other: Matched) -> Matched:
-    """For each window the fit with the smaller residual."""
-    wins = other.filter.scaled(other.residual) < one.filter.scaled(one.residual)
-    motion = one.motion.replaced(wins, other.motion.part(wins))
-    moved = np.where(wins[:, None], other.moved, one.moved)
-    residual = np.where(wins[:, None, None], other.residual, one.residual)
-    return Matched(moved, residual, motion, _filter(shooter, starts, used, motion, wins, one))
-
-
-def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: NDArray[np.bool_]) -> Array:
+def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: Flags) -> Array:
     """Simulated - measured, bounded, also if the simulation failed."""
     windows = shooter.windows
     measured = windows.measured

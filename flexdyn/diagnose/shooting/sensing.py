@@ -6,13 +6,12 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import SensorEffect, measure
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
-Array = NDArray[np.float64]
 Law = Callable[[Sequence[SensorEffect], Array, Array], Array]
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from flexdyn import _core
 from flexdyn.analysis.analysed_model import command_delays, without
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
 from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors
@@ -25,7 +26,6 @@ from flexdyn.simulation.plant import acting_effects, build_plant
 from flexdyn.simulation.solver_choice import STIFF, core_settings, fastest_rate
 from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver
 
-Array = NDArray[np.float64]
 LARGEST_PHASE_STEP = 0.25
 """Largest rate times step for the classical method [rad]: then the error of a vibration after 0.5 s is below 0.5 %."""
 MOST_EVALUATIONS = 100_000
@@ -167,7 +167,7 @@ class Shooter:
         return table
 
     @property
-    def torques_known(self) -> NDArray[np.bool_]:
+    def torques_known(self) -> Flags:
         """Windows that need no torques from before the recording (windows,)."""
         begins = np.array([self.windows.recordings[k].t[0] for k in self.windows.places[:, 0]])
         return np.asarray(self.windows.t[:, 0] - begins >= _shifts(self.given.resolved()).max())
@@ -218,10 +218,9 @@ def _torques(model: FlexibleJointModel, windows: Windows, extra: Array | None) -
     tables: list[Array] = []
     for recording in windows.recordings:
         columns = np.zeros((len(recording), len(names)))
-        for j, joint in enumerate(names):
+        for j, (joint, each) in enumerate(zip(names, effects, strict=True)):
             if recording.has("tau", joint):
                 columns[:, j] = recording[f"tau.{joint}"]
-        for j, each in enumerate(effects):
             columns[:, j] = recovered(each, columns[:, j], recording.t)
         tables.append(columns)
     found = []

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.analysis.jacobian import dry_velocities
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.shooting.sensing import of_windows, sensors, slope
 from flexdyn.diagnose.shooting.shooter import Shooter, SimulatedWindows
 from flexdyn.diagnose.shooting.windows import PerWindow, Windows
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 GAINS_EVERY = 5
 """Number of blocks over which the effect of torques on accelerations is taken as constant."""
@@ -103,7 +103,7 @@ def _slopes(shooter: Shooter, motion: SimulatedWindows, which: Indices) -> tuple
     return A, B
 
 
-def _still(shooter: Shooter, motion: SimulatedWindows) -> NDArray[np.bool_]:
+def _still(shooter: Shooter, motion: SimulatedWindows) -> Flags:
     """States that are velocities of sticking contacts (windows, blocks, nx)."""
     half = shooter.model.n + len(shooter.elastic)
     still = np.zeros(motion.x.shape, bool)
@@ -128,7 +128,7 @@ def _undecided(shooter: Shooter, motion: SimulatedWindows, B: Array) -> Array:
     return found
 
 
-def _around(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _around(flags: Flags) -> Flags:
     """Whether a block is within two blocks of one with the flag."""
     padded = np.pad(flags, ((0, 0), (2, 2)))
     return np.asarray(np.logical_or.reduce([padded[:, k : k + flags.shape[1]] for k in range(5)]))

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.analysis.jacobian import dry_velocities
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.shooting.sensing import lag, sensors
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.effects import DeflectionEffect, recovered
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 REACHES = (0.04, 0.02, 0.01, 0.005)
 """Half widths of the local cubic [s]; the widest one whose error is only noise is used."""
 LEAST_REST_TIME = 0.02
@@ -90,21 +90,13 @@ def first_states(shooter: Shooter) -> Starts:
 def _around(shooter: Shooter, name: str) -> Array:
     """One channel at every start (windows, 6): value, two derivatives, errors of value and rate, whether it rests."""
     windows, effects = shooter.windows, sensors(shooter.model, name)
-    noise = windows.sensor_noise[windows.channels.index(name)]
-    parts: list[Array] = [np.full((0, 6), np.nan)]
-    order = np.argsort(windows.places[:, 0], kind="stable")
+    noise, late = windows.sensor_noise[windows.channels.index(name)], lag(effects)
+    table = np.tile([0.0, 0.0, 0.0, 0.1, 0.1, 0.0], (len(windows), 1))  # where it was not recorded
     for k, recording in enumerate(windows.recordings):
-        rows = windows.places[windows.places[:, 0] == k, 1]
-        if not len(rows):
-            continue
-        if name not in recording:
-            parts.append(np.tile([0.0, 0.0, 0.0, 0.1, 0.1, 0.0], (len(rows), 1)))
-            continue
-        late = lag(effects)
-        x = recovered(effects, np.asarray(recording[name]), recording.t)
-        parts.append(_cubics(recording.t - late, x, recording.t[rows], rows, noise, windows.period))
-    table = np.empty((len(windows), 6))
-    table[order] = np.concatenate(parts)
+        mine = windows.places[:, 0] == k
+        if mine.any() and name in recording:
+            rows, x = windows.places[mine, 1], recovered(effects, np.asarray(recording[name]), recording.t)
+            table[mine] = _cubics(recording.t - late, x, recording.t[rows], rows, noise, windows.period)
     return table
 
 
@@ -179,7 +171,7 @@ def _wound(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
     return delta
 
 
-def _stick(shooter: Shooter, x: Array, std: Array, rests: NDArray[np.bool_]) -> list[int]:
+def _stick(shooter: Shooter, x: Array, std: Array, rests: Flags) -> list[int]:
     """Set the velocities of contacts with dry friction that rest within the noise to 0, without uncertainty.
 
     This is not done on an unmeasured side: it may move while the other side rests, because the spring deflects. The
@@ -239,8 +231,8 @@ def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
             if isinstance(each, DeflectionEffect) and each.joint == joint and not each.is_neutral:
                 path = each.deflection(path, theta)
     else:
-        own = q if getattr(effect, "side", "") == "link" else theta
-        path = own if own is not None else theta if q is None else q
+        both = (q, theta) if getattr(effect, "side", "") == "link" else (theta, q)
+        path = next((each for each in both if each is not None), None)  # on its own side, else on the other
     if path is None:  # neither was measured
         return None
     width = max(1, round(0.004 / shooter.windows.period)) * 2 + 1

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.shooting.spread import LARGEST_SLOPE, Indices, Spread
 from flexdyn.diagnose.shooting.windows import Index, PerWindow, Windows
 
-Array = NDArray[np.float64]
 EXCUSED_SHARE = 0.2
 """Largest standard deviation from noise, relative to a channel's range [1]: an unstable model amplifies noise."""
 
@@ -45,10 +44,10 @@ class Filter(PerWindow):
     unfitted: Array
     counted: Array
     block: int
-    wild: NDArray[np.bool_]
+    wild: Flags
 
     @classmethod
-    def of(cls, windows: Windows, response: Spread, std: Array, used: NDArray[np.bool_], which: Indices) -> Filter:
+    def of(cls, windows: Windows, response: Spread, std: Array, used: Flags, which: Indices) -> Filter:
         """Compute the covariances for some windows.
 
         Args:

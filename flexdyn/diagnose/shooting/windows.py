@@ -11,14 +11,14 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64] | NDArray[np.bool_]
+Index = NDArray[np.int64] | Flags
 WINDOW_LENGTH = 0.5
 """Length of a window [s]: contract, section 8."""
 MOST_WINDOWS = 400
@@ -74,11 +74,7 @@ class Windows:
 
     @classmethod
     def of(
-        cls,
-        model: FlexibleJointModel,
-        recordings: Sequence[Recording],
-        noise: SampleNoise,
-        most: int = MOST_WINDOWS,
+        cls, model: FlexibleJointModel, recordings: Sequence[Recording], noise: SampleNoise, most: int = MOST_WINDOWS
     ) -> Windows:
         """Cut recordings into windows; a window never crosses a gap in time, and the last partial one is dropped.
 

@@ -6,8 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import priors, tangent_scale, within_bounds
@@ -15,7 +15,6 @@ from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 
-Array = NDArray[np.float64]
 SCALED_STEP = 0.1
 """Step of the differences, in scales of the fit; a factor's in the part of its tolerance that this is."""
 WINDOW_FIT_STEPS = 8
