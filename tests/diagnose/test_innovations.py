@@ -49,7 +49,8 @@ class Windows:
         """White innovations, error of the first state, and both variances of one window, without a filter."""
         blocks, channels, nx = self.seen.shape[1:]
         first = np.diag(self.std[w] ** 2)
-        levers, moved, push = [], np.eye(nx), []  # of the first state, and of every push
+        levers, moved = [], np.eye(nx)
+        push: list[Array] = []  # what is left of every push
         for k in range(blocks):
             moved = self.flow[w, k] @ moved
             push = [self.flow[w, k] @ each for each in push] + [np.eye(nx)]

@@ -157,7 +157,7 @@ def _window_gains(rng: random.Random) -> Arguments:
     square, gain = (windows, blocks, nx, nx), (windows, blocks, nx, channels)
     root, row = _numbers(rng, *square), (windows, blocks, channels)
     whitener = (windows, blocks, channels, channels)
-    given = {"flow": _numbers(rng, *square), "push": root @ np.swapaxes(root, 2, 3)}
+    given: Arguments = {"flow": _numbers(rng, *square), "push": root @ np.swapaxes(root, 2, 3)}
     given |= {"seen": _numbers(rng, windows, blocks, channels, nx), "counted": np.ones(row), "sensor": np.ones(row)}
     given |= {"std": np.ones((windows, nx)), "limit": 1e9}
     made = {"gain": gain, "first_gain": gain, "whitener": whitener, "carried": row, "doubt": row}
