@@ -5,8 +5,9 @@
 
 // These loops are bound by arithmetic, and wheels are built for the oldest processors: GCC makes a version of each
 // function for newer ones, and the loader takes the one that fits. Results are the same bits on one machine. GCC knows
-// these levels since version 12.
-#if defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
+// these levels since version 12. The loader chooses before the thread sanitizer is ready, and would end the process.
+#if defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && defined(__x86_64__) && defined(__linux__) && \
+    !defined(__SANITIZE_THREAD__)
 #define FLEXDYN_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define FLEXDYN_CLONES
