@@ -84,7 +84,8 @@ def main(root: Path, site: Path, stamp: Path, extras: str, pip: Sequence[str], w
     stamp.unlink(missing_ok=True)
     how = "the core is compiled: a minute or two" if wheel is None else f"from {wheel.name}"
     print(f"Installing flexdyn[{extras}] into .venv ({how}) ...", flush=True)
-    install = [*pip, "install", "--quiet", "--disable-pip-version-check"]
+    # To compile all libraries to bytecode is half of pip's work; Python does it for those that are imported.
+    install = [*pip, "install", "--no-compile", "--quiet", "--disable-pip-version-check"]
     what = "." if wheel is None else str(wheel)
     code = 0
     if wheel is not None and missing is None:

@@ -27,10 +27,11 @@ fi
 python=${FLEXDYN_PYTHON:-$PWD/.venv/bin/python}
 threads=(tests/simulation/test_simulate_many.py tests/simulation/test_threads.py tests/batch/test_together.py
   tests/simulation/test_simulate_many_threads.py)
-core=(tests/simulation tests/solvers tests/physics)
+rows=(tests/diagnose/test_core_arrays.py tests/diagnose/test_rows.py tests/diagnose/test_innovations.py)
+core=(tests/simulation tests/solvers tests/physics "${rows[@]}")
 case $kind in
 address | undefined | address,undefined) tests=("${core[@]}" tests/batch/test_together.py) ;;
-thread) tests=("${threads[@]}" tests/solvers/test_together.py tests/simulation/test_users_laws.py) ;;
+thread) tests=("${threads[@]}" tests/solvers/test_together.py tests/simulation/test_users_laws.py "${rows[@]}") ;;
 *) fail "say which sanitizer: $0 address, undefined, thread or all" ;;
 esac
 [ $# -gt 0 ] && tests=("$@")

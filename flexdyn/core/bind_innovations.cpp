@@ -5,54 +5,69 @@ namespace flexdyn {
 
 namespace {
 
-using Stack = nb::ndarray<const double, nb::ndim<4>, nb::c_contig, nb::device::cpu>;
-using Table = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using Stack = Read<double, nb::ndim<4>>;
+using Table = Read<double, nb::ndim<3>>;
+using OutStack = Written<double, nb::ndim<4>, nb::c_contig>;
+using OutTable = Written<double, nb::ndim<3>, nb::c_contig>;
+using OutMatrix = Written<double, nb::ndim<2>, nb::c_contig>;
 
+// Every length is compared by itself: a product of lengths may overflow where one of them is 0.
 struct Sizes {
   std::size_t windows, blocks, channels, nx;
   Sizes(const Stack& flow, const Stack& seen)
       : windows(seen.shape(0)), blocks(seen.shape(1)), channels(seen.shape(2)), nx(seen.shape(3)) {
-    require(flow.size() == windows * blocks * nx * nx && flow.shape(3) == nx, "flow is (windows, blocks, nx, nx)");
+    require(shaped(flow, {windows, blocks, nx, nx}), "flow is (windows, blocks, nx, nx)");
   }
-  std::size_t rows() const { return windows * blocks * channels; }
+  bool empty() const { return windows == 0 || blocks == 0 || channels == 0; }
+  template <typename Any>
+  bool channelled(const Any& array) const {
+    return shaped(array, {windows, blocks, channels});
+  }
+  template <typename Any>
+  bool gained(const Any& gain, const Any& first_gain, const Any& whitener) const {
+    return shaped(gain, {windows, blocks, nx, channels}) && shaped(first_gain, {windows, blocks, nx, channels}) &&
+           shaped(whitener, {windows, blocks, channels, channels});
+  }
+  std::size_t row(std::size_t w) const { return w * blocks * channels; }
   WindowResponse of(std::size_t w, const Stack& flow, const double* push, const Stack& seen, const double* counted,
                     const double* sensor, double limit) const {
-    const std::size_t square = w * blocks * nx * nx, row = w * blocks * channels;
-    return {blocks, nx, channels, flow.data() + square, push ? push + square : nullptr, seen.data() + row * nx,
-            counted + row, sensor ? sensor + row : nullptr, limit};
+    const std::size_t square = w * blocks * nx * nx;
+    return {blocks, nx, channels, flow.data() + square, push ? push + square : nullptr, seen.data() + row(w) * nx,
+            counted + row(w), sensor ? sensor + row(w) : nullptr, limit};
   }
 };
 
-void gains(Stack flow, Stack push, Stack seen, Table counted, Table sensor, Matrix std, double limit, OutArray gain,
-           OutArray first_gain, OutArray whitener, OutArray carried, OutArray doubt) {
+void gains(Stack flow, Stack push, Stack seen, Table counted, Table sensor, Matrix std, double limit, OutStack gain,
+           OutStack first_gain, OutStack whitener, OutTable carried, OutTable doubt) {
   const Sizes all(flow, seen);
-  const std::size_t rows = all.rows(), nx = all.nx, many = all.channels;
-  require(push.size() == flow.size() && counted.size() == rows && sensor.size() == rows, "windows differ in shape");
-  require(std.size() == all.windows * nx && gain.size() == rows * nx && first_gain.size() == rows * nx &&
-              whitener.size() == rows * many && carried.size() == rows && doubt.size() == rows,
+  const std::size_t nx = all.nx, many = all.channels;
+  require(shaped(push, {all.windows, all.blocks, nx, nx}) && all.channelled(counted) && all.channelled(sensor) &&
+              shaped(std, {all.windows, nx}),
+          "windows differ in shape");
+  require(all.gained(gain, first_gain, whitener) && all.channelled(carried) && all.channelled(doubt),
           "arrays of other windows");
+  if (all.empty()) return;
   nb::gil_scoped_release release;
   for (std::size_t w = 0; w < all.windows; ++w) {
-    const std::size_t row = w * all.blocks * many;
+    const std::size_t row = all.row(w);
     window_gains(all.of(w, flow, push.data(), seen, counted.data(), sensor.data(), limit), std.data() + w * nx,
                  {gain.data() + row * nx, first_gain.data() + row * nx, whitener.data() + row * many,
                   carried.data() + row, doubt.data() + row});
   }
 }
 
-void innovations(Stack flow, Stack seen, Table counted, double limit, OutArray gain, OutArray first_gain,
-                 OutArray whitener, Table mean, OutArray first, OutArray white) {
+void innovations(Stack flow, Stack seen, Table counted, double limit, Stack gain, Stack first_gain, Stack whitener,
+                 Table mean, OutMatrix first, OutTable white) {
   const Sizes all(flow, seen);
-  const std::size_t rows = all.rows(), nx = all.nx, many = all.channels;
-  require(counted.size() == rows && gain.size() == rows * nx && first_gain.size() == rows * nx &&
-              whitener.size() == rows * many && mean.size() == rows && first.size() == all.windows * nx &&
-              white.size() == rows,
+  const std::size_t nx = all.nx, many = all.channels;
+  require(all.channelled(counted) && all.gained(gain, first_gain, whitener) && all.channelled(mean) &&
+              shaped(first, {all.windows, nx}) && all.channelled(white),
           "arrays of other windows");
+  if (all.empty()) return;
   nb::gil_scoped_release release;
   for (std::size_t w = 0; w < all.windows; ++w) {
-    const std::size_t row = w * all.blocks * many;
-    const WindowGains known{gain.data() + row * nx, first_gain.data() + row * nx, whitener.data() + row * many, nullptr,
-                            nullptr};
+    const std::size_t row = all.row(w);
+    const KnownGains known{gain.data() + row * nx, first_gain.data() + row * nx, whitener.data() + row * many};
     window_innovations(all.of(w, flow, nullptr, seen, counted.data(), nullptr, limit), known, mean.data() + row,
                        first.data() + w * nx, white.data() + row);
   }

@@ -54,8 +54,8 @@ void pass(const Passage& way, double q, double* point) {
   std::copy(moved, moved + 3, point);
 }
 
-using Parents = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Kinds = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Parents = Read<std::int32_t, nb::ndim<1>>;
+using Kinds = Read<bool, nb::ndim<1>>;
 
 // Where a point fixed to `joint` is in the axes of the base, at positions q (rows, m) of all joints of the tree.
 void point_positions(Parents parent, Kinds prismatic, Array axis, Array rotation, Array translation, int joint,

@@ -28,7 +28,7 @@ std::unique_ptr<Plant> plant_of(const Pack& pack, std::size_t run) {
                                  std::vector<double>(n, 0.0), laws);
 }
 
-using Flags = nb::ndarray<bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Flags = Written<bool, nb::ndim<1>, nb::c_contig>;
 
 // Each run that is wanted into its row of the seven outputs (runs, times, n); of `wanted` remain those that end well.
 void simulate_pack(std::shared_ptr<LinkDynamics> links, const std::vector<Law>& laws, Array stiffness,

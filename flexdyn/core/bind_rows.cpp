@@ -5,56 +5,61 @@ namespace flexdyn {
 
 namespace {
 
-using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Singles = nb::ndarray<float, nb::ndim<3>, nb::device::cpu>;
+using Flags = Read<bool, nb::ndim<1>>;
+using Singles = Written<float, nb::ndim<3>>;
+using Table = Written<double, nb::ndim<2>, nb::c_contig>;
 
-void filtered(Matrix x, Array taps, std::size_t every, OutArray out) {
-  const std::size_t columns = x.shape(1), rows = columns ? out.size() / columns : 0;
-  require(every > 0 && taps.size() > 0 && rows * columns == out.size(), "rows of all columns");
-  require(rows == 0 || (rows - 1) * every + taps.size() <= x.shape(0), "a sample for every tap");
+void filtered(Matrix x, Array taps, std::size_t every, Table out) {
+  const std::size_t samples = x.shape(0), columns = x.shape(1), rows = out.shape(0), count = taps.size();
+  require(every > 0 && count > 0 && out.shape(1) == columns, "out is (rows, columns), every and the taps are not 0");
+  // Divided, because a product of sizes from outside may overflow.
+  require(rows == 0 || (count <= samples && rows - 1 <= (samples - count) / every), "a sample for every tap");
+  if (columns == 0) return;
   nb::gil_scoped_release release;
-  filter_rows(x.data(), columns, taps.data(), taps.size(), every, rows, out.data());
+  filter_rows(x.data(), columns, taps.data(), count, every, rows, out.data());
 }
 
 BandFactor checked(const Matrix& factor, const Flags& masked, const Matrix& raw) {
-  const BandFactor band{factor.data(), factor.shape(0), factor.shape(1), masked.data()};
-  require(band.width > 0 && masked.size() == band.rows && raw.shape(1) == band.rows, "rows differ in number");
-  return band;
+  const std::size_t rows = factor.shape(0), width = factor.shape(1);
+  require(masked.size() == rows && raw.shape(1) == rows, "rows differ in number");
+  require(rows == 0 || (width > 0 && width <= rows), "a band is as wide as the rows at most");
+  return {factor.data(), rows, width, reinterpret_cast<const unsigned char*>(masked.data())};
 }
 
-void banded(Matrix band, OutArray factor) {
-  require(factor.size() == band.size(), "as many numbers as the band has");
+void banded(Matrix band, Table factor) {
+  require(shaped(factor, {band.shape(0), band.shape(1)}), "the factor has the shape of the band");
   nb::gil_scoped_release release;
   by_rows(band.data(), band.shape(0), band.shape(1), factor.data());
 }
 
-void white(Matrix factor, Flags masked, Matrix raw, OutArray out) {
+void white(Matrix factor, Flags masked, Matrix raw, Table out) {
   const BandFactor band = checked(factor, masked, raw);
-  require(out.size() == raw.size(), "as many white rows as raw ones");
+  require(shaped(out, {raw.shape(0), band.rows}), "as many white rows as raw ones");
   nb::gil_scoped_release release;
   whiten(band, raw.data(), raw.shape(0), out.data());
 }
 
 void white_apart(Matrix factor, Flags masked, Matrix raw, Singles out) {
   const BandFactor band = checked(factor, masked, raw);
-  const std::size_t many = out.shape(0), times = out.shape(2);
-  require(out.size() == raw.size() && out.shape(1) == raw.shape(0), "as many white rows as raw ones");
-  require(out.size() == 0 || (out.stride(2) == 1 && out.stride(1) == static_cast<std::int64_t>(times)),
+  const std::size_t many = out.shape(0), columns = raw.shape(0);
+  require(many > 0 && shaped(out, {many, columns, band.rows / many}) && band.rows % many == 0,
+          "white is (equations, columns, times)");
+  if (out.size() == 0) return;
+  require(out.stride(2) == 1 && out.stride(1) == static_cast<std::int64_t>(out.shape(2)),
           "the columns of an equation are contiguous");
   nb::gil_scoped_release release;
-  whiten_apart(band, raw.data(), raw.shape(0), many, out.data(), static_cast<std::size_t>(out.stride(0)));
+  whiten_apart(band, raw.data(), columns, many, out.data(), static_cast<std::ptrdiff_t>(out.stride(0)));
 }
 
-void products(nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu> one,
-              nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> which, Matrix other,
-              OutArray out) {
-  const std::size_t rows = one.shape(1);
-  require(other.shape(1) == rows && out.size() == which.size() * other.shape(0), "rows differ in number");
-  for (std::size_t i = 0; i < which.size(); ++i) {
+void products(Read<float, nb::ndim<2>> one, Read<std::int64_t, nb::ndim<1>> which, Matrix other, Table out) {
+  const std::size_t rows = one.shape(1), columns = which.size(), others = other.shape(0);
+  require(other.shape(1) == rows && shaped(out, {columns, others}), "rows differ in number");
+  for (std::size_t i = 0; i < columns; ++i) {
     require(which.data()[i] >= 0 && static_cast<std::size_t>(which.data()[i]) < one.shape(0), "no such column");
   }
+  if (out.size() == 0) return;
   nb::gil_scoped_release release;
-  mixed_products(one.data(), which.data(), which.size(), other.data(), other.shape(0), rows, out.data());
+  mixed_products(one.data(), which.data(), columns, other.data(), others, rows, out.data());
 }
 
 }  // namespace

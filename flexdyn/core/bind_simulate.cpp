@@ -191,6 +191,7 @@ nb::dict simulate(const Job& job, nb::object progress) {
 
 // A failed run is reported in its place, as the exception it raised; the others go on.
 nb::list simulate_many(const std::vector<const Job*>& jobs, int threads, nb::object progress) {
+  for (const Job* each : jobs) require(each != nullptr, "a job is None");
   std::vector<Outcome> outcomes(jobs.size());
   spread(jobs.size(), threads, progress,
          [&](std::size_t run, const Poll& poll) { outcomes[run] = run_job(*jobs[run], poll); });

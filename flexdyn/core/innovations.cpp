@@ -68,7 +68,7 @@ void window_gains(const WindowResponse& window, const double* std, const WindowG
   OutVector(found.doubt, levers.rows()) = (levers * first).cwiseProduct(levers).rowwise().sum();
 }
 
-void window_innovations(const WindowResponse& window, const WindowGains& known, const double* mean, double* first,
+void window_innovations(const WindowResponse& window, const KnownGains& known, const double* mean, double* first,
                         double* white) {
   const auto nx = static_cast<Eigen::Index>(window.nx), many = static_cast<Eigen::Index>(window.channels);
   OutVector error(first, nx);

@@ -25,11 +25,16 @@ struct WindowGains {
   double* doubt;       // variance that is left of the first state's error after all blocks, in a channel (channels)
 };
 
+// Those of them that a residual needs.
+struct KnownGains {
+  const double *gain, *first_gain, *whitener;
+};
+
 void window_gains(const WindowResponse& window, const double* std, const WindowGains& found);
 
 // White innovations (blocks, channels) of the means of blocks (blocks, channels), and the error of the first state.
 // `first` holds the error that is known beforehand (nx), and takes the estimate from all blocks.
-void window_innovations(const WindowResponse& window, const WindowGains& known, const double* mean, double* first,
+void window_innovations(const WindowResponse& window, const KnownGains& known, const double* mean, double* first,
                         double* white);
 
 }  // namespace flexdyn

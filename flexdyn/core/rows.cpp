@@ -4,8 +4,10 @@
 #include <vector>
 
 // These loops are bound by arithmetic, and wheels are built for the oldest processors: GCC makes a version of each
-// function for newer ones, and the loader takes the one that fits. Results are the same bits on one machine.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
+// function for newer ones, and the loader takes the one that fits. Results are the same bits on one machine. GCC knows
+// these levels since version 12. The loader chooses before the thread sanitizer is ready, and would end the process.
+#if defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && defined(__x86_64__) && defined(__linux__) && \
+    !defined(__SANITIZE_THREAD__)
 #define FLEXDYN_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define FLEXDYN_CLONES
@@ -66,10 +68,10 @@ FLEXDYN_CLONES void batch(const BandFactor& band, const double* const* raw, doub
 }
 
 FLEXDYN_CLONES void batch_apart(const BandFactor& band, const double* const* raw, double* window, std::size_t count,
-                                std::size_t many, float* white, std::size_t apart) {
+                                std::size_t many, float* white, std::ptrdiff_t apart) {
   const std::size_t times = band.rows / many;
   substitute(band, raw, window, [&](std::size_t i, const double* row) {
-    float* at = white + (i % many) * apart + i / many;
+    float* at = white + static_cast<std::ptrdiff_t>(i % many) * apart + i / many;
     for (std::size_t c = 0; c < count; ++c) at[c * times] = band.masked[i] ? 0.0F : static_cast<float>(row[c]);
   });
 }
@@ -77,6 +79,7 @@ FLEXDYN_CLONES void batch_apart(const BandFactor& band, const double* const* raw
 // Batches of columns; the last one is filled up with its own first column.
 template <typename Work>
 void in_batches(const BandFactor& band, const double* raw, std::size_t columns, const Work& work) {
+  if (band.rows == 0) return;
   std::vector<double> window(2 * band.width * LANES);
   const double* pointers[LANES];
   for (std::size_t first = 0; first < columns; first += LANES) {
@@ -145,6 +148,7 @@ FLEXDYN_CLONES void mixed_products(const float* one, const std::int64_t* which, 
 }
 
 void by_rows(const double* band, std::size_t rows, std::size_t width, double* factor) {
+  if (width == 0) return;
   for (std::size_t i = 0; i < rows; ++i) {
     for (std::size_t d = 0; d < width; ++d) factor[i * width + d] = d <= i ? band[(i - d) * width + d] : 0.0;
   }
@@ -157,7 +161,7 @@ void whiten(const BandFactor& band, const double* raw, std::size_t columns, doub
 }
 
 void whiten_apart(const BandFactor& band, const double* raw, std::size_t columns, std::size_t many, float* white,
-                  std::size_t apart) {
+                  std::ptrdiff_t apart) {
   in_batches(band, raw, columns, [&](const double* const* from, double* window, std::size_t first, std::size_t count) {
     batch_apart(band, from, window, count, many, white + first * (band.rows / many), apart);
   });

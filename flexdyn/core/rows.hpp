@@ -15,7 +15,7 @@ void filter_rows(const double* x, std::size_t columns, const double* taps, std::
 struct BandFactor {
   const double* factor;
   std::size_t rows, width;
-  const bool* masked;
+  const unsigned char* masked;  // not 0: yes; a bool of another program may be any byte
 };
 
 // Such a factor of one column by column, as LAPACK has it: band[j * width + d] = L(j + d, j).
@@ -25,9 +25,9 @@ void by_rows(const double* band, std::size_t rows, std::size_t width, double* fa
 void whiten(const BandFactor& band, const double* raw, std::size_t columns, double* white);
 
 // The same in single precision, the equations apart: rows of `many` equations alternate in `raw`; white is
-// (many, columns, rows / many), an equation `apart` numbers after the one before.
+// (many, columns, rows / many), an equation `apart` numbers after the one before, or before it if that is negative.
 void whiten_apart(const BandFactor& band, const double* raw, std::size_t columns, std::size_t many, float* white,
-                  std::size_t apart);
+                  std::ptrdiff_t apart);
 
 // out[i * others + k] = one[which[i]] . other[k] of rows in single and in double precision, `rows` numbers each.
 void mixed_products(const float* one, const std::int64_t* which, std::size_t columns, const double* other,

@@ -12,6 +12,7 @@ import numpy as np
 
 import flexdyn as fd
 from flexdyn.effects import Effect
+from tests.fuzz import core_arrays
 
 LENGTHS = (0, 1, *(2,) * 12, 3, 7)
 KINDS = ("f8", "f8", "f8", ">f8", "f4", "i1", "u8", "c16", "bool", "O", "U3", "M8[s]", "g")
@@ -173,4 +174,6 @@ def finite(*arrays: Any) -> None:
     assert all(np.isfinite(values).all() for values in arrays), "numbers that are not finite"
 
 
-CALLS: tuple[Callable[[random.Random], None], ...] = (simulated, simulated, simulated, many, recorded, analysed)
+CALLS: tuple[Callable[[random.Random], None], ...] = (
+    simulated, simulated, simulated, many, recorded, analysed, core_arrays.run, core_arrays.run
+)  # fmt: skip

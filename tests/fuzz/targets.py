@@ -97,5 +97,5 @@ TARGETS = (
     Target("study", ".yaml", corpus.studies, any_text, _study, 0.6),
     Target("channel map", ".yaml", corpus.maps, any_text, _map, 2.5),
     Target("command line", ".txt", command_line.prepare, a_number, command_line.run, 0.4, batch=200),
-    Target("border of the core", ".txt", lambda folder: [b""], a_number, core_border.run, 1.2, batch=500),
+    Target("border of the core", ".txt", lambda folder: [b""], a_number, core_border.run, 4, batch=500),
 )

@@ -72,7 +72,8 @@ def test_folders_missing_and_huge_files(tmp_path: Path, arm: Path) -> None:
         load_robot(huge)
     with pytest.raises(InputError, match="not a regular file"):
         load_robot("/dev/zero")
-    with pytest.raises(InputError, match="cannot be read"):
+    # Python 3.14 takes so long a name for that of a missing file.
+    with pytest.raises(InputError, match=r"cannot be read|no such file"):
         load_robot("/" + "x" * 5000 + ".urdf")
 
 
