@@ -121,7 +121,7 @@ def test_what_windows_do_not_need_has_no_share_in_them(tmp_path: Path) -> None:
     found = posterior(bare, noise, start)
     (drag,) = [c for c, each in enumerate(found.space.candidates) if each.kind == "quadratic_drag"][:1]
     here = dataclasses.replace(
-        found.fitted.hypothesis, effects=(fd.effects.QuadraticDrag("slide", side="motor", coefficient=0.5),)
+        found.fitted.hypothesis, effects=(fd.effects.QuadraticDrag("lift", side="motor", coefficient=0.5),)
     )
     held = dataclasses.replace(found, best=frozenset({(drag, 0)}), fitted=fit(here, found.fitted.space, steps=1))
     windows = Windows.of(model, [recording], LEVELS.noise(1))
