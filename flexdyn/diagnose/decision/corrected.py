@@ -145,15 +145,19 @@ def _masses(found: Posterior) -> Masses:
     """Of all sets; where linearisations do not agree, averaged over them.
 
     Something outside the catalogue is explained by another law at every linearisation; an effect that exists is in all
-    of them. Of the structures at other linearisations, only effects of the present best structure count, and laws that
-    contain them or that they contain.
+    of them. Of the structures at other linearisations, only effects of the present best structure count, laws that
+    contain them or that they contain, and what could take their place here or along the motion.
     """
     space, masses = found.space, Masses.of(found.known)
     best = frozenset(c for c, _ in found.best)
     alike = best | {c for c, inside in space.contained.items() if best & set(inside)}
     alike |= {each for c in best for each in (*space.contained[c], *standing_in(masses, best, {c}))}
     place = {identity(candidate): c for c, candidate in enumerate(space.candidates)}
-    others = [frozenset(place[each] for each in seen if each in place) & alike for seen in found.earlier]
+    elsewhere = [frozenset(place[each] for each in seen if each in place) for seen in found.earlier]
+    for other in frozenset().union(*elsewhere) - alike:
+        if any(space.own_share(found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
+            alike |= {other}
+    others = [each & alike for each in elsewhere]
     return masses.mixed(others) if others else masses
 
 
