@@ -107,7 +107,7 @@ def test_only_what_is_asked_for_is_named() -> None:
 
 def test_linearisations_that_do_not_agree_count_alike() -> None:
     """What stands at all of them is certain; what stands at one of three has a third of the mass."""
-    masses = _masses({(1, 2): 0.9, (1, 3): 0.1}).mixed([frozenset({1, 3}), frozenset({1})])
+    masses = _masses({(1, 2): 0.9, (1, 3): 0.1}).mixed([frozenset({1, 3}), frozenset({1})], (1.0, 1.0))
     assert masses.probability.sum() == pytest.approx(1.0)
     one, two = names(masses, frozenset({1, 2}))
     assert one.probability == pytest.approx(1.0)
@@ -119,6 +119,6 @@ def test_linearisations_that_do_not_agree_count_alike() -> None:
 
 def test_a_law_that_contains_another_is_its_rival_at_another_linearisation() -> None:
     """They share a name, as within one linearisation: "A or B"."""
-    (name,) = names(_masses({(1,): 1.0}).mixed([frozenset({2})]), frozenset({1}))
+    (name,) = names(_masses({(1,): 1.0}).mixed([frozenset({2})], (1.0,)), frozenset({1}))
     assert (name.candidate, name.rivals) == (1, (2,))
     assert name.probability == pytest.approx(1.0)

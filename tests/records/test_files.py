@@ -23,7 +23,9 @@ DOUBLES = st.one_of(
     st.floats(allow_nan=False, allow_infinity=False),
     st.sampled_from([-0.0, 5e-324, 2.2250738585072014e-308, 1.7976931348623157e308, 0.1, 1 / 3, 1e23, 2.0**53]),
 )
-NAMES = st.text(st.characters(codec="utf-8"), min_size=1, max_size=12).filter(
+NAMES = st.text(
+    st.characters(codec="utf-8", exclude_categories=("C", "Z"), include_characters=" "), min_size=1, max_size=12
+).filter(
     lambda name: (
         name not in ("t", "__meta__")
         and name.isprintable()

@@ -21,6 +21,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.inference.elsewhere import odds_by_fits
 from flexdyn.diagnose.inference.passes import Posterior, identity
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
@@ -157,8 +158,9 @@ def _masses(found: Posterior) -> Masses:
     for other in frozenset().union(*elsewhere) - alike:
         if any(space.own_share(found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
             alike |= {other}
-    others = [each & alike for each in elsewhere]
-    return masses.mixed(others) if others else masses
+    if not elsewhere:
+        return masses
+    return masses.mixed([each & alike for each in elsewhere], odds_by_fits(space, found.best, found.fitted, elsewhere))
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:

@@ -40,16 +40,16 @@ class Masses:
         weight = np.exp(log - log[0])
         return cls(tuple(best), tuple(structure for _, structure in best.values()), log, weight / weight.sum())
 
-    def mixed(self, others: Sequence[Set]) -> Masses:
-        """The mixture with other linearisations: each has the same weight and gives one set with certainty."""
+    def mixed(self, others: Sequence[Set], odds: Sequence[float]) -> Masses:
+        """The mixture with other linearisations: each gives one set with certainty, at odds to all that are here."""
         probability = dict(zip(self.sets, self.probability.tolist(), strict=True))
-        for each in others:
-            probability[each] = probability.get(each, 0.0) + 1.0
+        for each, weight in zip(others, odds, strict=True):
+            probability[each] = probability.get(each, 0.0) + weight
         new = [each for each in probability if each not in self.sets]
         structures = (*self.structures, *(frozenset((c, 0) for c in each) for each in new))
         log = np.append(self.log, np.full(len(new), -np.inf))
-        weight = np.array(list(probability.values())) / (1.0 + len(others))
-        return Masses((*self.sets, *new), structures, log, weight)
+        mixture = np.array(list(probability.values())) / (1.0 + sum(odds))
+        return Masses((*self.sets, *new), structures, log, mixture)
 
     def place(self, holds: Collection[int], without: Collection[int] = ()) -> int | None:
         """Of the most probable set that holds some candidates and none of some others; None: there is none."""

@@ -145,7 +145,8 @@ def reweighed(found: Posterior, windows: Windows, fits: Callable[[Fit], bool]) -
 
     Where numbers of the best structure bring its windows to noise, and the equations too, structures stay as the
     equations have them. Else its neighbours are simulated, and theirs. What comes to noise in the end takes its place,
-    and the structures that were simulated are weighed by their windows.
+    and the structures that were simulated are weighed by their windows. Where only a few windows are off, all of them
+    must come to noise together.
 
     Args:
         found: by the equations.
@@ -158,6 +159,7 @@ def reweighed(found: Posterior, windows: Windows, fits: Callable[[Fit], bool]) -
     here = WindowFit.of(found.fitted, windows)
     if not unlike_noise(here.shot):
         return found
+    few = here.shot.is_noise()  # what is missing shows in a few windows alone, as wrong sticking does
     here = fit_to_windows(here)
     if not unlike_noise(here.shot) and fits(here.made):
         return dataclasses.replace(found, fitted=here.made)
@@ -167,7 +169,7 @@ def reweighed(found: Posterior, windows: Windows, fits: Callable[[Fit], bool]) -
         return None
     if best != found.best:
         here = fit_to_windows(WindowFit.of(simulated.fits[best].made, windows))
-    if not here.shot.is_noise():
+    if not here.shot.is_noise() or (few and unlike_noise(here.shot)):
         return None
     # The windows have decided between what the linearisations did not agree about.
     return dataclasses.replace(found, best=best, fitted=here.made, known=simulated.known, earlier=())
