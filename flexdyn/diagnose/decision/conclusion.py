@@ -65,7 +65,7 @@ def concluded(
         again = corrected(
             compared, plain, functools.partial(share_in_windows, compared, windows), rejected=not accepted
         )
-        found, named, first = _on_fit(plain, made, again, parts[0])
+        found, named, first = _on_fit(plain, made, again, parts[0], rejected=not accepted)
     say("opening the test data", 0.5)
     last = on_test(plain, first, found, named, parts[1])
     converged = found.converged and first.stalled is None
@@ -94,12 +94,14 @@ def concluded(
 
 
 def _on_fit(
-    plain: Workspace, made: Fit, found: Corrected, fitted: Sequence[DataPart]
+    plain: Workspace, made: Fit, found: Corrected, fitted: Sequence[DataPart], *, rejected: bool = False
 ) -> tuple[Corrected, list[Name], OnFit]:
     """The corrected model, its names and its figures; without names the numbers of the file alone are corrected."""
     named, first = reported_names(found), on_fit(plain, made, found, fitted)
     if not found.converged and (first.worse or first.farther):
         named, first = [], dataclasses.replace(first, stalled=found.fitted)
+    if rejected and first.farther:
+        named = []
     # A gap without an established effect displaces numbers for no good reason.
     if not named and not (found.explained and found.hypothesis.tolerated().factors == found.hypothesis.factors):
         found, first = first.calibration_alone(found)
