@@ -21,8 +21,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.elsewhere import odds_by_fits
-from flexdyn.diagnose.inference.passes import Posterior, identity
+from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
@@ -153,14 +152,12 @@ def _masses(found: Posterior) -> Masses:
     best = frozenset(c for c, _ in found.best)
     alike = best | {c for c, inside in space.contained.items() if best & set(inside)}
     alike |= {each for c in best for each in (*space.contained[c], *standing_in(masses, best, {c}))}
-    place = {identity(candidate): c for c, candidate in enumerate(space.candidates)}
-    elsewhere = [frozenset(place[each] for each in seen if each in place) for seen in found.earlier]
-    for other in frozenset().union(*elsewhere) - alike:
+    for other in frozenset().union(*(each for each, _ in found.elsewhere)) - alike:
         if any(space.own_share(found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
             alike |= {other}
-    if not elsewhere:
+    if not found.elsewhere:
         return masses
-    return masses.mixed([each & alike for each in elsewhere], odds_by_fits(space, found.best, found.fitted, elsewhere))
+    return masses.mixed([each & alike for each, _ in found.elsewhere], [odds for _, odds in found.elsewhere])
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:

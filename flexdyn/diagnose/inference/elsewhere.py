@@ -13,6 +13,7 @@ from flexdyn.diagnose.hypothesis.linear import priors
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.inference.whitening import Tempered
+from flexdyn.errors import SimulationError
 
 STEPS_ELSEWHERE = 8
 """Gauss-Newton steps of the fit of a structure that another linearisation prefers."""
@@ -35,7 +36,11 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
     for each in others:
         structure = _in_space(space, each)
         start = hypothesis_of(space, structure, fitted.hypothesis, whole=True)
-        made = fit(start, fitted.space, steps=STEPS_ELSEWHERE)
+        try:
+            made = fit(start, fitted.space, steps=STEPS_ELSEWHERE)
+        except SimulationError:  # its numbers by the linear equations are no model: the fits cannot decide
+            found.append(1.0)
+            continue
         found.append(math.exp(min(0.0, _log_posterior(space, structure, made) - here)))
     return tuple(found)
 

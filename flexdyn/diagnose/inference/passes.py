@@ -20,6 +20,7 @@ from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.elsewhere import odds_by_fits
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
@@ -28,6 +29,7 @@ from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import WHOLE_NUMBER_LOG_ODDS, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.diagnose.inference.weights import expected, filter_error, for_fit, quieter, rows_of
+from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
 
 Array = NDArray[np.float64]
@@ -70,6 +72,13 @@ class Posterior:
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
     earlier: tuple[Places, ...] = ()
+
+    @lazy
+    def elsewhere(self) -> tuple[tuple[frozenset[int], float], ...]:
+        """Candidates of this space that each of `earlier` holds, and their odds to the best structure by fits."""
+        place = {identity(candidate): c for c, candidate in enumerate(self.space.candidates)}
+        sets = [frozenset(place[each] for each in seen if each in place) for seen in self.earlier]
+        return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
 
 def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Posterior:
