@@ -19,6 +19,7 @@ from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows, unlike_noise
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
+from flexdyn.diagnose.simulated.window_scan import promising
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 from tests.diagnose.workspaces import workspace
 
@@ -110,6 +111,44 @@ def test_windows_bring_back_what_the_search_had_lost(tmp_path: Path) -> None:
     assert share_in_windows(again, windows, place) > 1e3
     assert not unlike_noise(shoot(again.fitted.hypothesis.seen(), windows))
     assert unlike_noise(shoot(empty.hypothesis.seen(), windows))
+
+
+def test_windows_decide_about_a_part_that_the_equations_leave_without_a_name(tmp_path: Path) -> None:
+    """Equations that hardly prefer the friction: windows, which are noise with it, show that it is there."""
+    model = slider_model(tmp_path)
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
+    recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
+    bare, noise, start = prepared(model, (measured(model, recording),))
+    found = posterior(bare, noise, start)
+    nothing = frozenset[tuple[int, int]]()
+    unsure = dataclasses.replace(found, known={found.best: 0.0, nothing: -0.5})
+    windows = Windows.of(model, [recording], LEVELS.noise(1))
+    assert not unlike_noise(shoot(found.fitted.hypothesis.seen(), windows))
+    as_before = reweighed(unsure, windows, lambda made: True)
+    weighed = reweighed(unsure, windows, lambda made: True, all_named=False)
+    assert as_before is not None
+    assert as_before.known == unsure.known
+    assert weighed is not None
+    assert weighed.best == found.best
+    assert weighed.known[found.best] > weighed.known[nothing] + 100.0
+
+
+def test_windows_promise_what_is_missing_and_nothing_where_nothing_is(tmp_path: Path) -> None:
+    """A weak force that the recording does not hold: without its law the windows ask for it, with it for nothing."""
+    model, offset = slider_model(tmp_path), 0.003
+    x, _ = sliding(FORCE + offset, 1.0 / RATE, MASS, 0.0)
+    recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
+    bare, noise, start = prepared(model, (measured(model, recording),))
+    found = posterior(bare, noise, start)
+    windows = Windows.of(model, [recording], LEVELS.noise(1))
+    lacking = fit_to_windows(WindowFit.of(fit(start, found.fitted.space, steps=1), windows))
+    best = promising(lacking, found.space, frozenset())[0]
+    assert best.gain > 10.0
+    (whole, *_) = best.effects
+    assert isinstance(whole, fd.effects.TorqueOffset)
+    assert whole.offset == pytest.approx(offset, rel=0.1)
+    right = fit_to_windows(lacking.with_one_more(whole, None))
+    assert all(each.gain < 3.0 for each in promising(right, found.space, frozenset({best.point})))
 
 
 def test_what_windows_do_not_need_has_no_share_in_them(tmp_path: Path) -> None:

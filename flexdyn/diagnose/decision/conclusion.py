@@ -58,7 +58,10 @@ def concluded(
     noise = leaves_noise(compared.fitted, plain)
     if windows is not None and (noise or first.farther):
         say("comparing simulated windows", 0.25)
-        by_windows = reweighed(compared, windows, lambda made: leaves_noise(made, plain)) if noise else None
+        all_named = {c for c, _ in compared.best} <= {each.candidate for each in found.names}
+        by_windows = (
+            reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named) if noise else None
+        )
         # Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
         accepted = by_windows is not None and leaves_noise(by_windows.fitted, plain)
         compared = by_windows if by_windows is not None and accepted else compared

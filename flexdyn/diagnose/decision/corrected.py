@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -120,9 +120,14 @@ def corrected(
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
     simulated = {c: simulated_share(c) for c in sure} if simulated_share else {}
     seen = {c: genuine(space.candidates[c], each, found.expected) for c, each in simulated.items()}
-    which = min if rejected else max
-    own = {c: which(each, seen.get(c, each)) for c, each in own.items()}
-    named = names(masses, best, own, there, may)
+    weigh = functools.partial(_weighed, seen, min if rejected else max)
+    named = names(masses, best, weigh(own), there, may)
+    told: set[int] = set()
+    while told != (told := {each.candidate for each in named if each.established}):
+        # What has no name explains nothing: the names must stand out from it, too.
+        alone = shares(space, frozenset(each for each in found.best if each[0] in told))
+        own |= {c: min(own[c], genuine(space.candidates[c], alone[c], found.expected)) for c in told}
+        named = names(masses, best, weigh(own), there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
     # An effect that explains more in simulations than remains there may be small in the equations.
@@ -138,7 +143,14 @@ def corrected(
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
-    return Corrected(made, kept, masses, space, explained, own)
+    return Corrected(made, kept, masses, space, explained, weigh(own))
+
+
+def _weighed(
+    seen: Mapping[int, float], which: Callable[[float, float], float], own: Mapping[int, float]
+) -> dict[int, float]:
+    """Probabilities by candidate that it is genuine, by the equations and, where there are any, by simulations."""
+    return {c: which(each, seen.get(c, each)) for c, each in own.items()}
 
 
 def _masses(found: Posterior) -> Masses:

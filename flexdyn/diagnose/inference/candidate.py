@@ -71,11 +71,7 @@ class Candidate:
 
     def natural(self, harmonic: float) -> list[float]:
         """The whole number, and the whole number of motor turns, nearest to a harmonic."""
-        ratio = self.ratio
-        found = [float(round(harmonic))]
-        if ratio > 1.0 and round(harmonic / ratio) >= 1:
-            found.append(ratio * round(harmonic / ratio))
-        return sorted((h for h in found if h > 0.0), key=lambda h: abs(h - harmonic))
+        return natural(harmonic, self.ratio)
 
     def effect(self, point: int, values: Array) -> Effect | None:
         """The effect with these linear numbers; None where they make no sense, or for a number."""
@@ -131,3 +127,11 @@ class Column:
     def white(self) -> NDArray[np.float32]:
         """The derivatives (rows of all equations, width)."""
         return self.apart.transpose(2, 0, 1).reshape(-1, self.apart.shape[1])
+
+
+def natural(harmonic: float, ratio: float) -> list[float]:
+    """The whole number, and the whole number of turns behind a gear, nearest to a harmonic."""
+    found = [float(round(harmonic))]
+    if ratio > 1.0 and round(harmonic / ratio) >= 1:
+        found.append(ratio * round(harmonic / ratio))
+    return sorted((h for h in found if h > 0.0), key=lambda h: abs(h - harmonic))

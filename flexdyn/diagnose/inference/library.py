@@ -19,7 +19,7 @@ from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
-from flexdyn.diagnose.inference.candidate import Candidate, Column
+from flexdyn.diagnose.inference.candidate import Candidate, Column, natural
 from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.inference.priors import (
     EFFECT_TORQUE_SHARE,
@@ -143,20 +143,25 @@ class Library:
 
     def standing(
         self, effect: Effect, proposal: Proposal, belief: Callable[[Effect, str], tuple[float, float]]
-    ) -> Column:
+    ) -> tuple[Column, list[str]]:
         """An effect of the start: its present torque, which may be absent, and the tangents of its parameters.
 
         A parameter that makes it large is ``N(neutral, (share of the drive)^2)``, so its tangent's coefficient has the
-        mean ``neutral - value``; any other may change by half its size.
+        mean ``neutral - value``. Of others, such as a phase, nothing is known but that the change is no larger than the
+        effect may be: the prior of a sine and a cosine of equal width. A harmonic that is a whole number stays.
+
+        Returns:
+            the columns, and the names of the parameters that have tangents.
         """
         others = tuple(each for each in self.start.effects if each is not effect)
         without = self.equations.of(dataclasses.replace(self.start, effects=others).model())
         change = self.equations.residual - without.residual
         share, least = self.size_of(effect, change)
-        parts, size = [self.whiten(change)], [share]
-        std, mean = [FITTED_SIZE_WIDTH], [1.0]
+        parts, size, mean, std, names = [self.whiten(change)], [share], [1.0], [FITTED_SIZE_WIDTH], []
         for each, name in self.start.unknowns():
-            if each is not effect:
+            if each is not effect or (
+                name == "harmonic" and getattr(effect, name) in natural(getattr(effect, name), self._ratio(proposal))
+            ):
                 continue
             scale = tangent_scale(effect, name)
             raw = scale * of_parameter(self.equations, effect, name, 0.1 * scale)
@@ -166,10 +171,13 @@ class Library:
             off, spread = belief(effect, name)
             parts.append(self.whiten(raw))
             size.append(largest)
-            std.append(min(spread / scale, UNKNOWN_WIDTH))
+            std.append(spread / scale)
             mean.append(off / scale if np.isfinite(spread) else 0.0)
+            names.append(name)
+        most = max((d * s for d, s in zip(std[1:], size[1:], strict=True) if np.isfinite(d)), default=np.inf)
+        std = [min(d, most / s if np.isinf(d) else d, UNKNOWN_WIDTH) for d, s in zip(std, size, strict=True)]
         white, cost = np.stack(parts, axis=1), self.log_jacobian(effect)
-        return Column.of(white, self._many, np.array(std), np.array(mean), np.array(size), cost, least)
+        return Column.of(white, self._many, np.array(std), np.array(mean), np.array(size), cost, least), names
 
     def belief(self, effect: Effect, name: str) -> tuple[float, float]:
         """Prior of a parameter: how far its centre is from its value, and its standard deviation, in its unit.
@@ -326,10 +334,11 @@ class Library:
         belief = self.beliefs(self.start.effects)
         for effect in self.start.effects:
             proposal = next(p for p in self.proposals if p.is_of(effect))
-            column = self.standing(effect, proposal, belief)
+            column, estimated = self.standing(effect, proposal, belief)
             place = first + np.arange(len(column.std))
             first += len(column.std)
-            found.append(Candidate(effect.name, proposal, None, [()], [place], len(proposal.grid), effect))
+            choices = 1 if set(estimated) & set(proposal.axes) else len(proposal.grid)  # a tangent has a prior itself
+            found.append(Candidate(effect.name, proposal, None, [()], [place], choices, effect, self._ratio(proposal)))
             columns.append(column)
         jobs = []
         for p in (open_ := self._open):

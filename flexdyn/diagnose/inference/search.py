@@ -18,8 +18,6 @@ from flexdyn.effects import ChannelLag, CommandDelay
 Array = NDArray[np.float64]
 OCCAM_WINDOW = math.log(1000.0)
 """Occam's window: structures less likely than the best by more than this factor are not explored (Madigan, 1994)."""
-SWAPS, ADDITIONS = 6, 4
-"""Neighbours of each kind that are told as the nearest ones."""
 STRUCTURES_EXPLORED = 30
 """Structures whose neighbours are all compared, at most."""
 
@@ -140,18 +138,6 @@ def explore(space: Space, starts: list[Structure], explored: int = STRUCTURES_EX
             break
         _neighbours(scan, max(open_, key=lambda s: (space.known[s], sorted(s))), done)
     return space.best()
-
-
-def neighbours(space: Space, here: Structure) -> tuple[list[Structure], list[Structure], list[Structure]]:
-    """Additions to a structure, swaps and removals; of the first two those that the equations like best."""
-    scan = Scan(space)
-    additions = [here | {point} for _, point in scan.additions(here)[:ADDITIONS]]
-    removals = [here - {each} for each in sorted(here)]
-    swaps = []
-    for each, rest in zip(sorted(here), removals, strict=True):
-        others = [point for _, point in scan.additions(rest) if point[0] != each[0]]
-        swaps += [rest | {point} for point in others[:SWAPS]]
-    return additions, swaps, removals
 
 
 def _climb(scan: Scan, start: Structure, done: set[Structure]) -> None:

@@ -11,14 +11,17 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.inference.search import neighbours
+from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
+from flexdyn.diagnose.simulated.window_scan import Addition, promising
 from flexdyn.errors import FlexdynError
 
+SWAPS, ADDITIONS = 6, 4
+"""Candidates that are tried in the place of each one, and beside all: so many by the equations and by windows each."""
 SEARCH_ROUNDS = 3
 """Structures whose neighbours are compared, at most."""
 FITTED_SWAPS = 2
@@ -69,6 +72,16 @@ class Simulated:
             made = found.fitted if whole else fit(here, found.fitted.space, steps=EQUATIONS_FIT_STEPS)
             self._take(structure, WindowFit.of(made, self.windows))
 
+    def start_with(self, base: Structure, more: Addition) -> Structure:
+        """Simulate a structure that was fitted with one candidate more; what it then is."""
+        structure = base | {more.point}
+        if structure not in self.fits:
+            with contextlib.suppress(FlexdynError):
+                number = self.found.space.candidates[more.point[0]].number
+                tried = [self.fits[base].with_one_more(each, number) for each in more.effects or (None,)]
+                self._take(structure, max(tried, key=lambda each: each.log_posterior))
+        return structure
+
     def fit(self, structure: Structure) -> None:
         """Simulate with the numbers that suit the windows best."""
         if structure in self.fitted:
@@ -92,23 +105,37 @@ class Simulated:
         return structure in self.fits and self.fits[structure].shot.is_noise()
 
     def around(self, here: Structure) -> None:
-        """Compare the neighbours of a structure: all by the equations' numbers, then the best ones by their own.
+        """Compare the neighbours of a structure, the best ones with their own numbers.
 
         A structure that was fitted is compared with what it would be without each of its candidates, fitted as well.
         """
-        additions, swaps, removals = neighbours(self.found.space, here)
-        for each in (*additions, *swaps):
+        swaps = []
+        for each in sorted(here):
+            self.fit(here - {each})
+            swaps += self._with_one_more(here - {each}, SWAPS, but=each[0])
+        additions = self._with_one_more(here, ADDITIONS)
+        for structure in (*self._first(additions)[:1], *self._first(swaps)[:FITTED_SWAPS]):
+            self.fit(structure)
+
+    def _with_one_more(self, base: Structure, most: int, but: int | None = None) -> list[Structure]:
+        """A structure with each of the candidates that the equations, or its windows, like best; simulated."""
+        liked = [base | {point} for _, point in Scan(self.found.space).additions(base) if point[0] != but][:most]
+        for each in liked:
             self.start(each)
-        for each in (*self._first(additions)[:1], *self._first(swaps)[:FITTED_SWAPS], *removals):
-            self.fit(each)
+        if base not in self.fits:
+            return liked
+        promised = [each for each in promising(self.fits[base], self.found.space, base) if each.point[0] != but]
+        return list(dict.fromkeys([*liked, *(self.start_with(base, each) for each in promised[:most])]))
 
     def climbed(self, start: Structure) -> Structure:
         """From a structure to its best neighbour, as long as that is better."""
         here = start
-        self.fit(here)
         for _ in range(SEARCH_ROUNDS):
+            self.fit(here)
+            if here not in self.fits:
+                break
             self.around(here)
-            if not self.known or self.best() == here:
+            if self.best() == here:
                 break
             here = self.best()
         return here
@@ -140,28 +167,29 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
     return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + NOISE_LEVEL_ERROR)
 
 
-def reweighed(found: Posterior, windows: Windows, fits: Callable[[Fit], bool]) -> Posterior | None:
+def reweighed(
+    found: Posterior, windows: Windows, fits: Callable[[Fit], bool], *, all_named: bool = True
+) -> Posterior | None:
     """The posterior with the numbers, and if needed the structures, that fit simulated windows.
 
     Where numbers of the best structure bring its windows to noise, and the equations too, structures stay as the
-    equations have them. Else its neighbours are simulated, and theirs. What comes to noise in the end takes its place,
-    and the structures that were simulated are weighed by their windows. Where only a few windows are off, all of them
-    must come to noise together.
+    equations have them, if all of the best one has names: a part without a name may be what the windows lack. Else its
+    neighbours are simulated, and theirs. What comes to noise in the end takes its place, and the structures that were
+    simulated are weighed by their windows. Where only a few windows are off, all of them must come to noise together.
 
     Args:
         found: by the equations.
         windows: of the data of the fit.
         fits: whether a fit's equations leave noise alone.
+        all_named: whether the best structure holds nothing without a name.
 
     Returns:
         None where nothing brings the windows to noise.
     """
     here = WindowFit.of(found.fitted, windows)
-    if not unlike_noise(here.shot):
-        return found
     few = here.shot.is_noise()  # what is missing shows in a few windows alone, as wrong sticking does
-    here = fit_to_windows(here)
-    if not unlike_noise(here.shot) and fits(here.made):
+    here = fit_to_windows(here) if unlike_noise(here.shot) else here
+    if all_named and not unlike_noise(here.shot) and fits(here.made):
         return dataclasses.replace(found, fitted=here.made)
     simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
     best = simulated.climbed(found.best)

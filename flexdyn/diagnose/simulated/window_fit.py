@@ -14,6 +14,8 @@ from flexdyn.diagnose.hypothesis.linear import priors, tangent_scale, within_bou
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.effects import Effect
+from flexdyn.model.uncertain_parameters import FileNumber
 
 SCALED_STEP = 0.1
 """Step of the differences, in scales of the fit; a factor's in the part of its tolerance that this is."""
@@ -68,12 +70,28 @@ class WindowFit:
     shot: Shot
     log_posterior: float
 
+    @property
+    def weight(self) -> Array:
+        """One over the size of the error of its window, at least that of noise, of every innovation (rows,)."""
+        count = self.shot.whitened().shape[1]
+        weight = np.where(self.shot.failed, 0.0, 1.0 / np.sqrt(np.maximum(self.shot.misfit, 1.0)))
+        return np.repeat(weight, count)
+
     @classmethod
     def of(cls, start: Fit, windows: Windows, near: Array | None = None) -> WindowFit:
         """The windows of a fitted hypothesis; near: first states that suited a similar one (windows, nx)."""
         shot = shoot(start.hypothesis.seen(), windows, near)
         centre, sigma = priors(start.hypothesis, start.space)
         return cls(start, shot, shot.log_likelihood - 0.5 * float(((centre / sigma) ** 2).sum()))
+
+    def with_one_more(self, effect: Effect | None, number: FileNumber | None) -> WindowFit:
+        """The windows with one effect more, or with a number that its tolerance does not hold."""
+        here, space = self.made.hypothesis, self.made.space
+        effects = here.effects if effect is None else (*here.effects, effect)
+        freed = here.freed if number is None else here.freed | {number}
+        here = dataclasses.replace(here, effects=effects, freed=freed)
+        made = dataclasses.replace(self.made, hypothesis=here, equations=space.equations.of(here.model()))
+        return WindowFit.of(made, self.shot.windows, self.shot.x0)
 
 
 def fit_to_windows(start: WindowFit) -> WindowFit:
@@ -102,9 +120,7 @@ def _scales(here: Hypothesis) -> tuple[float, ...]:
 def _problem(here: WindowFit, J: Array) -> Fit:
     """The linear problem that the windows are near a hypothesis."""
     hypothesis, space = here.made.hypothesis, here.made.space
-    white = here.shot.whitened()
-    weight = np.repeat(1.0 / np.sqrt(np.maximum(here.shot.misfit, 1.0)), white.shape[1])
-    weight[np.repeat(here.shot.failed, white.shape[1])] = 0.0
+    white, weight = here.shot.whitened(), here.weight
     centre, sigma = priors(hypothesis, space)
     rows = max(int((weight > 0.0).sum()), 1)
     regression = Regression(weight * white.ravel(), weight[:, None] * J, centre, sigma, rows)

@@ -1,0 +1,104 @@
+"""What simulated windows would gain by each candidate, by their linear response to a small amount of it.
+
+Equations mask the rows near reversals, and without encoders on the links they hardly see some laws. Windows may see
+them. Which candidates are worth a fit to the windows is therefore asked of the windows themselves.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_solve
+from scipy.special import log_ndtr
+
+from flexdyn.arrays import Array
+from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, lower_factor
+from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.structure_model import waits
+from flexdyn.diagnose.progress import check
+from flexdyn.diagnose.simulated.window_fit import SCALED_STEP, STEP_SHARES, WindowFit
+from flexdyn.effects import Effect
+from flexdyn.errors import FlexdynError
+
+
+@dataclass(frozen=True, eq=False)
+class Addition:
+    """A candidate that a structure may get.
+
+    Attributes:
+        gain: log posterior that the linear response promises.
+        point: the candidate and its grid point.
+        effects: with shares of the numbers that the linear response promises; none for a number of the file.
+    """
+
+    gain: float
+    point: tuple[int, int]
+    effects: tuple[Effect, ...]
+
+
+def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addition]:
+    """All candidates that a structure may get, those first that promise most.
+
+    With weighted innovations y of the windows, their derivatives X by the numbers that are there and Z by a candidate's
+    numbers, ``min |y + X b + Z c|^2`` and priors give c and its evidence as eq. (4) does for the equations. A law with
+    nonlinear parameters is at the grid point that the equations like best. Effects that the equations started from, and
+    elasticity of a rigid joint, are left to the equations.
+
+    Args:
+        here: the structure, fitted to the windows.
+        space: candidates, and their priors.
+        structure: what there is.
+    """
+    regression = here.made.regression
+    root = lower_factor(regression.X.T @ regression.X + np.diag(regression.sigma**-2.0))
+    right = regression.centre / regression.sigma**2 - regression.X.T @ regression.y
+    found, before = [], space.log_prior(structure)
+    for _, (c, p) in Scan(space).additions(structure):
+        check()
+        with contextlib.suppress(FlexdynError):
+            Z = _columns(here, space, c, p)
+            if Z is None:
+                continue
+            C = regression.X.T @ Z
+            columns = space.candidates[c].columns[p]
+            precision, mean = space.prior.precision[columns], space.prior.mean[columns]
+            S = Z.T @ Z + np.diag(precision) - C.T @ cho_solve((root, True), C)
+            g = precision * mean - Z.T @ regression.y - C.T @ cho_solve((root, True), right)
+            factor = lower_factor(S)
+            x = cho_solve((factor, True), g)
+            gain = 0.5 * float(g @ x - (precision * mean) @ mean + np.log(precision).sum())
+            gain -= float(np.log(np.diag(factor)).sum())
+            bounded = space.prior.positive[columns]
+            ratio = (x / np.sqrt(np.diag(cho_solve((factor, True), np.eye(len(x))))))[bounded]
+            if (ratio < -NEGATIVE_SIGMAS).any():
+                continue
+            gain += float((log_ndtr(ratio) - log_ndtr((mean * np.sqrt(precision))[bounded])).sum())
+            x = np.where(bounded, np.maximum(x, 0.0), x)
+            tried = (space.candidates[c].effect(p, share * x) for share in STEP_SHARES)
+            effects = tuple(each for each in tried if each is not None and not each.is_neutral)
+            found.append(Addition(gain + space.log_prior(structure | {(c, p)}) - before, (c, p), effects))
+    return sorted(found, key=lambda each: (-each.gain, each.point))
+
+
+def _columns(here: WindowFit, space: Space, c: int, p: int) -> Array | None:
+    """Weighted derivatives by a candidate's linear numbers (rows, width); None where it cannot be tried."""
+    candidate, hypothesis = space.candidates[c], here.made.hypothesis
+    if candidate.number is not None:
+        return here.made.regression.X[:, [list(hypothesis.factors).index(candidate.number)]]
+    if waits(space, c) or candidate.stands is not None:
+        return None
+    white, weight = here.shot.whitened(), here.weight
+    fixed = candidate.proposal is not None and candidate.proposal.fixed
+    step = np.ones(1) if fixed else SCALED_STEP / np.sqrt(space.prior.precision[candidate.columns[p]])
+    found = []
+    for row in np.diag(step):
+        effect = candidate.effect(p, row)
+        if effect is None:
+            return None
+        changed = dataclasses.replace(hypothesis, effects=(*hypothesis.effects, effect))
+        found.append(weight * (here.shot.whitened(changed.seen()) - white).ravel() / row.max())
+    return np.stack(found, axis=1)
