@@ -294,3 +294,21 @@ def test_a_late_torque_is_common_and_a_late_encoder_is_not() -> None:
     """Drives filter their currents."""
     late = [genuine(_candidate("channel_lag", channel), 1.0) for channel in ("tau.a", "theta.a", "q.a")]
     assert late[0] > late[1] == late[2]
+
+
+def test_friction_that_the_model_has_is_seldom_missing_again() -> None:
+    """Nor is friction behind the gear as common as that of the drive; a Stribeck peak on top of Coulomb friction is."""
+
+    def friction(kind: str, side: str = "motor", joint: str = "a") -> Candidate:
+        place = {"effect": kind, "joint": joint, "side": side}
+        return Candidate(kind, Proposal(place, lambda point, x: None, sizes=(1.0,)), None, [()], [np.array([0])], 1)
+
+    has = [fd.effects.CoulombFriction("a", side="motor", level=1.0)]
+    first, again = (genuine(friction("coulomb_friction"), 1.0, (), each) for each in ((), has))
+    assert first > 0.99
+    assert again == pytest.approx(2.0 * SELDOM / (1.0 + 2.0 * SELDOM))
+    assert genuine(friction("asymmetric_friction"), 1.0, (), has) == again
+    assert genuine(friction("coulomb_friction", joint="b"), 1.0, (), has) == first
+    assert genuine(friction("stribeck_friction"), 1.0, (), has) == genuine(friction("stribeck_friction"), 1.0)
+    assert again < genuine(friction("coulomb_friction", "link"), 1.0) < first
+    assert genuine(friction("coulomb_friction"), 1.0, ("coulomb_friction",), has) > again

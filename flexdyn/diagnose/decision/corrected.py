@@ -115,18 +115,18 @@ def corrected(
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     share = shares(space, found.best)
-    own = {c: genuine(space.candidates[c], each, found.expected) for c, each in share.items()}
+    own = _genuine(found, share)
     may = functools.partial(_may_stand_in, space, masses)
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
     simulated = {c: simulated_share(c) for c in sure} if simulated_share else {}
-    seen = {c: genuine(space.candidates[c], each, found.expected) for c, each in simulated.items()}
+    seen = _genuine(found, simulated)
     weigh = functools.partial(_weighed, seen, min if rejected else max)
     named = names(masses, best, weigh(own), there, may)
     told: set[int] = set()
     while told != (told := {each.candidate for each in named if each.established}):
         # What has no name explains nothing: the names must stand out from it, too.
-        alone = shares(space, frozenset(each for each in found.best if each[0] in told))
-        own |= {c: min(own[c], genuine(space.candidates[c], alone[c], found.expected)) for c in told}
+        alone = _genuine(found, shares(space, frozenset(each for each in found.best if each[0] in told)))
+        own |= {c: min(own[c], alone[c]) for c in told}
         named = names(masses, best, weigh(own), there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
@@ -144,6 +144,12 @@ def corrected(
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
     return Corrected(made, kept, masses, space, explained, weigh(own))
+
+
+def _genuine(found: Posterior, share: Mapping[int, float]) -> dict[int, float]:
+    """Probabilities by candidate that it is what its name says, from how far it stands out."""
+    has = found.fitted.hypothesis.given.effects
+    return {c: genuine(found.space.candidates[c], each, found.expected, has) for c, each in share.items()}
 
 
 def _weighed(

@@ -21,6 +21,7 @@ from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import lower_factor
 from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.effects import Effect
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -31,24 +32,45 @@ EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 0.3
 24 hidden cases outside the catalogue the best imitation stood out by 46 at most; the rest must by 60 to be named."""
 PREVALENCE_ODDS = {"everywhere": EVERYWHERE, "often": OFTEN, "seldom": SELDOM}
 """By what an effect's class declares."""
+ON_LINKS = {"everywhere": OFTEN, "often": SELDOM, "seldom": SELDOM}
+"""Of friction behind the gear: drives have theirs in motor and gear, and a link's bearings add little."""
 GUESSED = ("rotor_inertia",)
 """Numbers of the file that are often wrong."""
 
 
-def genuine(candidate: Candidate, share: float, expected: Collection[str] = ()) -> float:
+def genuine(
+    candidate: Candidate, share: float, expected: Collection[str] = (), effects: Collection[Effect] = ()
+) -> float:
     """Probability that an effect is what its name says.
 
     Args:
         candidate: the effect and its place.
         share: power of its own part over that of what is left [1].
         expected: kinds of effects that the user expects of this drive.
+        effects: of the model as given.
     """
-    late_encoder = candidate.kind == "channel_lag" and not candidate.place["channel"].startswith("tau")
     own = not candidate.law.__module__.startswith("flexdyn.")  # a user who writes a law expects it
-    often = own or candidate.kind in GUESSED or candidate.kind in expected
-    prior = SELDOM if late_encoder else OFTEN if often else PREVALENCE_ODDS[candidate.law.prevalence]
+    if own or candidate.kind in GUESSED or candidate.kind in expected:
+        prior = OFTEN
+    elif _unusual(candidate, effects):
+        prior = SELDOM
+    else:
+        prior = (ON_LINKS if candidate.place.get("side") == "link" else PREVALENCE_ODDS)[candidate.law.prevalence]
     odds = prior * (1.0 + min(share, 1e12))
     return odds / (1.0 + odds)
+
+
+def _unusual(candidate: Candidate, effects: Collection[Effect]) -> bool:
+    """Whether a law is seldom missing at this place, however many drives have it.
+
+    The model as given may have it there already, or an encoder's lag is meant where only currents are often late.
+    """
+    law, place = candidate.law, candidate.place
+    alike = {candidate.kind, *law.contains}
+    there = [each for each in effects if all(getattr(each, key, None) == place.get(key) for key in ("joint", "side"))]
+    return any(each.name in alike or candidate.kind in each.contains for each in there) or (
+        candidate.kind == "channel_lag" and not place["channel"].startswith("tau")
+    )
 
 
 def shares(space: Space, structure: Structure) -> dict[int, float]:

@@ -50,6 +50,11 @@ class Matched:
         size = self.filter.scaled(self.residual)
         return np.asarray(size > STRAY_WINDOW_RATIO**2 * max(float(np.median(size)), float(used[0].sum())))
 
+    def is_noise(self, used: Flags) -> bool:
+        """Whether the median window is of the size of noise."""
+        size = float(np.median(self.filter.scaled(self.residual)))
+        return size <= STRAY_WINDOW_RATIO * float(used[0].sum())
+
 
 @dataclass(frozen=True, eq=False)
 class Matching:
@@ -69,7 +74,8 @@ class Matching:
         """Correct first states until the residual hardly decreases.
 
         Windows with large residuals are tried again with unmeasured joints at rest, where friction may hold them, and
-        from the first states of a similar model.
+        from the first states of a similar model. If they are a few among windows that leave noise, other deflections of
+        joints with one encoder are tried as well.
 
         Args:
             near: best first states of a similar model (windows, nx); None: there is none.
@@ -80,9 +86,18 @@ class Matching:
             stray = found.stray(self.used)
             if other is None or other.shape != means.shape or not stray.any():
                 continue
-            begin = np.where(stray[:, None], self._within(other - means), found.moved)
-            found = self._better(found, self._from(begin, found, stray))
+            found = self._tried(found, other - means, stray)
+        for other in self.starts.deflected:
+            stray = found.stray(self.used)
+            if not stray.any() or not found.is_noise(self.used):
+                break
+            found = self._tried(found, other - means, stray)
         return found
+
+    def _tried(self, found: Matched, moved: Array, some: Flags) -> Matched:
+        """Some windows from other first states, if these are better."""
+        begin = np.where(some[:, None], self._within(moved), found.moved)
+        return self._better(found, self._from(begin, found, some))
 
     def _within(self, moved: Array) -> Array:
         """Limit changes (windows, nx) to their largest allowed size."""

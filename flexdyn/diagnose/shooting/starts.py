@@ -21,6 +21,9 @@ LEAST_REST_TIME = 0.02
 """A joint rests if it stays within its noise for this time before and after [s]."""
 INTERNAL_STATE_WIDTH = 0.3
 """Standard deviation of an internal state at a window's start, relative to its reach or the joint's motion, if less."""
+DEFLECTION_SHIFTS = (-0.1, 0.1, -0.3, 0.3, -1.0, 1.0)
+"""Changes of an unmeasured deflection, in its standard deviations, that are tried where a window strays: while friction
+holds the measured side, its linear response says nothing of the deflection."""
 START_BOUND_WIDTH = 5.0
 """The width of a first state's prior is this multiple of the smoothing error [1]: the window itself determines it."""
 
@@ -34,11 +37,13 @@ class Starts:
         std: standard deviations (windows, nx); 0 if certain, as for the velocity of a sticking joint.
         stuck: the same states with all contacts at rest on unmeasured sides, where friction may hold them; None without
             such contacts.
+        deflected: the same states with other deflections of joints of which one side is unmeasured.
     """
 
     x: Array
     std: Array
     stuck: Array | None = None
+    deflected: tuple[Array, ...] = ()
 
 
 def first_states(shooter: Shooter) -> Starts:
@@ -66,6 +71,7 @@ def first_states(shooter: Shooter) -> Starts:
         theta[:, j], omega[:, j], _, theta_std[:, j], omega_std[:, j], rotor_rests = two.T
         rests[:, j] = (link_rests > 0) & (rotor_rests > 0)
     delta = _wound(shooter, np.where(both, 0.5 * (q + theta), q), v, bend)
+    sides: list[tuple[int, Array]] = []
     for j, joint in enumerate(model.joint_names):
         if both[j] or not model.elastic[j]:
             continue
@@ -74,9 +80,11 @@ def first_states(shooter: Shooter) -> Starts:
         if f"q.{joint}" in found:
             theta[:, j], theta_std[:, j] = q[:, j] + delta[:, j], theta_std[:, j] + spread
             omega_std[:, j] = omega_std[:, j] + rate
+            sides.append((n + int(np.searchsorted(shooter.elastic, j)), spread))
         else:
             q[:, j], q_std[:, j] = theta[:, j] - delta[:, j], q_std[:, j] + spread
             v_std[:, j] = v_std[:, j] + rate
+            sides.append((j, spread))
     e = shooter.elastic
     x = np.hstack([q, theta[:, e], v, omega[:, e]])
     std = START_BOUND_WIDTH * np.hstack([q_std, theta_std[:, e], v_std, omega_std[:, e]])
@@ -84,7 +92,16 @@ def first_states(shooter: Shooter) -> Starts:
     z, z_std = _memories(shooter)
     stuck = np.hstack([x, z])
     stuck[:, unseen] = 0.0
-    return Starts(np.hstack([x, z]), np.hstack([std, z_std]), stuck if unseen else None)
+    first = np.hstack([x, z])
+    deflected = tuple(_shifted(first, place, share * by) for place, by in sides for share in DEFLECTION_SHIFTS)
+    return Starts(first, np.hstack([std, z_std]), stuck if unseen else None, deflected)
+
+
+def _shifted(x: Array, place: int, by: Array) -> Array:
+    """States with one entry changed."""
+    x = x.copy()
+    x[:, place] += by
+    return x
 
 
 def _around(shooter: Shooter, name: str) -> Array:

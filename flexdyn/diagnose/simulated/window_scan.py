@@ -54,8 +54,10 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
         structure: what there is.
     """
     regression = here.made.regression
-    root = lower_factor(regression.X.T @ regression.X + np.diag(regression.sigma**-2.0))
-    right = regression.centre / regression.sigma**2 - regression.X.T @ regression.y
+    seen = (regression.X**2).sum(axis=0) + regression.sigma**-2.0 > 0.0  # a stop that no window reaches is not
+    X, precision = regression.X[:, seen], regression.sigma[seen] ** -2.0
+    root = lower_factor(X.T @ X + np.diag(precision))
+    right = precision * regression.centre[seen] - X.T @ regression.y
     found, before = [], space.log_prior(structure)
     for _, (c, p) in Scan(space).additions(structure):
         check()
@@ -63,20 +65,20 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
             Z = _columns(here, space, c, p)
             if Z is None:
                 continue
-            C = regression.X.T @ Z
+            C = X.T @ Z
             columns = space.candidates[c].columns[p]
-            precision, mean = space.prior.precision[columns], space.prior.mean[columns]
-            S = Z.T @ Z + np.diag(precision) - C.T @ cho_solve((root, True), C)
-            g = precision * mean - Z.T @ regression.y - C.T @ cho_solve((root, True), right)
+            lam, mu = space.prior.precision[columns], space.prior.mean[columns]
+            S = Z.T @ Z + np.diag(lam) - C.T @ cho_solve((root, True), C)
+            g = lam * mu - Z.T @ regression.y - C.T @ cho_solve((root, True), right)
             factor = lower_factor(S)
             x = cho_solve((factor, True), g)
-            gain = 0.5 * float(g @ x - (precision * mean) @ mean + np.log(precision).sum())
+            gain = 0.5 * float(g @ x - (lam * mu) @ mu + np.log(lam).sum())
             gain -= float(np.log(np.diag(factor)).sum())
             bounded = space.prior.positive[columns]
             ratio = (x / np.sqrt(np.diag(cho_solve((factor, True), np.eye(len(x))))))[bounded]
             if (ratio < -NEGATIVE_SIGMAS).any():
                 continue
-            gain += float((log_ndtr(ratio) - log_ndtr((mean * np.sqrt(precision))[bounded])).sum())
+            gain += float((log_ndtr(ratio) - log_ndtr((mu * np.sqrt(lam))[bounded])).sum())
             x = np.where(bounded, np.maximum(x, 0.0), x)
             tried = (space.candidates[c].effect(p, share * x) for share in STEP_SHARES)
             effects = tuple(each for each in tried if each is not None and not each.is_neutral)
