@@ -59,6 +59,7 @@ class Simulated:
         self.found, self.windows = found, windows
         self.known: dict[Structure, float] = {}
         self.fits: dict[Structure, WindowFit] = {}
+        self.tried: set[Structure] = set()
         self.fitted: set[Structure] = set()
 
     def start(self, structure: Structure) -> None:
@@ -84,13 +85,14 @@ class Simulated:
 
     def fit(self, structure: Structure) -> None:
         """Simulate with the numbers that suit the windows best."""
-        if structure in self.fitted:
+        if structure in self.tried:
             return
-        self.fitted.add(structure)
+        self.tried.add(structure)
         self.start(structure)
         with contextlib.suppress(FlexdynError):
             if structure in self.fits:
                 self._take(structure, fit_to_windows(self.fits[structure]))
+                self.fitted.add(structure)
 
     def _take(self, structure: Structure, made: WindowFit) -> None:
         self.fits[structure] = made
@@ -122,7 +124,7 @@ class Simulated:
         liked = [base | {point} for _, point in Scan(self.found.space).additions(base) if point[0] != but][:most]
         for each in liked:
             self.start(each)
-        if base not in self.fits:
+        if base not in self.fitted:
             return liked
         promised = [each for each in promising(self.fits[base], self.found.space, base) if each.point[0] != but]
         return list(dict.fromkeys([*liked, *(self.start_with(base, each) for each in promised[:most])]))

@@ -63,7 +63,7 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
         check()
         with contextlib.suppress(FlexdynError):
             Z = _columns(here, space, c, p)
-            if Z is None:
+            if Z is None or not np.isfinite(Z).all():
                 continue
             C = X.T @ Z
             columns = space.candidates[c].columns[p]
