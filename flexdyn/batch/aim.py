@@ -38,14 +38,12 @@ class Aim:
         Raises:
             ValueError: there is no reference.
         """
+        from scipy.interpolate import PPoly
+
         if self.reference is None:
             raise ValueError("there is no reference to track")
         breaks, coefficients, last = self.reference.pieces(self.reference.values)
-        piece = np.clip(np.searchsorted(breaks, t, "right") - 1, 0, len(breaks) - 2)
-        ahead = (t - breaks[piece])[:, None]
-        values = np.zeros((len(t), coefficients.shape[2]))
-        for power in reversed(range(coefficients.shape[1])):
-            values = values * ahead + coefficients[piece, power]
+        values = PPoly(coefficients[:, ::-1].swapaxes(0, 1), breaks)(t)
         return np.where((t >= breaks[-1])[:, None], last, values)
 
 
