@@ -94,9 +94,9 @@ def nested(depth: int) -> bytes:
         (element(15, zlib.compress(nested(200_000), 1)), "not a MAT-file, or truncated|crashed"),
         (
             element(15, zlib.compress(matrix(6, "x", (2**17, 1), element(9, bytes(2**17))))),
-            "truncated .*cannot reshape",
+            CUT,
         ),
-        (matrix(6, "x", (2**31 - 1, 1), element(9, bytes(24))), "not a MAT-file, or truncated"),
+        (matrix(6, "x", (2**31 - 1, 1), element(9, bytes(24))), "declares 17179869200 bytes"),
         (matrix(6, "x", (1,) * 40, element(9, bytes(8))), "malformed input file"),
         (matrix(6, "x", (3, 1), element(77, bytes(24))), r"the library that reads it crashed \(SIGSEGV\)"),
         (matrix(6, "x", (3, 1), struct.pack("<II", 9, 2**32 - 1)), "takes more than .* bytes of memory"),

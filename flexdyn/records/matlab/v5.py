@@ -7,6 +7,8 @@ crash it: see `flexdyn.records.apart`.
 from __future__ import annotations
 
 import contextlib
+import math
+import os
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,11 +18,14 @@ import numpy as np
 
 from flexdyn.errors import InputError
 from flexdyn.records.apart.caller import read_apart
+from flexdyn.records.bounds import check_size
 from flexdyn.records.matlab.columns import DEEPEST, Leaf, LeafColumns
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table, damage_named
 
 _VERSION = 1
+_ELEMENT = 8
+"""Bytes of a number, and of the place of a struct in an array of structs."""
 
 
 def library() -> Any:
@@ -43,7 +48,7 @@ def read_here(path: Path, request: Request) -> Table:
     """Read the requested columns; variables that have none of them are skipped.
 
     Raises:
-        InputError: no MAT-file of version 5, truncated, or a variable that is there twice.
+        InputError: no MAT-file of version 5, truncated, a variable that is there twice, or too many numbers.
     """
     scipy_io = library()
     columns = LeafColumns(request)
@@ -52,14 +57,12 @@ def read_here(path: Path, request: Request) -> Table:
         if major != _VERSION:
             remedy = "save it again in MATLAB with save(..., '-v7')"
             raise InputError("not a MAT-file of version 5 or 7.3", remedy=remedy)
-        variables = columns.variables()
-        if variables is not None:
-            with contextlib.suppress(TypeError):  # whosmat stops at objects (strings, tables): then nothing is proposed
-                for name, *_ in scipy_io.whosmat(path, appendmat=False):
-                    columns.wants(name)
+        with contextlib.suppress(TypeError):  # whosmat stops at objects (strings, tables): the process bounds those
+            shapes = [shape for name, shape, _ in scipy_io.whosmat(path, appendmat=False) if columns.wants(name)]
+            check_size(_ELEMENT * sum(math.prod(map(abs, shape)) for shape in shapes), os.path.getsize(path))
         with warnings.catch_warnings():
             warnings.filterwarnings("error", r'Duplicate variable name "(?!None")')  # objects are called None
-            values = scipy_io.loadmat(path, appendmat=False, variable_names=variables)
+            values = scipy_io.loadmat(path, appendmat=False, variable_names=columns.variables())
         names = [name for name in values if not name.startswith("__")]  # the others are SciPy's own
         for place, name in enumerate(names):
             columns.take(_leaves(scipy_io.matlab, name, values.pop(name), 0))
