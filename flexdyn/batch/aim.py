@@ -38,13 +38,9 @@ class Aim:
         Raises:
             ValueError: there is no reference.
         """
-        from scipy.interpolate import PPoly
-
         if self.reference is None:
             raise ValueError("there is no reference to track")
-        breaks, coefficients, last = self.reference.pieces(self.reference.values)
-        values = PPoly(coefficients[:, ::-1].swapaxes(0, 1), breaks)(t)
-        return np.where((t >= breaks[-1])[:, None], last, values)
+        return self.reference.at(t, self.reference.values)
 
 
 def aim_of(command: Any, model: FlexibleJointModel, duration: float) -> Aim:

@@ -96,9 +96,8 @@ def _load(path: Path, *, map: Path | None = None, name: str | None = None) -> Re
     err = console(stderr=True)
     if not err.is_terminal or not path.is_file() or path.stat().st_size < LARGE:
         return read_recording(path, map=map, name=name)
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=err, transient=True) as bar:
+    with Progress(console=err, transient=True) as bar:
         task = bar.add_task(f"reading {path.name}", total=1.0)
         return read_recording(path, map=map, name=name, progress=lambda share: bar.update(task, completed=share))

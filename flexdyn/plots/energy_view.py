@@ -10,9 +10,9 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import model_in
 from flexdyn.plots.palette import INK, LOSSES, PARTS
-from flexdyn.plots.panel import Curve, Panel, limits
+from flexdyn.plots.panel import Panel, limits
 from flexdyn.plots.scene import PlotScene
-from flexdyn.plots.thinning import outline
+from flexdyn.plots.thinning import curve_over_time
 from flexdyn.plots.views import TIME
 from flexdyn.records import Recording
 from flexdyn.simulation.energy import Energy, StoredEnergy, stored_energy
@@ -125,15 +125,15 @@ def _losses(energy: Energy) -> dict[str, Array]:
 def _panel(title: str, scene: PlotScene, place: int, entries: Entries) -> Panel:
     rows = scene.rows[place]
     t = scene.sources[place].recording.t[rows]
-    curves = []
-    for label, (values, colour) in entries.items():
-        kept = outline(t, values[rows])
-        curves.append(Curve(t[kept], values[rows][kept], label, label, colour, width=2.2 if label == ALL else 1.3))
+    curves = tuple(
+        curve_over_time(t, values[rows], label, label, colour, width=2.2 if label == ALL else 1.3)
+        for label, (values, colour) in entries.items()
+    )
     return Panel(
         title,
         TIME,
         UP,
-        tuple(curves),
+        curves,
         x_range=scene.span,
         y_range=limits(*(curve.y for curve in curves)),
         colour=INK,
